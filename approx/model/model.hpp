@@ -13,7 +13,7 @@
 #include <vector>
 
 #include "approx/model/model_options.hpp"
-#include "geometry/state_space/state_space.hpp"
+#include "geometry/coverage/state_space.hpp"
 
 namespace forefeel {
 

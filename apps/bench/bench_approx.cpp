@@ -15,7 +15,7 @@
 #include <random>
 
 #include "approx/loops/instruction_set.hpp"
-#include "approx/predecessors/methods.hpp"
+#include "approx/methods/older_methods.hpp"
 #include "apps/bench/bench.hpp"
 #include "apps/bench/bench_approx_parts.hpp"
 #include "apps/bench/bench_approx_time.hpp"
@@ -23,7 +23,7 @@
 #include "apps/console/json.hpp"
 #include "apps/console/provenance.hpp"
 #include "apps/picture/plot.hpp"
-#include "apps/scene_input/scene.hpp"
+#include "apps/scene/scene.hpp"
 #include "geometry/common/error.hpp"
 #include "geometry/common/output_file.hpp"
 #include "geometry/common/quantiles.hpp"

@@ -9,7 +9,7 @@
 
 #include "apps/bench/bench_approx_parts.hpp"
 #include "apps/console/console.hpp"
-#include "apps/scene_input/scene.hpp"
+#include "apps/scene/scene.hpp"
 #include "geometry/common/error.hpp"
 #include "solver/lattice/generate.hpp"
 

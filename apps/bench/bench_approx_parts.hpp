@@ -9,7 +9,7 @@
 #include <vector>
 
 #include "apps/console/console.hpp"
-#include "geometry/state_space/state_space.hpp"
+#include "geometry/coverage/state_space.hpp"
 #include "solver/equilibrium/solver.hpp"
 
 namespace forefeel::bench {

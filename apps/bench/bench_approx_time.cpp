@@ -6,8 +6,8 @@
 #include <cmath>
 #include <random>
 
-#include "approx/bar/error_scale.hpp"
-#include "approx/baselines/baseline.hpp"
+#include "approx/error/error_scale.hpp"
+#include "apps/bench/fit_baseline.hpp"
 #include "geometry/common/quantiles.hpp"
 
 namespace forefeel::bench {

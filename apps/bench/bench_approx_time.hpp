@@ -3,7 +3,7 @@
 
 #include <vector>
 
-#include "approx/fit/rbf_fit.hpp"
+#include "approx/model/rbf_fit.hpp"
 #include "apps/bench/bench_approx_parts.hpp"
 
 namespace forefeel::bench {

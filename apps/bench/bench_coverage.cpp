@@ -20,8 +20,8 @@
 #include "apps/console/provenance.hpp"
 #include "geometry/common/quantiles.hpp"
 #include "geometry/coverage/octree_index.hpp"
+#include "geometry/coverage/state_space.hpp"
 #include "geometry/index/delaunay_index.hpp"
-#include "geometry/state_space/state_space.hpp"
 
 namespace forefeel {
 namespace {

@@ -14,7 +14,7 @@
 #include "apps/console/console.hpp"
 #include "apps/console/json.hpp"
 #include "apps/console/provenance.hpp"
-#include "apps/scene_input/scene_body.hpp"
+#include "apps/scene/scene_body.hpp"
 #include "geometry/meshing/phantom.hpp"
 #include "solver/body/refined_body.hpp"
 #include "solver/equilibrium/solver.hpp"

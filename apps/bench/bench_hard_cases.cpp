@@ -18,7 +18,7 @@
 #include "apps/console/json_text.hpp"
 #include "apps/console/provenance.hpp"
 #include "apps/picture/page.hpp"
-#include "apps/scene_input/scene_body.hpp"
+#include "apps/scene/scene_body.hpp"
 #include "geometry/common/error.hpp"
 #include "geometry/common/output_file.hpp"
 #include "geometry/common/result_folder.hpp"

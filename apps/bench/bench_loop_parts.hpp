@@ -5,7 +5,7 @@
 #include <span>
 #include <vector>
 
-#include "scheduling/log/records.hpp"
+#include "scheduling/common/records.hpp"
 #include "scheduling/study/statistics.hpp"
 
 namespace forefeel {

@@ -15,12 +15,12 @@
 #include <string>
 
 #include "apps/bench/bench_one_state.hpp"
+#include "apps/bench/newton_baseline.hpp"
 #include "apps/console/console.hpp"
 #include "apps/console/json.hpp"
 #include "apps/console/provenance.hpp"
-#include "apps/scene_input/scene_body.hpp"
+#include "apps/scene/scene_body.hpp"
 #include "geometry/common/error.hpp"
-#include "solver/baselines/baseline.hpp"
 #include "solver/equilibrium/continuation.hpp"
 
 namespace forefeel {

@@ -10,11 +10,11 @@
 
 #include "apps/console/console.hpp"
 #include "geometry/common/quantiles.hpp"
+#include "geometry/coverage/agreement.hpp"
+#include "geometry/coverage/regions.hpp"
 #include "geometry/coverage/setups.hpp"
 #include "geometry/index/delaunay_index.hpp"
 #include "geometry/index/point_octree.hpp"
-#include "geometry/regions/regions.hpp"
-#include "geometry/state_space/agreement.hpp"
 
 namespace forefeel {
 namespace {

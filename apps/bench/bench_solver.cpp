@@ -22,13 +22,13 @@
 
 #include "apps/bench/bench.hpp"
 #include "apps/bench/bench_one_state.hpp"
+#include "apps/bench/newton_baseline.hpp"
 #include "apps/console/console.hpp"
 #include "apps/console/json.hpp"
 #include "apps/console/provenance.hpp"
-#include "apps/scene_input/scene.hpp"
+#include "apps/scene/scene.hpp"
 #include "geometry/common/quantiles.hpp"
-#include "geometry/state_space/state_space.hpp"
-#include "solver/baselines/baseline.hpp"
+#include "geometry/coverage/state_space.hpp"
 #include "solver/equilibrium/solver.hpp"
 #include "solver/lattice/generate.hpp"
 

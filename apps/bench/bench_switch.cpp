@@ -21,14 +21,14 @@
 #include <deque>
 #include <nlohmann/json.hpp>
 
-#include "approx/baselines/baseline.hpp"
 #include "approx/loops/instruction_set.hpp"
 #include "approx/switch/force_switch.hpp"
 #include "apps/bench/bench.hpp"
+#include "apps/bench/fit_baseline.hpp"
 #include "apps/console/console.hpp"
 #include "apps/console/json.hpp"
 #include "apps/console/provenance.hpp"
-#include "apps/laboratory/laboratory.hpp"
+#include "apps/scene/laboratory.hpp"
 #include "geometry/common/quantiles.hpp"
 #include "scheduling/motion/random.hpp"
 

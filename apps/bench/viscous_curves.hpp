@@ -13,7 +13,7 @@
 #include <span>
 #include <vector>
 
-#include "approx/relaxation/relaxation.hpp"
+#include "approx/switch/relaxation.hpp"
 #include "geometry/states/state.hpp"
 
 namespace forefeel {

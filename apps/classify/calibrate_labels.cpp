@@ -13,14 +13,15 @@
 #include "apps/console/json.hpp"
 #include "apps/console/json_text.hpp"
 #include "apps/console/provenance.hpp"
-#include "apps/laboratory/laboratory.hpp"
+#include "apps/picture/figure.hpp"
 #include "apps/picture/page.hpp"
 #include "apps/picture/plot.hpp"
-#include "apps/scene_input/given_states.hpp"
-#include "apps/scene_input/scene_mesh_error.hpp"
+#include "apps/scene/given_states.hpp"
+#include "apps/scene/laboratory.hpp"
+#include "apps/scene/scene_mesh_error.hpp"
 #include "geometry/common/error.hpp"
 #include "geometry/common/result_folder.hpp"
-#include "scheduling/calibration/calibration.hpp"
+#include "scheduling/study/calibration.hpp"
 
 namespace forefeel {
 namespace {
@@ -146,7 +147,7 @@ void write_tables(const Calibration& found, const fs::path& folder) {
 }
 
 // One group of kinds per label: a bar from the median to 95 %, a point for the largest error.
-LaboratoryPicture picture(const Calibration& found, double tolerance) {
+Figure picture(const Calibration& found, double tolerance) {
   std::string script, plot, tics;
   const double width = 0.8 / static_cast<double>(found.kinds.size());
   for (std::size_t kind = 0; kind < found.kinds.size(); ++kind) {

@@ -9,11 +9,11 @@
 #include <vector>
 
 #include "apps/console/console.hpp"
+#include "geometry/coverage/agreement.hpp"
+#include "geometry/coverage/coverage_map.hpp"
 #include "geometry/coverage/octree_index.hpp"
-#include "geometry/map/coverage_map.hpp"
-#include "geometry/regions/regions.hpp"
-#include "geometry/state_space/agreement.hpp"
-#include "geometry/state_space/state_space.hpp"
+#include "geometry/coverage/regions.hpp"
+#include "geometry/coverage/state_space.hpp"
 #include "geometry/states/state_file.hpp"
 
 namespace forefeel {

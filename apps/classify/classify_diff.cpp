@@ -13,8 +13,8 @@
 #include "apps/console/json.hpp"
 #include "geometry/common/error.hpp"
 #include "geometry/common/output_file.hpp"
-#include "geometry/regions/regions.hpp"
-#include "geometry/state_space/region_file.hpp"
+#include "geometry/coverage/region_file.hpp"
+#include "geometry/coverage/regions.hpp"
 #include "geometry/states/state_file.hpp"
 
 namespace forefeel {

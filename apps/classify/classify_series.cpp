@@ -18,11 +18,11 @@
 #include "geometry/common/csv_text.hpp"
 #include "geometry/common/error.hpp"
 #include "geometry/common/output_file.hpp"
-#include "geometry/regions/region_sampling.hpp"
-#include "geometry/regions/regions.hpp"
-#include "geometry/state_space/region_file.hpp"
+#include "geometry/coverage/region_file.hpp"
+#include "geometry/coverage/region_sampling.hpp"
+#include "geometry/coverage/regions.hpp"
 #include "geometry/states/state_file.hpp"
-#include "scheduling/log/dispatch_file.hpp"
+#include "scheduling/common/dispatch_file.hpp"
 
 namespace forefeel {
 namespace {

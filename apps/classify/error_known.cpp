@@ -5,9 +5,9 @@
 #include <algorithm>
 #include <nlohmann/json.hpp>
 
-#include "apps/classify/offline_bars.hpp"
 #include "apps/console/json.hpp"
-#include "apps/scene_input/scene_tolerance.hpp"
+#include "apps/evaluate/offline_bars.hpp"
+#include "apps/scene/scene_tolerance.hpp"
 #include "geometry/common/error.hpp"
 #include "scheduling/motion/halton.hpp"
 

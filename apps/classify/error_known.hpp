@@ -6,8 +6,8 @@
 #include <optional>
 #include <vector>
 
-#include "approx/evaluate/evaluate.hpp"
-#include "approx/judge/known_within.hpp"
+#include "approx/error/known_within.hpp"
+#include "approx/methods/evaluate.hpp"
 #include "apps/classify/classify.hpp"
 #include "geometry/common/declared.hpp"
 

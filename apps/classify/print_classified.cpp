@@ -215,4 +215,15 @@ void print_classified(const Globals& globals, const ClassifyArguments& arguments
   if (result.agreement) print_agreement(globals, *result.agreement);
 }
 
+std::vector<Declared> declared_coverage() {
+  return {{"x,y,z", "m", "", "position"},
+          {"label", "", "", "safe, sparse, gap or blank"},
+          {"spread", "m", "",
+           "sqrt(R^2 - d^2) in its Delaunay cell: R circumradius, d distance to the circumcentre"},
+          {"alpha", "m", "", "circumradius of the cell, the least where several touch"},
+          {"delta", "m", "", "distance to the nearest state"},
+          {"gamma_deg", "degrees", "",
+           "half-angle of the largest empty cone of directions to states within 8 h"}};
+}
+
 }  // namespace forefeel

@@ -5,7 +5,7 @@
 #include <span>
 #include <vector>
 
-#include "scheduling/prediction/prediction_score.hpp"
+#include "scheduling/motion/prediction_score.hpp"
 #include "scheduling/record/summary_columns.hpp"
 
 namespace forefeel {

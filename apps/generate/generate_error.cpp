@@ -16,7 +16,7 @@
 #include "apps/console/console.hpp"
 #include "apps/console/interrupt.hpp"
 #include "apps/console/json.hpp"
-#include "apps/scene_input/scene_mesh_error.hpp"
+#include "apps/scene/scene_mesh_error.hpp"
 #include "geometry/common/error.hpp"
 #include "geometry/states/check_solves.hpp"
 #include "geometry/states/state_outcome.hpp"

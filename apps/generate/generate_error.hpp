@@ -3,7 +3,7 @@
 // (scheduling/placement/placement.hpp).
 
 #include "apps/console/console.hpp"
-#include "apps/scene_input/scene.hpp"
+#include "apps/scene/scene.hpp"
 #include "geometry/states/state_file.hpp"
 
 namespace forefeel {

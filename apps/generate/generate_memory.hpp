@@ -1,7 +1,7 @@
 #pragma once
 // Estimates the memory that `forefeel generate` needs for a lattice, before anything is solved.
 
-#include "apps/scene_input/scene.hpp"
+#include "apps/scene/scene.hpp"
 
 namespace forefeel {
 

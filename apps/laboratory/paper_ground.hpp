@@ -10,8 +10,8 @@
 #include <string_view>
 #include <vector>
 
-#include "approx/select/updater.hpp"
-#include "apps/laboratory/laboratory.hpp"
+#include "approx/model/updater.hpp"
+#include "apps/scene/laboratory.hpp"
 
 namespace forefeel {
 

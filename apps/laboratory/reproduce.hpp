@@ -8,7 +8,7 @@
 #include <string>
 #include <vector>
 
-#include "apps/laboratory/laboratory.hpp"
+#include "apps/scene/laboratory.hpp"
 
 namespace forefeel {
 

@@ -13,6 +13,7 @@
 #include "apps/console/json.hpp"
 #include "apps/laboratory/paper_ground.hpp"
 #include "apps/laboratory/reproduce.hpp"
+#include "apps/picture/figure.hpp"
 #include "apps/picture/plot.hpp"
 #include "scheduling/record/run_files.hpp"
 
@@ -247,8 +248,8 @@ std::size_t worst_group(const Reading& reading) {
 }
 
 // Force over the session; relative change from frame to frame; and the second after the worst group.
-LaboratoryPicture picture(const std::vector<Run>& runs, const std::vector<Reading>& readings,
-                          const Script& script, const State& tight) {
+Figure picture(const std::vector<Run>& runs, const std::vector<Reading>& readings, const Script& script,
+               const State& tight) {
   const double zoom = script.first + static_cast<double>(worst_group(readings[0])) * script.interval;
   const double span = std::min(1.0, 0.5 * script.interval);
   std::string out;

@@ -1,4 +1,4 @@
-// Energy around closed loops (approx/judge/loop_energy.hpp) in the scene's own state space, per method:
+// Energy around closed loops (approx/error/loop_energy.hpp) in the scene's own state space, per method:
 //   fixed    one set of states: the nearest to the middle of the loop, or the set that an older method uses
 //   moving   the set follows the HIP; a new model every quarter spacing, used at once
 //   smooth   as moving, through the default switch. Left out if the switch passes every change of model in one frame:
@@ -12,11 +12,12 @@
 #include <memory>
 #include <nlohmann/json.hpp>
 
-#include "approx/judge/loop_energy.hpp"
-#include "approx/predecessors/methods.hpp"
+#include "approx/error/loop_energy.hpp"
+#include "approx/methods/older_methods.hpp"
 #include "approx/switch/force_switch.hpp"
 #include "apps/console/json.hpp"
 #include "apps/laboratory/reproduce.hpp"
+#include "apps/picture/figure.hpp"
 #include "apps/picture/plot.hpp"
 #include "geometry/common/error.hpp"
 #include "geometry/common/quantiles.hpp"
@@ -206,7 +207,7 @@ Damping moving_rows(const StateSpace& space, std::vector<EnergyRow>& rows) {
   return damping;
 }
 
-LaboratoryPicture picture(const std::vector<EnergyRow>& rows) {
+Figure picture(const std::vector<EnergyRow>& rows) {
   std::vector<std::string> sets;
   for (const EnergyRow& row : rows)
     if (std::ranges::find(sets, row.set) == sets.end()) sets.push_back(row.set);

@@ -11,6 +11,7 @@
 #include "apps/console/json.hpp"
 #include "apps/laboratory/extrapolation_path.hpp"
 #include "apps/laboratory/reproduce.hpp"
+#include "apps/picture/figure.hpp"
 #include "apps/picture/plot.hpp"
 #include "geometry/common/quantiles.hpp"
 
@@ -96,7 +97,7 @@ std::string panel(const Fig2& fig, const PaperGround& ground, std::size_t row, b
 }
 
 // Three situations as rows; force and error as columns, as in the paper.
-LaboratoryPicture picture(const Fig2& fig, const PaperGround& ground) {
+Figure picture(const Fig2& fig, const PaperGround& ground) {
   std::string script;
   double most = 0;
   std::string tight;

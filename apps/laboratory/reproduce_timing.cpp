@@ -16,12 +16,13 @@
 #include <nlohmann/json.hpp>
 #include <optional>
 
-#include "approx/baselines/baseline.hpp"
 #include "approx/loops/instruction_set.hpp"
-#include "approx/select/neighbours.hpp"
+#include "approx/model/neighbours.hpp"
+#include "apps/bench/fit_baseline.hpp"
 #include "apps/console/json.hpp"
 #include "apps/laboratory/paper_ground.hpp"
 #include "apps/laboratory/reproduce.hpp"
+#include "apps/picture/figure.hpp"
 #include "apps/picture/plot.hpp"
 #include "geometry/common/quantiles.hpp"
 #include "scheduling/motion/random.hpp"
@@ -223,7 +224,7 @@ std::string table(const std::vector<TimingRow>& rows) {
   return html_table(cells);
 }
 
-LaboratoryPicture picture(const std::vector<TimingRow>& rows) {
+Figure picture(const std::vector<TimingRow>& rows) {
   struct Kind {
     const char* title;
     double (*of)(const TimingRow&);

@@ -8,6 +8,7 @@
 
 #include "apps/console/json.hpp"
 #include "apps/laboratory/reproduce.hpp"
+#include "apps/picture/figure.hpp"
 #include "apps/picture/plot.hpp"
 
 namespace forefeel {
@@ -190,7 +191,7 @@ std::vector<NamedSpeeds> curves_of(const SpeedFindings& found) {
   return curves;
 }
 
-LaboratoryPicture picture_of(const SpeedFindings& found) {
+Figure picture_of(const SpeedFindings& found) {
   const std::vector<NamedSpeeds> curves = curves_of(found);
   std::string blocks, plot = "plot ";
   for (std::size_t i = 0; i < curves.size(); ++i) {

@@ -4,7 +4,7 @@
 
 #include <algorithm>
 
-#include "apps/toml/option_names.hpp"
+#include "apps/scene/option_names.hpp"
 
 namespace forefeel {
 namespace {

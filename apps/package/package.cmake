@@ -4,15 +4,14 @@ include(GNUInstallDirs)
 set(CMAKE_INSTALL_DEFAULT_COMPONENT_NAME forefeel)
 set(package_folder ${PROJECT_SOURCE_DIR}/apps/package)
 
-# One archive of the four libraries, for `find_package(forefeel)` and the target forefeel::forefeel. What the benches
-# compare with stays out of it.
+# One archive of the four libraries, for `find_package(forefeel)` and the target forefeel::forefeel.
 set(library_objects)
 foreach(folder geometry solver approx scheduling)
-  list(APPEND library_objects $<FILTER:$<TARGET_OBJECTS:forefeel_${folder}>,EXCLUDE,/baselines/>)
+  list(APPEND library_objects $<TARGET_OBJECTS:forefeel_${folder}>)
 endforeach()
 get_property(object_libraries GLOBAL PROPERTY FOREFEEL_OBJECT_LIBRARIES)
 foreach(objects IN LISTS object_libraries)
-  list(APPEND library_objects $<FILTER:$<TARGET_OBJECTS:${objects}>,EXCLUDE,/baselines/>)
+  list(APPEND library_objects $<TARGET_OBJECTS:${objects}>)
 endforeach()
 find_package(SQLite3 REQUIRED)
 add_library(forefeel_library STATIC ${library_objects})
@@ -34,13 +33,12 @@ if(FOREFEEL_HAS_MPI)
   target_link_libraries(forefeel_library INTERFACE Boost::mpi MPI::MPI_CXX)
 endif()
 
-# The command as a library: the objects of apps, and what the benches compare with.
+# The command as a library: the objects of apps.
 set(command_objects $<TARGET_OBJECTS:forefeel_apps> $<TARGET_OBJECTS:forefeel_bench>)
-foreach(objects IN LISTS object_libraries)
-  list(APPEND command_objects $<FILTER:$<TARGET_OBJECTS:${objects}>,INCLUDE,/baselines/>)
-endforeach()
-foreach(folder solver approx)
-  list(APPEND command_objects $<FILTER:$<TARGET_OBJECTS:forefeel_${folder}>,INCLUDE,/baselines/>)
+foreach(isa portable avx2 avx512)
+  if(TARGET forefeel_baselines_${isa})
+    list(APPEND command_objects $<TARGET_OBJECTS:forefeel_baselines_${isa}>)
+  endif()
 endforeach()
 find_package(tomlplusplus REQUIRED)
 add_library(forefeel_command STATIC ${command_objects})

@@ -5,7 +5,7 @@
 #include <string>
 #include <vector>
 
-#include "apps/commands/commands.hpp"
+#include "apps/console/commands.hpp"
 #include "apps/console/interrupt.hpp"
 #include "apps/console/provenance.hpp"
 #include "apps/python/bindings.hpp"

@@ -7,10 +7,10 @@
 #include <memory>
 #include <mutex>
 
-#include "approx/evaluate/evaluate.hpp"
-#include "approx/judge/leave_one_out.hpp"
-#include "approx/judge/offline_bar.hpp"
-#include "approx/select/updater.hpp"
+#include "approx/error/leave_one_out.hpp"
+#include "approx/error/offline_bar.hpp"
+#include "approx/methods/evaluate.hpp"
+#include "approx/model/updater.hpp"
 #include "apps/python/bindings.hpp"
 #include "apps/python/space.hpp"
 #include "geometry/common/error.hpp"

@@ -6,7 +6,7 @@
 
 #include "apps/python/arrays.hpp"
 #include "apps/python/space.hpp"
-#include "apps/toml/spec_text.hpp"
+#include "apps/scene/spec_text.hpp"
 #include "geometry/common/error.hpp"
 
 namespace forefeel::python {

@@ -10,8 +10,8 @@
 #include <mutex>
 
 #include "scheduling/motion/device.hpp"
+#include "scheduling/motion/predictor.hpp"
 #include "scheduling/policy/policy.hpp"
-#include "scheduling/prediction/predictor.hpp"
 
 namespace forefeel::python {
 

@@ -4,7 +4,7 @@
 #include <memory>
 
 #include "apps/python/arrays.hpp"
-#include "apps/scene_input/scene.hpp"
+#include "apps/scene/scene.hpp"
 
 namespace forefeel::python {
 

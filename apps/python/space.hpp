@@ -4,7 +4,7 @@
 #include <memory>
 
 #include "apps/python/arrays.hpp"
-#include "geometry/state_space/state_space.hpp"
+#include "geometry/coverage/state_space.hpp"
 
 namespace forefeel::python {
 

@@ -7,7 +7,7 @@
 #include <filesystem>
 #include <utility>
 
-#include "apps/scene_input/given_states.hpp"
+#include "apps/scene/given_states.hpp"
 #include "apps/show/gather_body.hpp"
 #include "apps/show/gather_run.hpp"
 #include "apps/show/gather_states.hpp"

@@ -3,7 +3,7 @@
 #include <algorithm>
 #include <utility>
 
-#include "apps/scene_input/scene_body.hpp"
+#include "apps/scene/scene_body.hpp"
 #include "apps/show/gather_regions.hpp"
 
 namespace forefeel {

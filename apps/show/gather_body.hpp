@@ -1,7 +1,7 @@
 #pragma once
 // The body of a picture: from a scene, a mesh or a surface.
 
-#include "apps/scene_input/scene.hpp"
+#include "apps/scene/scene.hpp"
 #include "apps/show/show_content.hpp"
 #include "geometry/meshing/surface.hpp"
 

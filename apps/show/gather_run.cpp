@@ -13,7 +13,7 @@
 #include "geometry/common/csv_text.hpp"
 #include "geometry/common/error.hpp"
 #include "geometry/states/state_file.hpp"
-#include "scheduling/log/dispatch_file.hpp"
+#include "scheduling/common/dispatch_file.hpp"
 
 namespace forefeel {
 namespace {

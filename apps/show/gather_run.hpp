@@ -6,7 +6,7 @@
 #include <string>
 #include <vector>
 
-#include "apps/scene_input/scene.hpp"
+#include "apps/scene/scene.hpp"
 #include "apps/show/show_content.hpp"
 #include "geometry/states/body_identity.hpp"
 

@@ -6,8 +6,8 @@
 #include <cmath>
 #include <utility>
 
-#include "geometry/regions/regions.hpp"
-#include "geometry/state_space/state_space.hpp"
+#include "geometry/coverage/regions.hpp"
+#include "geometry/coverage/state_space.hpp"
 
 namespace forefeel {
 namespace {

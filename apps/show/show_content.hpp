@@ -9,8 +9,8 @@
 #include <string>
 #include <vector>
 
+#include "geometry/coverage/region_summary.hpp"
 #include "geometry/mesh/tet_mesh.hpp"
-#include "geometry/regions/region_summary.hpp"
 #include "geometry/states/state.hpp"
 
 namespace forefeel {

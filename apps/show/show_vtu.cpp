@@ -9,7 +9,7 @@
 
 #include "apps/picture/page.hpp"
 #include "geometry/common/output_file.hpp"
-#include "geometry/state_space/region_file.hpp"
+#include "geometry/coverage/region_file.hpp"
 #include "geometry/states/state_file.hpp"
 
 namespace forefeel {

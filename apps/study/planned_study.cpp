@@ -11,8 +11,8 @@
 
 #include "apps/console/interrupt.hpp"
 #include "apps/console/provenance.hpp"
-#include "apps/scene_input/scene_session.hpp"
-#include "apps/toml/toml_depth.hpp"
+#include "apps/scene/scene_session.hpp"
+#include "apps/scene/toml_depth.hpp"
 #include "geometry/common/scanner.hpp"
 #include "geometry/common/sha256.hpp"
 #include "scheduling/motion/trace.hpp"

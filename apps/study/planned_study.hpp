@@ -4,7 +4,7 @@
 #include <string>
 #include <vector>
 
-#include "apps/scene_input/scene_session.hpp"
+#include "apps/scene/scene_session.hpp"
 #include "apps/study/study_file.hpp"
 #include "scheduling/study/study_plan.hpp"
 

@@ -9,7 +9,7 @@
 #include <utility>
 
 #include "apps/console/suggest.hpp"
-#include "apps/scene_input/scene.hpp"
+#include "apps/scene/scene.hpp"
 #include "apps/study/study_keys.hpp"
 #include "apps/study/study_toml.hpp"
 

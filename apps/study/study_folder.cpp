@@ -13,7 +13,7 @@
 #include "apps/console/summary_json.hpp"
 #include "geometry/common/error.hpp"
 #include "geometry/common/output_file.hpp"
-#include "scheduling/ranks/study_ranks.hpp"
+#include "scheduling/study/study_ranks.hpp"
 
 namespace forefeel {
 namespace {

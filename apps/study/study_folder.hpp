@@ -7,8 +7,8 @@
 #include <filesystem>
 
 #include "apps/console/console.hpp"
-#include "scheduling/farm/rank_pool.hpp"
 #include "scheduling/study/study_run.hpp"
+#include "scheduling/workers/rank_pool.hpp"
 
 namespace forefeel {
 

@@ -8,9 +8,9 @@
 #include <vector>
 
 #include "apps/console/suggest.hpp"
-#include "apps/scene_input/scene_declared.hpp"
+#include "apps/scene/scene_declared.hpp"
+#include "apps/scene/scene_keys.hpp"
 #include "apps/study/study_toml.hpp"
-#include "apps/toml/scene_keys.hpp"
 
 namespace forefeel::study_keys {
 

@@ -6,7 +6,7 @@
 #include <map>
 #include <utility>
 
-#include "apps/scene_input/scene_mesh_error.hpp"
+#include "apps/scene/scene_mesh_error.hpp"
 #include "geometry/common/quantiles.hpp"
 
 namespace forefeel {

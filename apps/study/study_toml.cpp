@@ -7,7 +7,7 @@
 #include <fstream>
 #include <sstream>
 
-#include "apps/toml/toml_depth.hpp"
+#include "apps/scene/toml_depth.hpp"
 #include "geometry/common/error.hpp"
 #include "geometry/common/scanner.hpp"
 

@@ -1,6 +1,6 @@
 #pragma once
 // The identity of the body that a set of states belongs to: mesh, element, material, clamp and contact, each as a
-// hash or in words. identity_of(body) in solver/body/body_identity.hpp makes it. Measured states have none.
+// hash or in words. identity_of(body) in solver/body/body_digest.hpp makes it. Measured states have none.
 
 #include <map>
 #include <string>

@@ -16,8 +16,8 @@
 #include <span>
 #include <vector>
 
-#include "geometry/state_space/state_space.hpp"
-#include "scheduling/log/session_result.hpp"
+#include "geometry/coverage/state_space.hpp"
+#include "scheduling/common/session_result.hpp"
 
 namespace forefeel {
 

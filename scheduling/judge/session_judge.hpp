@@ -15,12 +15,12 @@
 
 #include <memory>
 
-#include "approx/relaxation/relaxation.hpp"
-#include "geometry/state_space/state_space.hpp"
+#include "approx/switch/relaxation.hpp"
+#include "geometry/coverage/state_space.hpp"
+#include "scheduling/common/session_result.hpp"
 #include "scheduling/judge/frame_pipeline.hpp"
 #include "scheduling/judge/judging_options.hpp"
 #include "scheduling/judge/stop_options.hpp"
-#include "scheduling/log/session_result.hpp"
 #include "scheduling/render/session_model_options.hpp"
 #include "scheduling/workers/reference_service.hpp"
 

@@ -1,6 +1,6 @@
 #pragma once
 // The reference force of a viscous body in each frame of a run. Tight solves exist only at the samples, but the filter
-// (approx/relaxation/relaxation.hpp) needs the elastic force f [N] in all frames. Between two samples a and b, f is
+// (approx/switch/relaxation.hpp) needs the elastic force f [N] in all frames. Between two samples a and b, f is
 // interpolated by a cubic Hermite polynomial H of forces and stiffnesses along the chord. The offset d [m] of the HIP
 // from the chord is taken into account by the interpolated stiffness:
 //   f = H(s) - ((1 - s) K_a + s K_b) d,   H(0) = f_a, H(1) = f_b, H'(0) = -K_a (x_b - x_a), H'(1) = -K_b (x_b - x_a)
@@ -12,9 +12,9 @@
 #include <span>
 #include <vector>
 
-#include "approx/relaxation/relaxation.hpp"
+#include "approx/switch/relaxation.hpp"
 #include "geometry/states/state.hpp"
-#include "scheduling/log/records.hpp"
+#include "scheduling/common/records.hpp"
 
 namespace forefeel {
 

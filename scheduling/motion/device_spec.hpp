@@ -15,7 +15,7 @@
 #include "geometry/common/types.hpp"
 #include "scheduling/common/arguments.hpp"
 #include "scheduling/motion/hand_traits.hpp"
-#include "scheduling/trace/trace_format.hpp"
+#include "scheduling/motion/trace_format.hpp"
 
 namespace forefeel {
 

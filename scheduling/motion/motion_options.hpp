@@ -5,7 +5,7 @@
 #include <optional>
 
 #include "scheduling/motion/device_spec.hpp"
-#include "scheduling/prediction/predictor.hpp"
+#include "scheduling/motion/predictor.hpp"
 
 namespace forefeel {
 

@@ -8,7 +8,7 @@
 #include "geometry/common/csv_table.hpp"
 #include "geometry/common/error.hpp"
 #include "scheduling/motion/device.hpp"
-#include "scheduling/trace/trace_file.hpp"
+#include "scheduling/motion/trace_file.hpp"
 
 namespace forefeel {
 namespace {

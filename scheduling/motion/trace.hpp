@@ -8,8 +8,8 @@
 #include <vector>
 
 #include "geometry/common/types.hpp"
-#include "scheduling/trace/trace_format.hpp"
-#include "scheduling/trace/trace_rows.hpp"
+#include "scheduling/motion/trace_format.hpp"
+#include "scheduling/motion/trace_rows.hpp"
 
 namespace forefeel {
 

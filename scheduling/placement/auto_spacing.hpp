@@ -19,7 +19,7 @@
 #include <memory>
 #include <vector>
 
-#include "approx/select/updater.hpp"
+#include "approx/model/updater.hpp"
 #include "solver/equilibrium/solver.hpp"
 
 namespace forefeel {

@@ -24,7 +24,7 @@
 #include <stop_token>
 #include <vector>
 
-#include "geometry/state_space/state_space.hpp"
+#include "geometry/coverage/state_space.hpp"
 #include "scheduling/placement/placement_estimate.hpp"
 #include "solver/equilibrium/solver.hpp"
 

@@ -15,7 +15,7 @@
 #include <span>
 #include <vector>
 
-#include "approx/select/updater.hpp"
+#include "approx/model/updater.hpp"
 #include "scheduling/placement/placement_energy.hpp"
 
 namespace forefeel {

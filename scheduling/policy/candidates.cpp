@@ -8,7 +8,7 @@
 #include <utility>
 
 #include "geometry/common/error.hpp"
-#include "geometry/regions/regions.hpp"
+#include "geometry/coverage/regions.hpp"
 
 namespace forefeel {
 

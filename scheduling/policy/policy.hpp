@@ -35,9 +35,9 @@
 #include <vector>
 
 #include "geometry/common/declared.hpp"
-#include "geometry/state_space/state_space.hpp"
+#include "geometry/coverage/state_space.hpp"
 #include "scheduling/common/factory_context.hpp"
-#include "scheduling/prediction/hip_sample.hpp"
+#include "scheduling/motion/hip_sample.hpp"
 
 namespace forefeel {
 

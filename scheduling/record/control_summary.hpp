@@ -6,7 +6,7 @@
 
 #include <span>
 
-#include "scheduling/log/session_result.hpp"
+#include "scheduling/common/session_result.hpp"
 
 namespace forefeel {
 

@@ -11,7 +11,7 @@
 #include <span>
 
 #include "approx/switch/force_switch.hpp"
-#include "geometry/state_space/state_space.hpp"
+#include "geometry/coverage/state_space.hpp"
 #include "scheduling/workers/cost.hpp"
 
 namespace forefeel {

@@ -20,7 +20,7 @@
 #include <optional>
 #include <span>
 
-#include "scheduling/log/records.hpp"
+#include "scheduling/common/records.hpp"
 
 namespace forefeel {
 

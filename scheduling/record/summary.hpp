@@ -23,7 +23,7 @@
 #include <vector>
 
 #include "geometry/coverage/coverage.hpp"
-#include "scheduling/prediction/prediction_score.hpp"
+#include "scheduling/motion/prediction_score.hpp"
 #include "scheduling/record/control_summary.hpp"
 #include "scheduling/record/stability.hpp"
 #include "scheduling/session/session.hpp"
@@ -77,7 +77,7 @@ struct SessionSummary {
     double approximation = unknown, switching = unknown, staleness = unknown;
   };
   // Error bars against the truth, over the samples that have a bar: the share whose |rendered - reference| is
-  // inside, for each of bar_levels (approx/bar/conformal_factors.hpp).
+  // inside, for each of bar_levels (approx/error/conformal_factors.hpp).
   struct Bars {
     std::size_t samples = 0;
     std::array<double, 3> inside{unknown, unknown, unknown};

@@ -7,7 +7,7 @@
 #include <cstddef>
 
 #include "geometry/common/tolerance.hpp"
-#include "scheduling/log/session_result.hpp"
+#include "scheduling/common/session_result.hpp"
 
 namespace forefeel {
 

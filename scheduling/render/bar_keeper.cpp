@@ -3,7 +3,7 @@
 #include <algorithm>
 #include <cmath>
 
-#include "approx/bar/prior_scores.hpp"
+#include "approx/error/prior_scores.hpp"
 
 namespace forefeel {
 namespace {

@@ -2,7 +2,7 @@
 // The messages between planner and loop about error bars. For the rendered force F [N] of a frame at x, with f~ the
 // force of the newest model there, the half-width of the bar of level p is
 //   e_p = sqrt((q_p s(x))^2 + r^2),   r = ||F - f~||     [N]
-// s [N]: scale of the model's error (approx/bar/error_scale.hpp), q_p [1]: factor of the level (conformal_factors.hpp),
+// s [N]: scale of the model's error (approx/error/error_scale.hpp), q_p [1]: factor of the level (conformal_factors.hpp),
 // r [N]: the difference that the switch still holds back. r is known exactly, and its direction is assumed independent
 // of the model's error. When the true force f of a frame becomes known, its score is
 //   sqrt(max(0, ||F - f||^2 - r^2)) / s
@@ -12,8 +12,8 @@
 #include <cmath>
 #include <limits>
 
-#include "approx/bar/conformal_factors.hpp"
-#include "approx/bar/error_scale.hpp"
+#include "approx/error/conformal_factors.hpp"
+#include "approx/error/error_scale.hpp"
 
 namespace forefeel {
 

@@ -10,7 +10,7 @@
 #include <thread>
 #include <vector>
 
-#include "scheduling/log/records.hpp"
+#include "scheduling/common/records.hpp"
 
 namespace forefeel {
 

@@ -15,7 +15,7 @@
 #include <string>
 #include <thread>
 
-#include "geometry/state_space/state_space.hpp"
+#include "geometry/coverage/state_space.hpp"
 #include "scheduling/render/input_format.hpp"
 #include "scheduling/render/spsc_queue.hpp"
 

@@ -7,7 +7,7 @@
 #include <memory>
 #include <vector>
 
-#include "scheduling/log/records.hpp"
+#include "scheduling/common/records.hpp"
 #include "scheduling/render/bar_keeper.hpp"
 #include "scheduling/render/render_loop.hpp"
 #include "scheduling/render/session_model.hpp"

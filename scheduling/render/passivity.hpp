@@ -32,7 +32,7 @@
 #include <string_view>
 
 #include "geometry/common/types.hpp"
-#include "scheduling/log/passivity_report.hpp"
+#include "scheduling/common/passivity_report.hpp"
 
 namespace forefeel {
 

@@ -1,7 +1,7 @@
 #pragma once
 // One frame of the haptic loop, the same under both clocks:
 //   device -> HIP -> newest model -> switch -> relaxation -> safety with passivity -> device (+ log)
-// relaxation: the filter of a viscous body (approx/relaxation/relaxation.hpp). Its time step is the time since the last
+// relaxation: the filter of a viscous body (approx/switch/relaxation.hpp). Its time step is the time since the last
 // rendered frame, skipped frames included. An elastic body has no filter.
 // frame() allocates nothing, locks nothing, throws nothing; the log is allocated beforehand.
 //
@@ -23,11 +23,11 @@
 #include <optional>
 #include <vector>
 
-#include "approx/relaxation/relaxation.hpp"
 #include "approx/switch/force_switch.hpp"
-#include "scheduling/log/records.hpp"
+#include "approx/switch/relaxation.hpp"
+#include "scheduling/common/records.hpp"
 #include "scheduling/motion/device.hpp"
-#include "scheduling/prediction/hip_sample.hpp"
+#include "scheduling/motion/hip_sample.hpp"
 #include "scheduling/render/bar_link.hpp"
 #include "scheduling/render/frame_input.hpp"
 #include "scheduling/render/render_options.hpp"

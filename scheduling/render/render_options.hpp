@@ -1,8 +1,8 @@
 #pragma once
 // What a render loop is made with.
 
-#include "approx/relaxation/relaxation.hpp"
 #include "approx/switch/force_switch.hpp"
+#include "approx/switch/relaxation.hpp"
 #include "scheduling/render/passivity.hpp"
 #include "scheduling/render/safety.hpp"
 

@@ -1,6 +1,6 @@
 #pragma once
 // Makes the models of a session from the states known so far, by one of three methods:
-//   rbf                    radial basis functions on a neighbour set that follows the HIP (approx/select/updater.hpp).
+//   rbf                    radial basis functions on a neighbour set that follows the HIP (approx/model/updater.hpp).
 //                          With stiffness, models of at most three states assume a spacing of 2 h, because the first
 //                          states lie farther apart than the lattice.
 //   trilinear, tricubic    interpolation in the lattice cell around the HIP, the method before RBF models
@@ -13,7 +13,7 @@
 #include <string>
 #include <vector>
 
-#include "approx/select/updater.hpp"
+#include "approx/model/updater.hpp"
 #include "scheduling/render/session_model_options.hpp"
 
 namespace forefeel {

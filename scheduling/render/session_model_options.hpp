@@ -1,7 +1,7 @@
 #pragma once
 // How the models of a session are made from its states.
 
-#include "approx/select/updater.hpp"
+#include "approx/model/updater.hpp"
 
 namespace forefeel {
 

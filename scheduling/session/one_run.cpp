@@ -10,7 +10,7 @@
 #include <optional>
 #include <utility>
 
-#include "approx/relaxation/relaxation.hpp"
+#include "approx/switch/relaxation.hpp"
 #include "geometry/index/lattice_room.hpp"
 #include "scheduling/render/input_log.hpp"
 #include "scheduling/session/real_run.hpp"

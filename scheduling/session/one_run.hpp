@@ -2,7 +2,7 @@
 // Runs a planned session once, without rehearsals, and evaluates it.
 
 #include "scheduling/session/session_hooks.hpp"
-#include "scheduling/setup/session_plan.hpp"
+#include "scheduling/session/session_plan.hpp"
 
 namespace forefeel {
 

@@ -6,7 +6,7 @@
 // and, where shapes are wanted, one that makes them (shape/shape_thread.hpp).
 // They share only LoopLink (render/render_loop.hpp) and the workers' own queue.
 
-#include "scheduling/setup/session_plan.hpp"
+#include "scheduling/session/session_plan.hpp"
 
 namespace forefeel {
 

@@ -5,7 +5,7 @@
 // then becomes the session. This takes up to eight times as long as one run.
 
 #include "scheduling/session/session_hooks.hpp"
-#include "scheduling/setup/session_plan.hpp"
+#include "scheduling/session/session_plan.hpp"
 
 namespace forefeel {
 

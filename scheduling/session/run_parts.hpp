@@ -7,7 +7,7 @@
 #include <optional>
 #include <string>
 
-#include "scheduling/setup/session_plan.hpp"
+#include "scheduling/session/session_plan.hpp"
 
 namespace forefeel {
 

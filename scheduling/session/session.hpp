@@ -20,7 +20,7 @@
 // hooks.progress is called from the thread that works, hooks.each_position from one of its own. Hooks must not throw.
 
 #include "scheduling/session/session_hooks.hpp"
-#include "scheduling/setup/session_plan.hpp"
+#include "scheduling/session/session_plan.hpp"
 
 namespace forefeel {
 

@@ -3,7 +3,7 @@
 
 #include <functional>
 
-#include "scheduling/log/session_result.hpp"
+#include "scheduling/common/session_result.hpp"
 
 namespace forefeel {
 

@@ -4,7 +4,7 @@
 // come first, then arrivals, planning, and the frame.
 
 #include "scheduling/session/following_renderer.hpp"
-#include "scheduling/setup/session_plan.hpp"
+#include "scheduling/session/session_plan.hpp"
 
 namespace forefeel {
 

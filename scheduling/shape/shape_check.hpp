@@ -7,8 +7,8 @@
 #include <vector>
 
 #include "geometry/coverage/coverage.hpp"
+#include "scheduling/common/session_result.hpp"
 #include "scheduling/judge/stop_options.hpp"
-#include "scheduling/log/session_result.hpp"
 #include "scheduling/shape/shape_log.hpp"
 #include "scheduling/workers/reference_service.hpp"
 

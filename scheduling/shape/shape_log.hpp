@@ -1,6 +1,6 @@
 #pragma once
 // Records the shapes of a run, if they are requested. A shape is kept as the ids and weights of its states:
-//   u(x) = sum_i w_i u_i + V g      (approx/shape/shape_weights.hpp)
+//   u(x) = sum_i w_i u_i + V g      (scheduling/shape/shape_weights.hpp)
 // x [m]: position of the HIP; u_i [m]: displacements of state i; V = du/dx at rest [1]. The displacements u are
 // computed from a record twice: when the shape is made, and when the files are written.
 //
@@ -17,9 +17,9 @@
 #include <string>
 #include <vector>
 
-#include "approx/shape/shape_weights.hpp"
 #include "geometry/states/state.hpp"
 #include "scheduling/shape/shape_options.hpp"
+#include "scheduling/shape/shape_weights.hpp"
 #include "solver/body/body.hpp"
 
 namespace forefeel {

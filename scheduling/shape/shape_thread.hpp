@@ -15,8 +15,8 @@
 #include <thread>
 #include <vector>
 
-#include "geometry/state_space/state_space.hpp"
-#include "scheduling/prediction/hip_sample.hpp"
+#include "geometry/coverage/state_space.hpp"
+#include "scheduling/motion/hip_sample.hpp"
 #include "scheduling/render/triple_buffer.hpp"
 #include "scheduling/shape/shape_log.hpp"
 

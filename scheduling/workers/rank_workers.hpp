@@ -5,9 +5,9 @@
 
 #include <memory>
 
-#include "scheduling/farm/rank_pool.hpp"
-#include "scheduling/farm/rank_server.hpp"
 #include "scheduling/workers/generator.hpp"
+#include "scheduling/workers/rank_pool.hpp"
+#include "scheduling/workers/rank_server.hpp"
 #include "scheduling/workers/state_solver.hpp"
 
 namespace forefeel {

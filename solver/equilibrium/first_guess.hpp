@@ -4,7 +4,7 @@
 // H: second derivatives of the energy at rest, f the free nodes, c the contact (factorisation.hpp). It takes one
 // factorisation before the session, milliseconds on a body of some thousand elements, and is exact at rest
 // for any shape, clamp and material; away from rest the force departs from -K x as the body is nonlinear. The
-// bar of error that is rendered with it is that of a model of one known state (approx/bar/error_scale.hpp).
+// bar of error that is rendered with it is that of a model of one known state (approx/error/error_scale.hpp).
 // It is left out where the factorisation would take longer than most_guess_work.
 
 #include <memory>

@@ -1,5 +1,5 @@
 // Multifrontal factorisation and substitution, compiled once per instruction set: see kernels.hpp.
-#include "solver/kernels/lanes.hpp"
+#include "solver/kernels/element_lanes.hpp"
 
 #ifndef FOREFEEL_ISA
 #define FOREFEEL_ISA portable

@@ -8,7 +8,7 @@
 // (lanes.hpp). A law that is not a function of the invariants defines energy, stress and stress_change itself
 // (laws/linear.cpp). Include in kernel files only (see lanes.hpp).
 
-#include "solver/kernels/lanes.hpp"
+#include "solver/kernels/element_lanes.hpp"
 
 namespace forefeel {
 namespace {

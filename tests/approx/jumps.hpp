@@ -7,7 +7,7 @@
 #include <utility>
 #include <vector>
 
-#include "geometry/state_space/state_space.hpp"
+#include "geometry/coverage/state_space.hpp"
 
 namespace forefeel::testing {
 

@@ -7,7 +7,7 @@
 #include <string>
 #include <vector>
 
-#include "approx/select/updater.hpp"
+#include "approx/model/updater.hpp"
 
 namespace forefeel::testing {
 

@@ -10,8 +10,8 @@
 #include <random>
 #include <set>
 
-#include "approx/evaluate/evaluate.hpp"
-#include "approx/judge/position_groups.hpp"
+#include "approx/error/position_groups.hpp"
+#include "approx/methods/evaluate.hpp"
 #include "geometry/common/error.hpp"
 #include "geometry/common/quantiles.hpp"
 #include "tests/approx/sets.hpp"

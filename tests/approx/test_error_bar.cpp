@@ -7,9 +7,9 @@
 #include <limits>
 #include <random>
 
-#include "approx/bar/body_level.hpp"
-#include "approx/bar/conformal_factors.hpp"
-#include "approx/bar/error_scale.hpp"
+#include "approx/error/body_level.hpp"
+#include "approx/error/conformal_factors.hpp"
+#include "approx/error/error_scale.hpp"
 
 using namespace forefeel;
 

@@ -2,7 +2,7 @@
 #include <catch2/catch.hpp>
 #include <cmath>
 
-#include "approx/select/updater.hpp"
+#include "approx/model/updater.hpp"
 #include "geometry/common/error.hpp"
 #include "tests/approx/sets.hpp"
 

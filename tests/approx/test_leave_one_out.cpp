@@ -4,7 +4,7 @@
 #include <cmath>
 #include <random>
 
-#include "approx/judge/leave_one_out.hpp"
+#include "approx/error/leave_one_out.hpp"
 #include "tests/approx/sets.hpp"
 
 using namespace forefeel;

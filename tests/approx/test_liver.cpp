@@ -9,7 +9,7 @@
 #include <iterator>
 #include <sstream>
 
-#include "approx/select/updater.hpp"
+#include "approx/model/updater.hpp"
 #include "geometry/mesh/mesh_file.hpp"
 #include "geometry/meshing/phantom.hpp"
 #include "solver/equilibrium/solver.hpp"

@@ -4,8 +4,8 @@
 #include <catch2/catch.hpp>
 #include <cmath>
 
-#include "approx/judge/loop_energy.hpp"
-#include "approx/judge/power_function.hpp"
+#include "approx/error/loop_energy.hpp"
+#include "approx/error/power_function.hpp"
 #include "tests/approx/sets.hpp"
 
 using namespace forefeel;

@@ -1,6 +1,6 @@
 #include <catch2/catch.hpp>
 
-#include "approx/predecessors/methods.hpp"
+#include "approx/methods/older_methods.hpp"
 #include "geometry/common/error.hpp"
 #include "tests/approx/sets.hpp"
 

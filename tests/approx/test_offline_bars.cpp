@@ -7,8 +7,8 @@
 #include <functional>
 #include <random>
 
-#include "approx/evaluate/evaluate.hpp"
-#include "approx/judge/known_within.hpp"
+#include "approx/error/known_within.hpp"
+#include "approx/methods/evaluate.hpp"
 #include "geometry/common/quantiles.hpp"
 
 using namespace forefeel;

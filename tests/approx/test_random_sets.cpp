@@ -8,7 +8,7 @@
 #include <random>
 #include <vector>
 
-#include "approx/select/updater.hpp"
+#include "approx/model/updater.hpp"
 #include "tests/approx/jumps.hpp"
 #include "tests/approx/sets.hpp"
 

@@ -7,8 +7,8 @@
 #include <catch2/catch.hpp>
 #include <cmath>
 
-#include "approx/bar/error_scale.hpp"
-#include "approx/fit/rbf_fit.hpp"
+#include "approx/error/error_scale.hpp"
+#include "approx/model/rbf_fit.hpp"
 #include "approx/switch/force_switch.hpp"
 #include "tests/approx/sets.hpp"
 #include "tests/support/skip.hpp"

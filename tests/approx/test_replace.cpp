@@ -4,7 +4,7 @@
 #include <catch2/catch.hpp>
 #include <cmath>
 
-#include "approx/fit/rbf_fit.hpp"
+#include "approx/model/rbf_fit.hpp"
 #include "tests/approx/sets.hpp"
 
 using namespace forefeel;

@@ -8,7 +8,7 @@
 #include <fstream>
 #include <iomanip>
 
-#include "approx/select/updater.hpp"
+#include "approx/model/updater.hpp"
 #include "geometry/meshing/phantom.hpp"
 #include "solver/equilibrium/solver.hpp"
 #include "solver/lattice/generate.hpp"

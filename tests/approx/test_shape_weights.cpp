@@ -5,7 +5,7 @@
 #include <random>
 #include <vector>
 
-#include "approx/shape/shape_weights.hpp"
+#include "scheduling/shape/shape_weights.hpp"
 
 using namespace forefeel;
 

@@ -5,7 +5,7 @@
 #include <catch2/catch.hpp>
 #include <random>
 
-#include "approx/select/updater.hpp"
+#include "approx/model/updater.hpp"
 #include "tests/approx/jumps.hpp"
 #include "tests/approx/sets.hpp"
 

@@ -3,8 +3,8 @@
 #include <set>
 #include <utility>
 
-#include "approx/select/neighbours.hpp"
-#include "approx/select/updater.hpp"
+#include "approx/model/neighbours.hpp"
+#include "approx/model/updater.hpp"
 #include "tests/approx/jumps.hpp"
 #include "tests/approx/sets.hpp"
 

@@ -5,8 +5,8 @@
 #include <catch2/catch.hpp>
 #include <cmath>
 
-#include "scheduling/calibration/calibration.hpp"
 #include "scheduling/placement/auto_spacing.hpp"
+#include "scheduling/study/calibration.hpp"
 #include "tests/support/executable.hpp"
 #include "tests/support/paths.hpp"
 

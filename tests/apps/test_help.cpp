@@ -8,12 +8,12 @@
 #include <string>
 #include <vector>
 
-#include "apps/commands/help_topics.hpp"
-#include "apps/scene_input/scene.hpp"
-#include "apps/scene_input/scene_declared.hpp"
+#include "apps/main/help_topics.hpp"
+#include "apps/scene/scene.hpp"
+#include "apps/scene/scene_declared.hpp"
+#include "apps/scene/scene_table.hpp"
+#include "apps/scene/spec_text.hpp"
 #include "apps/study/study_file.hpp"
-#include "apps/toml/scene_table.hpp"
-#include "apps/toml/spec_text.hpp"
 #include "geometry/common/error.hpp"
 #include "tests/apps/study_fixture.hpp"
 #include "tests/support/executable.hpp"

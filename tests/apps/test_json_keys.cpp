@@ -10,7 +10,7 @@
 #include <string>
 #include <vector>
 
-#include "apps/commands/help_topics.hpp"
+#include "apps/main/help_topics.hpp"
 #include "tests/support/executable.hpp"
 
 using namespace forefeel;

@@ -9,9 +9,9 @@
 #include <map>
 #include <sstream>
 
-#include "apps/laboratory/laboratory.hpp"
-#include "scheduling/calibration/calibration.hpp"
+#include "apps/scene/laboratory.hpp"
 #include "scheduling/placement/auto_spacing.hpp"
+#include "scheduling/study/calibration.hpp"
 #include "tests/support/executable.hpp"
 #include "tests/support/paths.hpp"
 

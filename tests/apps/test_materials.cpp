@@ -4,7 +4,7 @@
 #include <catch2/catch.hpp>
 #include <string>
 
-#include "apps/scene_input/scene.hpp"
+#include "apps/scene/scene.hpp"
 #include "geometry/mesh/mesh_file.hpp"
 #include "geometry/meshing/phantom.hpp"
 #include "tests/support/error_of.hpp"

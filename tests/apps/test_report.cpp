@@ -11,9 +11,9 @@
 #include <string>
 
 #include "apps/picture/palette.hpp"
-#include "apps/report/bad_moments.hpp"
-#include "apps/report/bars_card.hpp"
-#include "apps/report/run_data.hpp"
+#include "apps/session/bad_moments.hpp"
+#include "apps/session/bars_card.hpp"
+#include "apps/session/run_data.hpp"
 #include "geometry/common/error.hpp"
 #include "tests/support/executable.hpp"
 #include "tests/support/file_text.hpp"

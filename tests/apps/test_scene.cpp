@@ -1,8 +1,8 @@
 #include <catch2/catch.hpp>
 
-#include "apps/cache/phantom_cache.hpp"
-#include "apps/scene_input/scene.hpp"
-#include "apps/scene_input/scene_session.hpp"
+#include "apps/scene/phantom_cache.hpp"
+#include "apps/scene/scene.hpp"
+#include "apps/scene/scene_session.hpp"
 #include "geometry/common/error.hpp"
 #include "geometry/meshing/phantom.hpp"
 #include "tests/support/executable.hpp"

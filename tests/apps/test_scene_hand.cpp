@@ -2,8 +2,8 @@
 
 #include <catch2/catch.hpp>
 
-#include "apps/scene_input/scene.hpp"
-#include "apps/scene_input/scene_session.hpp"
+#include "apps/scene/scene.hpp"
+#include "apps/scene/scene_session.hpp"
 #include "geometry/common/error.hpp"
 #include "tests/support/executable.hpp"
 

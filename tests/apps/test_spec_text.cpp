@@ -1,6 +1,6 @@
 #include <catch2/catch.hpp>
 
-#include "apps/toml/spec_text.hpp"
+#include "apps/scene/spec_text.hpp"
 #include "geometry/common/error.hpp"
 #include "scheduling/motion/device.hpp"
 #include "scheduling/workers/cost.hpp"

@@ -7,8 +7,8 @@
 #include <nlohmann/json.hpp>
 #include <sstream>
 
-#include "apps/report/study_report.hpp"
 #include "apps/study/study_folder.hpp"
+#include "apps/study/study_report.hpp"
 #include "apps/study/study_table.hpp"
 #include "tests/apps/study_fixture.hpp"
 #include "tests/support/skip.hpp"

@@ -1,4 +1,4 @@
-"""Scores of error bars over bodies and motions: the prior of approx/bar/prior_scores.cpp, and how well bars cover.
+"""Scores of error bars over bodies and motions: the prior of approx/error/prior_scores.cpp, and how well bars cover.
 
     /usr/bin/python3 tests/bench/error_bar_prior.py prior [SECONDS]    # prints the rows of prior_scores.cpp
     /usr/bin/python3 tests/bench/error_bar_prior.py check [SECONDS]    # how well bars cover, on other motions

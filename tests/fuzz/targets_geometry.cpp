@@ -6,9 +6,9 @@
 #include <sstream>
 #include <stdexcept>
 
-#include "geometry/image/label_volume.hpp"
 #include "geometry/mesh/mesh_file.hpp"
 #include "geometry/meshing/surface.hpp"
+#include "geometry/segmentation/label_volume.hpp"
 #include "geometry/states/state_file.hpp"
 #include "tests/fuzz/targets.hpp"
 #include "tests/geometry/state_samples.hpp"

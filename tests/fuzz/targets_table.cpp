@@ -3,19 +3,19 @@
 #include <stdexcept>
 #include <variant>
 
-#include "apps/toml/spec_text.hpp"
+#include "apps/scene/spec_text.hpp"
 #include "geometry/common/csv_text.hpp"
 #include "geometry/common/error.hpp"
 #include "geometry/states/state_file.hpp"
 #include "geometry/states/state_message.hpp"
-#include "scheduling/log/dispatch_file.hpp"
+#include "scheduling/common/dispatch_file.hpp"
 #include "scheduling/motion/device.hpp"
 #include "scheduling/motion/trace.hpp"
 #include "scheduling/motion/trace_check.hpp"
-#include "scheduling/replay/input_reader.hpp"
-#include "scheduling/replay/input_replay.hpp"
-#include "scheduling/setup/arrivals.hpp"
-#include "scheduling/trace/trace_file.hpp"
+#include "scheduling/motion/trace_file.hpp"
+#include "scheduling/render/input_reader.hpp"
+#include "scheduling/render/input_replay.hpp"
+#include "scheduling/session/arrivals.hpp"
 #include "tests/fuzz/targets.hpp"
 
 namespace forefeel::fuzz {

@@ -4,10 +4,10 @@
 
 #include "apps/console/command.hpp"
 #include "apps/console/values.hpp"
-#include "apps/scene_input/scene.hpp"
+#include "apps/scene/scene.hpp"
+#include "apps/scene/scene_table.hpp"
+#include "apps/scene/spec_text.hpp"
 #include "apps/study/study_file.hpp"
-#include "apps/toml/scene_table.hpp"
-#include "apps/toml/spec_text.hpp"
 #include "geometry/common/error.hpp"
 #include "tests/fuzz/targets.hpp"
 

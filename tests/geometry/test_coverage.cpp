@@ -7,9 +7,9 @@
 
 #include "geometry/common/error.hpp"
 #include "geometry/coverage/setups.hpp"
+#include "geometry/coverage/state_space.hpp"
 #include "geometry/index/cone.hpp"
 #include "geometry/index/delaunay_index.hpp"
-#include "geometry/state_space/state_space.hpp"
 
 using namespace forefeel;
 

@@ -8,9 +8,9 @@
 #include <random>
 #include <set>
 
-#include "geometry/map/coverage_map.hpp"
-#include "geometry/regions/regions.hpp"
-#include "geometry/state_space/state_space.hpp"
+#include "geometry/coverage/coverage_map.hpp"
+#include "geometry/coverage/regions.hpp"
+#include "geometry/coverage/state_space.hpp"
 
 using namespace forefeel;
 

@@ -7,16 +7,16 @@
 #include <cmath>
 #include <random>
 
+#include "geometry/coverage/bridge.hpp"
 #include "geometry/coverage/coverage_query.hpp"
 #include "geometry/coverage/fill_distance.hpp"
 #include "geometry/coverage/octree_index.hpp"
+#include "geometry/coverage/region_sampling.hpp"
+#include "geometry/coverage/regions.hpp"
 #include "geometry/coverage/setups.hpp"
+#include "geometry/coverage/state_space.hpp"
 #include "geometry/index/adaptive_lattice.hpp"
 #include "geometry/index/local_spread.hpp"
-#include "geometry/regions/bridge.hpp"
-#include "geometry/regions/region_sampling.hpp"
-#include "geometry/regions/regions.hpp"
-#include "geometry/state_space/state_space.hpp"
 
 using namespace forefeel;
 

@@ -8,10 +8,10 @@
 #include <cmath>
 #include <random>
 
+#include "geometry/coverage/region_sampling.hpp"
+#include "geometry/coverage/regions.hpp"
+#include "geometry/coverage/state_space.hpp"
 #include "geometry/index/delaunay_index.hpp"
-#include "geometry/regions/region_sampling.hpp"
-#include "geometry/regions/regions.hpp"
-#include "geometry/state_space/state_space.hpp"
 
 using namespace forefeel;
 

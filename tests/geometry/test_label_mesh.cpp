@@ -7,8 +7,8 @@
 #include <map>
 
 #include "geometry/common/error.hpp"
-#include "geometry/labels/label_domain.hpp"
-#include "geometry/labels/label_mesh.hpp"
+#include "geometry/segmentation/label_domain.hpp"
+#include "geometry/segmentation/label_mesh.hpp"
 #include "tests/support/label_samples.hpp"
 
 namespace forefeel {

@@ -5,7 +5,7 @@
 #include <cstdlib>
 
 #include "geometry/common/error.hpp"
-#include "geometry/image/label_volume.hpp"
+#include "geometry/segmentation/label_volume.hpp"
 #include "tests/support/label_samples.hpp"
 #include "tests/support/skip.hpp"
 #include "tests/support/temporary_folder.hpp"

@@ -4,9 +4,9 @@
 #include <map>
 #include <random>
 
+#include "geometry/coverage/agreement.hpp"
 #include "geometry/coverage/octree_index.hpp"
 #include "geometry/coverage/setups.hpp"
-#include "geometry/state_space/agreement.hpp"
 
 using namespace forefeel;
 

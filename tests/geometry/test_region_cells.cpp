@@ -6,9 +6,9 @@
 #include <set>
 
 #include "geometry/common/union_find.hpp"
-#include "geometry/regions/region_cells.hpp"
-#include "geometry/regions/regions.hpp"
-#include "geometry/state_space/state_space.hpp"
+#include "geometry/coverage/region_cells.hpp"
+#include "geometry/coverage/regions.hpp"
+#include "geometry/coverage/state_space.hpp"
 
 using namespace forefeel;
 

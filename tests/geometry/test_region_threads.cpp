@@ -6,8 +6,8 @@
 #include <catch2/catch.hpp>
 #include <random>
 
-#include "geometry/regions/regions.hpp"
-#include "geometry/state_space/state_space.hpp"
+#include "geometry/coverage/regions.hpp"
+#include "geometry/coverage/state_space.hpp"
 
 using namespace forefeel;
 

@@ -6,7 +6,7 @@
 #include <string>
 
 #include "geometry/common/error.hpp"
-#include "geometry/state_space/state_space.hpp"
+#include "geometry/coverage/state_space.hpp"
 
 using namespace forefeel;
 

@@ -7,7 +7,7 @@
 #include <vector>
 
 #include "geometry/coverage/setups.hpp"
-#include "geometry/state_space/state_space.hpp"
+#include "geometry/coverage/state_space.hpp"
 
 namespace forefeel {
 namespace {

@@ -8,8 +8,8 @@
 #include <utility>
 #include <vector>
 
-#include "scheduling/farm/rank_protocol.hpp"
-#include "scheduling/farm/transport.hpp"
+#include "scheduling/workers/rank_protocol.hpp"
+#include "scheduling/workers/transport.hpp"
 
 namespace forefeel::testing {
 

@@ -7,8 +7,8 @@
 #include <utility>
 #include <vector>
 
-#include "scheduling/plan/planner.hpp"
-#include "scheduling/setup/session_plan.hpp"
+#include "scheduling/session/planner.hpp"
+#include "scheduling/session/session_plan.hpp"
 #include "scheduling/workers/worker_threads.hpp"
 #include "small_body.hpp"
 

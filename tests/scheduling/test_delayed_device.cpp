@@ -7,7 +7,7 @@
 #include "geometry/common/error.hpp"
 #include "scheduling/motion/delayed_device.hpp"
 #include "scheduling/motion/hand_device.hpp"
-#include "scheduling/setup/passivity_plan.hpp"
+#include "scheduling/session/passivity_plan.hpp"
 #include "small_body.hpp"
 #include "tests/support/free_swing.hpp"
 

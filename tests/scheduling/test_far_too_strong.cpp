@@ -9,9 +9,9 @@
 #include <optional>
 #include <span>
 
-#include "scheduling/plan/planner.hpp"
-#include "scheduling/plan/plausible.hpp"
 #include "scheduling/record/summary.hpp"
+#include "scheduling/session/planner.hpp"
+#include "scheduling/session/plausible.hpp"
 #include "scheduling/session/session.hpp"
 #include "small_body.hpp"
 #include "tests/support/temporary_folder.hpp"

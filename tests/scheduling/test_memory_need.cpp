@@ -6,8 +6,8 @@
 #include <thread>
 
 #include "geometry/common/error.hpp"
+#include "scheduling/session/memory_need.hpp"
 #include "scheduling/session/session.hpp"
-#include "scheduling/setup/memory_need.hpp"
 #include "scheduling/workers/reference_service.hpp"
 #include "small_body.hpp"
 

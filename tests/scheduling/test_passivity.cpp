@@ -9,7 +9,7 @@
 #include "scheduling/motion/loop_limit.hpp"
 #include "scheduling/record/stability.hpp"
 #include "scheduling/render/safety.hpp"
-#include "scheduling/setup/passivity_plan.hpp"
+#include "scheduling/session/passivity_plan.hpp"
 #include "tests/support/free_swing.hpp"
 
 using namespace forefeel;

@@ -10,7 +10,7 @@
 #include "scheduling/motion/random.hpp"
 #include "scheduling/record/stability.hpp"
 #include "scheduling/render/safety.hpp"
-#include "scheduling/setup/passivity_plan.hpp"
+#include "scheduling/session/passivity_plan.hpp"
 
 using namespace forefeel;
 

@@ -4,8 +4,8 @@
 #include <map>
 #include <set>
 
-#include "scheduling/plan/planner.hpp"
-#include "scheduling/setup/session_plan.hpp"
+#include "scheduling/session/planner.hpp"
+#include "scheduling/session/session_plan.hpp"
 #include "small_body.hpp"
 
 using namespace forefeel;

@@ -7,12 +7,12 @@
 
 #include "geometry/common/error.hpp"
 #include "scheduling/motion/device.hpp"
+#include "scheduling/motion/prediction_score.hpp"
+#include "scheduling/motion/predictor.hpp"
 #include "scheduling/motion/random.hpp"
 #include "scheduling/policy/candidates.hpp"
 #include "scheduling/policy/need_left.hpp"
 #include "scheduling/policy/policy.hpp"
-#include "scheduling/prediction/prediction_score.hpp"
-#include "scheduling/prediction/predictor.hpp"
 #include "small_body.hpp"
 
 using namespace forefeel;

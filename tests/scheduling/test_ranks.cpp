@@ -8,10 +8,10 @@
 #include <optional>
 #include <thread>
 
-#include "geometry/state_space/state_space.hpp"
+#include "geometry/coverage/state_space.hpp"
 #include "geometry/states/state_message.hpp"
 #include "mailboxes.hpp"
-#include "scheduling/ranks/generate_ranks.hpp"
+#include "scheduling/workers/generate_ranks.hpp"
 #include "scheduling/workers/rank_workers.hpp"
 #include "small_body.hpp"
 

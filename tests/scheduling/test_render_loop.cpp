@@ -3,8 +3,8 @@
 #include <vector>
 
 #include "allocation_count.hpp"
-#include "approx/select/updater.hpp"
-#include "geometry/state_space/state_space.hpp"
+#include "approx/model/updater.hpp"
+#include "geometry/coverage/state_space.hpp"
 #include "scheduling/render/render_loop.hpp"
 #include "small_body.hpp"
 #include "tests/support/skip.hpp"

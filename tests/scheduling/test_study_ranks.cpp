@@ -5,8 +5,8 @@
 
 #include "geometry/states/state_message.hpp"
 #include "mailboxes.hpp"
-#include "scheduling/ranks/reference_directory.hpp"
-#include "scheduling/ranks/study_ranks.hpp"
+#include "scheduling/study/study_ranks.hpp"
+#include "scheduling/workers/reference_directory.hpp"
 #include "small_body.hpp"
 
 using namespace forefeel;

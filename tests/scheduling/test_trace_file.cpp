@@ -8,8 +8,8 @@
 #include "geometry/common/error.hpp"
 #include "scheduling/motion/device.hpp"
 #include "scheduling/motion/trace_check.hpp"
-#include "scheduling/trace/trace_file.hpp"
-#include "scheduling/trace/trace_time.hpp"
+#include "scheduling/motion/trace_file.hpp"
+#include "scheduling/motion/trace_time.hpp"
 #include "tests/support/error_of.hpp"
 #include "tests/support/temporary_folder.hpp"
 

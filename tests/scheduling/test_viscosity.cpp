@@ -6,7 +6,7 @@
 #include <cmath>
 #include <vector>
 
-#include "approx/relaxation/relaxation.hpp"
+#include "approx/switch/relaxation.hpp"
 #include "scheduling/session/session.hpp"
 #include "small_body.hpp"
 

@@ -8,7 +8,7 @@
 #include <cmath>
 #include <vector>
 
-#include "approx/relaxation/relaxation.hpp"
+#include "approx/switch/relaxation.hpp"
 #include "small_body.hpp"
 
 using namespace forefeel;

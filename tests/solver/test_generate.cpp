@@ -4,7 +4,7 @@
 #include <map>
 
 #include "block_body.hpp"
-#include "geometry/state_space/state_space.hpp"
+#include "geometry/coverage/state_space.hpp"
 #include "solver/lattice/generate.hpp"
 
 using namespace forefeel;

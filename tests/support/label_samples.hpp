@@ -7,7 +7,7 @@
 #include <map>
 #include <string>
 
-#include "geometry/image/label_volume.hpp"
+#include "geometry/segmentation/label_volume.hpp"
 
 namespace forefeel::test {
 

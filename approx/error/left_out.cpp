@@ -1,0 +1,307 @@
+#include "approx/error/left_out.hpp"
+
+#include <algorithm>
+#include <array>
+#include <cmath>
+#include <limits>
+#include <numeric>
+#include <utility>
+
+#include "approx/error/position_groups.hpp"
+#include "geometry/common/quantiles.hpp"
+
+namespace forefeel {
+namespace {
+
+constexpr double infinite = std::numeric_limits<double>::infinity();
+constexpr std::size_t most_whole = 1500;  // states: above, patches are tried
+constexpr std::size_t patches = 5, patch_states = 700;
+constexpr std::size_t parts = 8;
+constexpr std::size_t most_wanted = 400;  // places that are matched
+constexpr std::size_t beside = 12;        // held positions on either side in rank
+constexpr std::size_t least_known = 8;    // states that stay known beside a cap
+constexpr std::ptrdiff_t enough_outside =
+    20;  // positions in caps, for bars of 95 %; deeper caps are tried for fewer
+constexpr int most_deeper = 4;
+constexpr double least_direction = 0.02;  // share of the places outside that makes a direction count
+
+// One way to leave out: the part of each position.
+struct Division {
+  PositionGroups groups;
+  std::vector<std::uint32_t> part;  // of each group
+  std::size_t count = 0;            // of parts
+};
+
+// Unit vectors to the faces, edges and corners of a cube.
+const std::array<Vec3, Onlooker::directions>& all_directions() {
+  static const std::array<Vec3, Onlooker::directions> all = [] {
+    std::array<Vec3, Onlooker::directions> made;
+    std::size_t count = 0;
+    for (int x = -1; x <= 1; ++x)
+      for (int y = -1; y <= 1; ++y)
+        for (int z = -1; z <= 1; ++z)
+          if (x != 0 || y != 0 || z != 0) made[count++] = Vec3(x, y, z).normalized();
+    return made;
+  }();
+  return all;
+}
+
+Division divide(std::span<const Vec3> at, PositionGroups groups) {
+  Division division{.groups = std::move(groups), .part = {}};
+  if (division.groups.count < 3) return division;
+  division.count = std::min(parts, division.groups.count);
+  division.part = spread_over_parts(at, division.groups, division.count);
+  return division;
+}
+
+// From each position to the nearest one of another part [m].
+std::vector<double> distances(std::span<const Vec3> at, const Division& division) {
+  std::vector<double> away(at.size(), infinite);
+  for (std::size_t i = 0; i < at.size(); ++i)
+    for (std::size_t j = 0; j < at.size(); ++j)
+      if (division.part[division.groups.of[i]] != division.part[division.groups.of[j]])
+        away[i] = std::min(away[i], (at[j] - at[i]).squaredNorm());
+  for (double& a : away) a = std::sqrt(a);
+  return away;
+}
+
+Division best_division(std::span<const Vec3> at, std::span<const double> wanted) {
+  PositionGroups usual = position_groups(at);
+  if (wanted.empty()) return divide(at, std::move(usual));
+  std::vector<PositionGroups> ways;
+  if (usual.natural) ways.push_back(std::move(usual));
+  for (const std::size_t size : {8u, 4u, 2u, 1u}) ways.push_back(compact_groups(at, size));
+  const double target = median({wanted.begin(), wanted.end()});
+  Division best;
+  double least = infinite;
+  for (PositionGroups& way : ways) {  // from large to small groups: in a tie the larger is taken
+    Division division = divide(at, std::move(way));
+    if (division.count == 0) continue;
+    const double found = median(distances(at, division));
+    const double off = target > 0 && found > 0 ? std::abs(std::log(found / target)) : found;
+    if (off < least) least = off, best = std::move(division);
+  }
+  return best;
+}
+
+void add_trial(Trial trial, Trials& trials) {
+  if (trial.held.empty() || trial.known->empty()) return;
+  const Onlooker see(*trial.known);
+  for (const State& held : trial.held) trial.seen.push_back(see(held.at));
+  trials.positions += trial.held.size();
+  trials.each.push_back(std::move(trial));
+}
+
+State without_displacements(const State& state) {
+  State light = state;
+  light.displacements.reset();
+  return light;
+}
+
+void add_groups(std::span<const State> states, double inner, std::span<const double> wanted, double spacing,
+                Trials& trials) {
+  std::vector<Vec3> at;
+  for (const State& s : states) at.push_back(s.at);
+  const Division division = best_division(at, wanted);
+  if (division.count == 0) return;
+  const PositionGroups& groups = division.groups;
+  std::vector<char> used(groups.count, 1);
+  if (inner < 1)  // the border of a patch is not one of the states: groups there stay known
+    for (std::size_t i = 0; i < at.size(); ++i)
+      if (i > static_cast<std::size_t>(inner * static_cast<double>(at.size()))) used[groups.of[i]] = 0;
+  trials.groups += static_cast<std::size_t>(std::ranges::count(used, 1));
+  for (std::uint32_t p = 0; p < (inner < 1 ? 1 : division.count); ++p) {
+    Trial trial{
+        .known = std::make_unique<StateSpace>(StateSpaceOptions{.spacing = spacing}), .held = {}, .seen = {}};
+    for (std::size_t i = 0; i < states.size(); ++i) {
+      if (division.part[groups.of[i]] == p && used[groups.of[i]])
+        trial.held.push_back(without_displacements(states[i]));
+      else
+        trial.known->insert(without_displacements(states[i]));
+    }
+    add_trial(std::move(trial), trials);
+  }
+}
+
+// The patch_states states nearest to states[middle], by distance from it.
+std::vector<State> patch_about(std::span<const State> states, std::size_t middle) {
+  std::vector<std::size_t> order(states.size());
+  std::iota(order.begin(), order.end(), std::size_t{0});
+  const auto distance = [&](std::size_t i) { return (states[i].at - states[middle].at).squaredNorm(); };
+  std::ranges::nth_element(order, order.begin() + patch_states, {}, distance);
+  order.resize(patch_states);
+  std::ranges::stable_sort(order, {}, distance);
+  std::vector<State> near;
+  for (const std::size_t i : order) near.push_back(states[i]);
+  return near;
+}
+
+// Patches about states that lie far from each other.
+void add_patches(std::span<const State> states, std::span<const double> wanted, double spacing,
+                 Trials& trials) {
+  std::vector<double> away(states.size(), infinite);
+  std::size_t middle = 0;
+  for (std::size_t patch = 0; patch < patches; ++patch) {
+    add_groups(patch_about(states, middle), 0.5, wanted, spacing, trials);
+    for (std::size_t i = 0; i < states.size(); ++i)
+      away[i] = std::min(away[i], (states[i].at - states[middle].at).squaredNorm());
+    middle = static_cast<std::size_t>(std::ranges::max_element(away) - away.begin());
+  }
+}
+
+// The directions in which places outside are wanted.
+std::vector<Vec3> directions_of(std::span<const SeenPlace> outside) {
+  std::array<std::size_t, Onlooker::directions> count{};
+  for (const SeenPlace& place : outside) ++count[place.direction];
+  std::vector<Vec3> found;
+  for (std::size_t i = 0; i < count.size(); ++i)
+    if (static_cast<double>(count[i]) > least_direction * static_cast<double>(outside.size()))
+      found.push_back(all_directions()[i]);
+  return found;
+}
+
+// Leaves out the states within `depth` of the outermost one along u, but at most half of them.
+void add_cap(std::span<const State> states, const Vec3& u, double depth, double spacing, Trials& trials) {
+  const auto along = [&](const State& s) { return u.dot(s.at); };
+  const auto outermost = std::ranges::max_element(states, {}, along);
+  std::vector<State> patch;
+  if (states.size() > most_whole) {
+    patch = patch_about(states, static_cast<std::size_t>(outermost - states.begin()));
+    states = patch;
+  }
+  std::vector<double> depths;
+  for (const State& state : states) depths.push_back(along(*outermost) - along(state));
+  const double limit = along(*outermost) - std::min(depth, median(std::move(depths)));
+  Trial trial{
+      .known = std::make_unique<StateSpace>(StateSpaceOptions{.spacing = spacing}), .held = {}, .seen = {}};
+  for (const State& state : states) {
+    if (along(state) > limit)
+      trial.held.push_back(without_displacements(state));
+    else
+      trial.known->insert(without_displacements(state));
+  }
+  if (trial.known->size() < least_known) return;
+  ++trials.groups;
+  trial.cap = true;
+  add_trial(std::move(trial), trials);
+}
+
+// Keeps only positions inside.
+void remove_outside(Trial& trial) {
+  Trial kept{.known = std::move(trial.known), .held = {}, .seen = {}};
+  for (std::size_t i = 0; i < trial.held.size(); ++i) {
+    if (trial.seen[i].outside) continue;
+    kept.held.push_back(std::move(trial.held[i]));
+    kept.seen.push_back(trial.seen[i]);
+  }
+  trial = std::move(kept);
+}
+
+void add_caps(std::span<const State> states, std::span<const SeenPlace> wanted, double spacing,
+              Trials& trials) {
+  std::vector<SeenPlace> outside;
+  std::ranges::copy_if(wanted, std::back_inserter(outside), &SeenPlace::outside);
+  if (outside.empty()) {  // borders left out with a group count as all others
+    for (Trial& trial : trials.each)
+      for (SeenPlace& place : trial.seen) place.outside = false;
+    return;
+  }
+  std::vector<double> beyond;
+  for (const SeenPlace& place : outside) beyond.push_back(place.beyond);
+  double depth = 0.999 * median(std::move(beyond));  // a whole layer of a lattice, not two
+  const std::size_t groups = trials.each.size(), counted = trials.groups;
+  for (int deeper = 0; deeper < most_deeper; ++deeper, depth *= 2) {
+    trials.each.resize(groups);
+    trials.groups = counted;
+    for (const Vec3& u : directions_of(outside)) add_cap(states, u, depth, spacing, trials);
+    std::ptrdiff_t held_outside = 0;
+    for (const Trial& trial : std::span(trials.each).subspan(groups))
+      held_outside += std::ranges::count_if(trial.seen, &SeenPlace::outside);
+    if (held_outside >= enough_outside) break;
+  }
+  if (trials.each.size() == groups) return;
+  // Corners left out with a group are near most of their face. Caps alone show extrapolation.
+  for (std::size_t t = 0; t < groups; ++t) remove_outside(trials.each[t]);
+  trials.positions = 0;
+  for (const Trial& trial : trials.each) trials.positions += trial.held.size();
+}
+
+}  // namespace
+
+Onlooker::Onlooker(const StateSpace& space) : space_(&space) {
+  farthest_.fill(-infinite);
+  for (std::uint32_t id = 0; id < space.size(); ++id)
+    for (std::size_t k = 0; k < directions; ++k)
+      farthest_[k] = std::max(farthest_[k], all_directions()[k].dot(space[StateId{id}].at));
+}
+
+SeenPlace Onlooker::operator()(const Vec3& x) const {
+  std::vector<StateId> nearest;
+  space_->nearest(x, 1, nearest);
+  SeenPlace place{.away = (x - (*space_)[nearest.front()].at).norm(), .beyond = -infinite};
+  for (std::size_t k = 0; k < directions; ++k) {
+    const double beyond = all_directions()[k].dot(x) - farthest_[k];
+    if (beyond > place.beyond) {
+      place.beyond = beyond;
+      place.direction = k;
+    }
+  }
+  place.outside = place.beyond > 0.25 * space_->options().spacing;
+  return place;
+}
+
+Trials leave_out(std::span<const State> states, std::span<const SeenPlace> wanted, double spacing) {
+  Trials trials;
+  std::vector<double> inside;
+  for (const SeenPlace& place : wanted)
+    if (!place.outside) inside.push_back(place.away);
+  if (states.size() <= most_whole)
+    add_groups(states, 1, inside, spacing, trials);
+  else
+    add_patches(states, inside, spacing, trials);
+  if (!trials.each.empty()) add_caps(states, wanted, spacing, trials);
+  return trials;
+}
+
+std::size_t count_beyond(std::span<const SeenPlace> held, std::span<const SeenPlace> wanted) {
+  double farthest[2] = {-1, -1};
+  for (const SeenPlace& h : held) farthest[h.outside] = std::max(farthest[h.outside], h.away);
+  return static_cast<std::size_t>(
+      std::ranges::count_if(wanted, [&](const SeenPlace& w) { return w.away > farthest[w.outside]; }));
+}
+
+std::vector<double> expected_quantiles(std::span<const double> errors, std::span<const SeenPlace> held,
+                                       std::span<const SeenPlace> wanted, std::span<const double> shares) {
+  std::vector<double> pooled;
+  if (wanted.empty()) pooled.assign(errors.begin(), errors.end());
+  const std::size_t stride = std::max<std::size_t>(1, wanted.size() / most_wanted);
+  for (const bool outside : {false, true}) {
+    const auto depth = [&](const SeenPlace& place) { return outside ? place.beyond : place.away; };
+    std::vector<std::pair<double, double>> by_depth;  // and error
+    for (std::size_t i = 0; i < errors.size(); ++i)
+      if (held[i].outside == outside) by_depth.emplace_back(depth(held[i]), errors[i]);
+    if (by_depth.empty()) continue;
+    std::ranges::sort(by_depth);
+    const std::size_t around = outside ? std::min(beside, by_depth.size() / 4) : beside;
+    const std::size_t count = std::min(2 * around + 1, by_depth.size());
+    for (std::size_t i = 0; i < wanted.size(); i += stride) {
+      if (wanted[i].outside != outside) continue;
+      const auto at =
+          std::ranges::lower_bound(by_depth, depth(wanted[i]), {}, &std::pair<double, double>::first);
+      const auto rank = static_cast<std::size_t>(at - by_depth.begin());
+      // Equally deep ones are ordered by their errors: all of them take part, evenly drawn.
+      std::size_t first = std::min(rank > around ? rank - around : 0, by_depth.size() - count);
+      std::size_t last = first + count - 1;
+      while (first > 0 && by_depth[first - 1].first == by_depth[first].first) --first;
+      while (last + 1 < by_depth.size() && by_depth[last + 1].first == by_depth[last].first) ++last;
+      for (std::size_t k = 0; k < count; ++k)
+        pooled.push_back(by_depth[first + (count > 1 ? k * (last - first) / (count - 1) : 0)].second);
+    }
+  }
+  std::vector<double> quantiles;
+  for (const double share : shares)
+    quantiles.push_back(pooled.empty() ? unknown : quantile_of(pooled, share));
+  return quantiles;
+}
+
+}  // namespace forefeel

@@ -1,0 +1,270 @@
+#include "approx/error/offline_bar.hpp"
+
+#include <algorithm>
+#include <cmath>
+#include <limits>
+
+#include "approx/error/error_scale.hpp"
+#include "approx/model/updater.hpp"
+#include "geometry/common/quantiles.hpp"
+#include "geometry/common/tolerance.hpp"
+
+namespace forefeel {
+namespace {
+
+constexpr double no_bar = std::numeric_limits<double>::infinity();
+constexpr std::size_t least_states = 8, least_checks = 20, least_of_label = 30, most_samples = 800;
+constexpr double constants[] = {0, 0.1, 0.3, 1, 3};  // b, in median errors
+constexpr std::size_t scored_level = 1;              // of bar_levels: 95 %
+
+// The ceil((n + 1) p)-th least of n scores; no_bar if there are fewer.
+double conformal_quantile(std::vector<double>& scores, double p) {
+  const auto rank = static_cast<std::size_t>(std::ceil((static_cast<double>(scores.size()) + 1) * p - 1e-9));
+  if (rank > scores.size()) return no_bar;
+  const auto at = scores.begin() + static_cast<std::ptrdiff_t>(rank - 1);
+  std::ranges::nth_element(scores, at);
+  return *at;
+}
+
+using Factors = std::array<std::array<BarWidths, 4>, 2>;
+
+// The scores of samples inside (0) and outside (1), of each label and of all.
+struct Scores {
+  std::array<std::array<std::vector<double>, 4>, 2> of_label;
+  std::array<std::vector<double>, 2> all;
+};
+
+Scores scores_of(std::span<const BarSample> samples, double constant, std::optional<std::uint32_t> but) {
+  Scores scores;
+  for (const BarSample& s : samples) {
+    if (but == s.part) continue;
+    const double score = s.error > 0 ? s.error / (s.scale + constant) : 0;
+    scores.all[s.seen.outside].push_back(score);
+    scores.of_label[s.seen.outside][static_cast<std::size_t>(s.label)].push_back(score);
+  }
+  return scores;
+}
+
+// Factors q inside and outside, of each label, from all samples except those of part `but`.
+Factors factors_of(std::span<const BarSample> samples, double constant, std::optional<std::uint32_t> but) {
+  Scores scores = scores_of(samples, constant, but);
+  std::vector<double> every = scores.all[0];
+  every.insert(every.end(), scores.all[1].begin(), scores.all[1].end());
+  const double most_outside = scores.all[1].empty() ? 0 : *std::ranges::max_element(scores.all[1]);
+  Factors factors;
+  for (const bool outside : {false, true})
+    for (std::size_t label = 0; label < 4; ++label)
+      for (std::size_t level = 0; level < bar_levels.size(); ++level) {
+        std::vector<double>& own = scores.of_label[outside][label];
+        double& q = factors[outside][label][level] = no_bar;
+        if (own.size() >= least_of_label) q = conformal_quantile(own, bar_levels[level]);
+        if (std::isinf(q)) q = conformal_quantile(scores.all[outside], bar_levels[level]);
+        if (std::isinf(q) && !outside) q = conformal_quantile(every, bar_levels[level]);
+        // Too few outside: at least the worst of them. The bar of a sample itself is then not known.
+        if (std::isinf(q) && outside && !but)
+          q = std::max(most_outside, conformal_quantile(every, bar_levels[level]));
+        if (level > 0) q = std::max(q, factors[outside][label][level - 1]);
+      }
+  return factors;
+}
+
+BarWidths times(BarWidths factors, double scale) {
+  for (double& q : factors) q *= scale;
+  return factors;
+}
+
+// Bars of each sample from the scores of the other parts.
+void fill_bars(std::vector<BarSample>& samples, double constant) {
+  std::uint32_t parts = 0;
+  for (const BarSample& s : samples) parts = std::max(parts, s.part + 1);
+  for (std::uint32_t part = 0; part < parts; ++part) {
+    const Factors factors = factors_of(samples, constant, part);
+    for (BarSample& s : samples)
+      if (s.part == part)
+        s.bar = times(factors[s.seen.outside][static_cast<std::size_t>(s.label)], s.scale + constant);
+  }
+}
+
+// Sum of the interval scores of the bars of 95 %: their width, plus 2 / 0.05 times the excess of the error over the
+// half-width.
+double interval_score(std::span<const BarSample> samples) {
+  double sum = 0;
+  for (const BarSample& s : samples) {
+    const double bar = s.bar[scored_level];
+    sum += 2 * bar + 2 / (1 - bar_levels[scored_level]) * std::max(0.0, s.error - bar);
+  }
+  return sum;
+}
+
+template <class Counts>
+BarCover cover_of(std::span<const BarSample> samples, Counts counts) {
+  BarCover found;
+  std::array<std::size_t, bar_levels.size()> inside{}, known{};
+  std::vector<double> widths;
+  for (const BarSample& s : samples) {
+    if (!counts(s)) continue;
+    ++found.samples;
+    widths.push_back(s.bar[scored_level]);
+    for (std::size_t level = 0; level < inside.size(); ++level) {
+      known[level] += std::isfinite(s.bar[level]);
+      inside[level] += std::isfinite(s.bar[level]) && s.error <= s.bar[level];
+    }
+  }
+  if (found.samples == 0) return found;
+  for (std::size_t level = 0; level < inside.size(); ++level)
+    if (known[level] > 0)
+      found.inside[level] = static_cast<double>(inside[level]) / static_cast<double>(known[level]);
+  found.width_p50 = median(std::move(widths));
+  return found;
+}
+
+Model model_of_all(const StateSpace& known, const ModelOptions& options) {
+  std::vector<State> states;
+  Vec3 middle = Vec3::Zero();
+  for (std::uint32_t id = 0; id < known.size(); ++id) {
+    states.push_back(known[StateId{id}]);
+    middle += states.back().at / static_cast<double>(known.size());
+  }
+  return fit_model(states, options, middle);
+}
+
+// The model of some known states at one place after the other.
+class KnownModel {
+ public:
+  KnownModel(const StateSpace& known, const OfflineBarOptions& options)
+      : known_(known), all_(options.all), updater_(known, fewer(options.model, known)) {
+    if (all_) model_ = model_of_all(known, options.model);
+  }
+  BarSample sample(const State& held) {
+    if (!all_) {
+      updater_.forget();
+      updater_.update(held.at, model_);
+    }
+    const Vec3 force = model_.force(held.at);
+    const Coverage coverage = known_.coverage(held.at);
+    return {.at = held.at,
+            .force = held.force.norm(),
+            .predicted = force.norm(),
+            .label = coverage.label,
+            .spread = coverage.spread,
+            .seen = {.away = coverage.delta},
+            .scale = scale_at(known_, held.at, force),
+            .error = (force - held.force).norm()};
+  }
+
+ private:
+  static ModelOptions fewer(ModelOptions model, const StateSpace& known) {
+    model.neighbours = std::min(model.neighbours, known.size());
+    return model;
+  }
+  const StateSpace& known_;
+  bool all_;
+  ModelUpdater updater_;
+  Model model_;
+};
+
+// Every `stride`-th force left out of one trial.
+std::vector<BarSample> samples_of(const Trial& trial, std::uint32_t part, const OfflineBarOptions& options,
+                                  std::size_t stride) {
+  KnownModel model(*trial.known, options);
+  std::vector<BarSample> samples;
+  for (std::size_t i = part % stride; i < trial.held.size(); i += stride) {
+    BarSample sample = model.sample(trial.held[i]);
+    sample.seen = trial.seen[i];
+    sample.part = part;
+    if (std::isfinite(sample.scale) && std::isfinite(sample.error)) samples.push_back(sample);
+  }
+  return samples;
+}
+
+}  // namespace
+
+OfflineBars::OfflineBars(std::vector<BarSample> samples) : samples_(std::move(samples)) {
+  if (samples_.empty()) return;
+  std::vector<double> errors;
+  for (const BarSample& s : samples_) errors.push_back(s.error);
+  const double usual = median(std::move(errors));
+  double best = no_bar;
+  for (const double share : constants) {
+    fill_bars(samples_, share * usual);
+    const double score = interval_score(samples_);
+    if (score < best) {
+      best = score;
+      constant_ = share * usual;
+    }
+  }
+  fill_bars(samples_, constant_);
+  factors_ = factors_of(samples_, constant_, {});
+}
+
+BarWidths OfflineBars::at(Label label, bool outside, double scale) const {
+  BarWidths none;
+  none.fill(no_bar);
+  if (samples_.empty() || !(scale >= 0)) return none;
+  return times(factors_[outside][static_cast<std::size_t>(label)], scale + constant_);
+}
+
+BarCover OfflineBars::cover(std::optional<Label> label) const {
+  return cover_of(samples_, [&](const BarSample& s) { return !label || s.label == *label; });
+}
+
+BarCover OfflineBars::cover_outside() const {
+  return cover_of(samples_, [](const BarSample& s) { return s.seen.outside; });
+}
+
+OfflineBars measure_bars(std::span<const State> states, const OfflineBarOptions& options) {
+  if (states.size() < least_states) return {};
+  const Trials trials = leave_out(states, options.wanted, options.spacing);
+  const std::size_t stride = std::max<std::size_t>(1, trials.positions / most_samples);
+  std::vector<std::vector<BarSample>> parts(trials.each.size());
+#pragma omp parallel for schedule(dynamic, 1)
+  for (std::size_t t = 0; t < parts.size(); ++t)
+    parts[t] = samples_of(trials.each[t], static_cast<std::uint32_t>(t), options, stride);
+  std::vector<BarSample> samples;
+  for (const std::vector<BarSample>& part : parts) samples.insert(samples.end(), part.begin(), part.end());
+  return OfflineBars(std::move(samples));
+}
+
+double checked_scale(const Vec3& force) {
+  return std::max(force.norm(), Tolerance().floor);
+}
+
+OfflineBars checked_bars(const StateSpace& known, std::span<const State> checks,
+                         const OfflineBarOptions& options) {
+  OfflineBars bars;
+  if (checks.size() < least_checks || known.empty()) return bars;
+  KnownModel model(known, options);
+  std::vector<double> scores;
+  for (std::size_t i = 0; i < checks.size(); ++i) {
+    BarSample sample = model.sample(checks[i]);
+    sample.scale = std::max(sample.predicted, Tolerance().floor);
+    sample.part = static_cast<std::uint32_t>(i);
+    if (!std::isfinite(sample.error)) continue;
+    bars.samples_.push_back(sample);
+    scores.push_back(sample.error / sample.scale);
+  }
+  std::vector<double> others;
+  for (std::size_t level = 0; level < bar_levels.size(); ++level) {
+    for (auto& of_labels : bars.factors_)
+      for (BarWidths& factors : of_labels)
+        factors[level] = quantile_of(scores, bar_levels[level], QuantileRule::inverted_cdf);
+    for (std::size_t i = 0; i < scores.size(); ++i) {  // each with the factor of the others
+      others = scores;
+      others.erase(others.begin() + static_cast<std::ptrdiff_t>(i));
+      bars.samples_[i].bar[level] =
+          bars.samples_[i].scale * quantile_of(others, bar_levels[level], QuantileRule::inverted_cdf);
+    }
+  }
+  bars.checked_ = true;
+  return bars;
+}
+
+double scale_at(const StateSpace& space, const Vec3& x, const Vec3& force) {
+  std::vector<StateId> ids;
+  space.nearest(x, ErrorScale::most, ids);
+  std::vector<State> near;
+  for (const StateId id : ids) near.push_back(space[id]);
+  return ErrorScale(near, space.options().spacing).at(x, force);
+}
+
+}  // namespace forefeel

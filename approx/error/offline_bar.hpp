@@ -1,0 +1,97 @@
+#pragma once
+// Error bars of a model f~ made offline from known states: half-widths e_p(x) [N] such that |f~(x) - f(x)| <= e_p(x)
+// at the share p of the places, for each p of bar_levels. Method: split conformal prediction, normalised (Papadopoulos
+// et al. 2002) and by label (Vovk et al., Algorithmic Learning in a Random World, 2005, ch. 4):
+//   e_p(x) = q_p (s(x) + b),   q_p: the ceil((n + 1) p)-th least of n scores |f~_i - f_i| / (s(x_i) + b)
+// The scores are those of known forces f_i that are left out in groups of neighbouring positions (left_out.hpp). They
+// are as far from the remaining states as the wanted places are from all states. s [N]: scale of the error
+// (bar/error_scale.hpp), from the 16 states nearest to x. b [N]: the part of the error that does not shrink near a
+// state, such as noise. b is 0, 0.1, 0.3, 1 or 3 times the median error: the value whose bars of 95 % have the least
+// interval score (Gneiting, Raftery 2007, Eq. 43).
+// Where solves at random places of a box are given that are no states (check solves), their errors are the scores, and
+//   s(x) = max(|f~(x)|, f0), f0 = 0.05 N,   b = 0,
+//   q_p: the ceil(n p)-th least of all n scores |f~_i - f_i| / max(|f~_i|, f0)
+// A set made to hold an error E at 95 % of the box (scheduling/placement) so has bars of 95 % of at most E in all of it.
+// Places inside the states and places outside them (left_out.hpp) have scores of their own, because extrapolation is
+// worse than interpolation at the same distance. A label uses the scores of all labels if it has fewer than 30 of its
+// own, or too few for a level. If all labels together have too few, the bar is infinite: a level p needs p / (1 - p)
+// scores, 99 of them for 99 %. Outside, too few are replaced by those of all places, at least by the largest outside.
+
+#include <array>
+#include <cstddef>
+#include <optional>
+#include <span>
+#include <vector>
+
+#include "approx/error/conformal_factors.hpp"
+#include "approx/error/left_out.hpp"
+#include "approx/model/model_options.hpp"
+#include "geometry/coverage/state_space.hpp"
+
+namespace forefeel {
+
+using BarWidths = std::array<double, bar_levels.size()>;  // [N], of each level
+
+// One force left out, and how well the others predict it.
+struct BarSample {
+  Vec3 at = Vec3::Zero();           // [m]
+  double force = 0, predicted = 0;  // |f|, |f~| [N]
+  Label label = Label::blank;       // of its position, with its part left out
+  double spread = unknown;          // the same [m]; infinite: not between the remaining states
+  SeenPlace seen = {};              // from the remaining states
+  double scale = 0, error = 0;      // s, |f~ - f| [N]
+  std::uint32_t part = 0;           // forces of one part are left out together
+  BarWidths bar{};                  // from the scores of the other parts
+};
+
+// How well bars from the other parts cover the samples.
+struct BarCover {
+  std::size_t samples = 0;
+  std::array<double, bar_levels.size()> inside{unknown, unknown,
+                                               unknown};  // share inside of those with a bar [1]; NaN: none
+  double width_p50 = unknown;                             // median half-width of 95 % [N]
+};
+
+struct OfflineBarOptions;
+
+class OfflineBars {
+ public:
+  OfflineBars() = default;  // without samples: all bars are infinite
+  explicit OfflineBars(std::vector<BarSample> samples);
+
+  BarWidths at(Label label, bool outside, double scale) const;  // outside: of the states; scale: s(x) [N]
+  double constant() const { return constant_; }                 // b [N]
+  bool checked() const { return checked_; }                     // from check solves
+  std::span<const BarSample> samples() const { return samples_; }
+  BarCover cover(std::optional<Label> label = {}) const;  // of all, or of one label
+  BarCover cover_outside() const;                         // of those outside the others
+
+ private:
+  friend OfflineBars checked_bars(const StateSpace& known, std::span<const State> checks,
+                                  const OfflineBarOptions& options);
+  std::vector<BarSample> samples_;
+  bool checked_ = false;
+  double constant_ = 0;
+  std::array<std::array<BarWidths, 4>, 2> factors_{};  // inside and outside, by label
+};
+
+// How the wanted places are evaluated, and where they lie.
+struct OfflineBarOptions {
+  ModelOptions model = {};
+  bool all = false;                        // one model of all states
+  double spacing = 0.006;                  // h [m]
+  std::span<const SeenPlace> wanted = {};  // where the bars are wanted; empty: not known
+};
+
+// states: usable ones, one at each position. No samples with fewer than 8 states or 3 groups.
+OfflineBars measure_bars(std::span<const State> states, const OfflineBarOptions& options);
+
+// The same from check solves; no samples with fewer than 20.
+OfflineBars checked_bars(const StateSpace& known, std::span<const State> checks,
+                         const OfflineBarOptions& options);
+double checked_scale(const Vec3& force);  // s(x) [N]
+
+// s(x) [N] of a model with the force f~(x) [N], from the states of a space nearest to x.
+double scale_at(const StateSpace& space, const Vec3& x, const Vec3& force);
+
+}  // namespace forefeel

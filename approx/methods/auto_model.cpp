@@ -1,0 +1,276 @@
+#include "approx/methods/auto_model.hpp"
+
+#include <omp.h>
+
+#include <algorithm>
+#include <array>
+#include <cmath>
+#include <functional>
+#include <limits>
+#include <vector>
+
+#include "approx/error/left_out.hpp"
+#include "approx/model/updater.hpp"
+#include "geometry/common/quantiles.hpp"
+
+namespace forefeel {
+namespace {
+
+constexpr std::size_t most_for_all = 1000;  // states for a model of all
+constexpr std::size_t first_positions = 60, most_positions = 300;
+constexpr std::size_t first_trials = 3;
+constexpr std::size_t finalists = 3;
+constexpr double ridge_gain = 1.02;  // a ridge is used if the error without it is larger by this factor
+
+struct Candidate {
+  ModelOptions model;
+  bool all = false;  // all states in one model
+  double score = std::numeric_limits<double>::infinity();
+};
+
+// The model of all states at once, about their middle.
+Model model_of_all(std::span<const State> states, const ModelOptions& options) {
+  Vec3 middle = Vec3::Zero();
+  for (const State& s : states) middle += s.at / static_cast<double>(states.size());
+  return fit_model(states, options, middle);
+}
+
+// |f - f~| at every `stride`-th position left out [N].
+std::vector<double> misses(const Trial& trial, const Candidate& candidate, std::size_t stride) {
+  std::vector<double> out;
+  const auto add = [&](const Model& model, const State& held) {
+    out.push_back((model.force(held.at) - held.force).norm());
+  };
+  if (candidate.all) {
+    std::vector<State> known;
+    for (std::uint32_t id = 0; id < trial.known->size(); ++id) known.push_back((*trial.known)[StateId{id}]);
+    const Model model = model_of_all(known, candidate.model);
+    for (std::size_t i = 0; i < trial.held.size(); i += stride) add(model, trial.held[i]);
+    return out;
+  }
+  ModelOptions options = candidate.model;
+  options.neighbours = std::min(options.neighbours, trial.known->size());
+  ModelUpdater updater(*trial.known, options);
+  Model model;
+  for (std::size_t i = 0; i < trial.held.size(); i += stride) {
+    updater.forget();
+    updater.update(trial.held[i].at, model);
+    add(model, trial.held[i]);
+  }
+  return out;
+}
+
+// Which positions are tried: every `stride`-th of these trials.
+struct Sampling {
+  std::vector<std::size_t> trials;
+  std::size_t stride = 1;
+};
+
+// most_trials: of caps and of other trials each.
+Sampling sampling(const Trials& trials, std::size_t most_trials, std::size_t most) {
+  Sampling of;
+  for (const bool cap : {false, true}) {
+    std::vector<std::size_t> kind;
+    for (std::size_t t = 0; t < trials.each.size(); ++t)
+      if (trials.each[t].cap == cap) kind.push_back(t);
+    const std::size_t step = std::max<std::size_t>(1, (kind.size() + most_trials - 1) / most_trials);
+    for (std::size_t i = 0; i < kind.size(); i += step) of.trials.push_back(kind[i]);
+  }
+  std::size_t positions = 0;
+  for (const std::size_t t : of.trials) positions += trials.each[t].held.size();
+  of.stride = std::max<std::size_t>(1, positions / most);
+  return of;
+}
+
+// Errors of each candidate over the trials.
+std::vector<std::vector<double>> misses(const Trials& trials, std::span<const Candidate> candidates,
+                                        const Sampling& of, const std::function<void(double)>& show) {
+  const std::size_t count = of.trials.size();
+  std::vector<std::vector<double>> parts_of(count * candidates.size());
+  std::size_t done = 0;
+#pragma omp parallel for schedule(dynamic, 1)
+  for (std::size_t k = 0; k < parts_of.size(); ++k) {
+    parts_of[k] = misses(trials.each[of.trials[k % count]], candidates[k / count], of.stride);
+    std::size_t now = 0;
+#pragma omp atomic capture
+    now = ++done;
+    if (show && omp_get_thread_num() == 0)
+      show(static_cast<double>(now) / static_cast<double>(parts_of.size()));
+  }
+  std::vector<std::vector<double>> out(candidates.size());
+  for (std::size_t k = 0; k < parts_of.size(); ++k)
+    out[k / count].insert(out[k / count].end(), parts_of[k].begin(), parts_of[k].end());
+  return out;
+}
+
+// The positions of misses(), in its order.
+std::vector<SeenPlace> positions(const Trials& trials, const Sampling& of) {
+  std::vector<SeenPlace> seen;
+  for (const std::size_t t : of.trials)
+    for (std::size_t i = 0; i < trials.each[t].seen.size(); i += of.stride)
+      seen.push_back(trials.each[t].seen[i]);
+  return seen;
+}
+
+// Root mean square of the errors. Those outside count by the share of wanted places there.
+double score(const std::vector<double>& errors, const std::vector<SeenPlace>& seen, double outside) {
+  double sum[2] = {}, count[2] = {};
+  for (std::size_t i = 0; i < errors.size(); ++i) {
+    sum[seen[i].outside] += errors[i] * errors[i];
+    count[seen[i].outside] += 1;
+  }
+  if (count[0] == 0 || count[1] == 0 || outside == 0)
+    return std::sqrt((sum[0] + sum[1]) / static_cast<double>(errors.size()));
+  return std::sqrt((1 - outside) * sum[0] / count[0] + outside * sum[1] / count[1]);
+}
+
+double share_outside(std::span<const SeenPlace> wanted) {
+  if (wanted.empty()) return 0;
+  return static_cast<double>(std::ranges::count_if(wanted, &SeenPlace::outside)) /
+         static_cast<double>(wanted.size());
+}
+
+// Scores the candidates on some positions and sorts them, the best first; equal ones keep their order.
+void sort_by_score(const Trials& trials, double outside, std::vector<Candidate>& candidates,
+                   const std::function<void(double)>& show) {
+  const Sampling some = sampling(trials, first_trials, first_positions);
+  const std::vector<SeenPlace> seen = positions(trials, some);
+  const std::vector<std::vector<double>> errors = misses(trials, candidates, some, show);
+  for (std::size_t c = 0; c < candidates.size(); ++c) candidates[c].score = score(errors[c], seen, outside);
+  std::ranges::stable_sort(candidates, {}, &Candidate::score);
+}
+
+bool has_stiffness(std::span<const State> states) {
+  return std::ranges::any_of(states, &State::has_stiffness);
+}
+
+// Numbers of neighbours to try by one rule. 0: all states in one model.
+std::vector<std::size_t> sizes_to_try(Select select, Data data, std::size_t states,
+                                      const AutoModelOptions& options) {
+  if (options.neighbours) return {*options.neighbours};
+  const std::size_t rows = data == Data::force ? 1 : 4;
+  std::vector<std::size_t> sizes{25, 50};
+  const bool all = select == Select::nearest && rows * states <= most_for_all;
+  if (select == Select::nearest && data == Data::force) sizes.push_back(100);
+  if (select == Select::nearest && data == Data::force && !all) sizes.push_back(200);
+  std::erase_if(sizes, [&](std::size_t n) { return n >= states; });
+  if (all) sizes.push_back(0);
+  if (sizes.empty()) sizes.push_back(std::min<std::size_t>(states, 25));
+  return sizes;
+}
+
+// Kernels and neighbour sets, without a ridge.
+std::vector<Candidate> sets_to_try(std::span<const State> states, const AutoModelOptions& options) {
+  const Data data = options.data.value_or(has_stiffness(states) ? Data::force_and_stiffness : Data::force);
+  std::vector<Candidate> sets;
+  for (const Kernel kernel : {Kernel::linear, Kernel::cubic, Kernel::quintic}) {
+    if (options.kernel && *options.kernel != kernel) continue;
+    if (kernel == Kernel::linear && data == Data::force_and_stiffness) continue;
+    for (const Select select : {Select::nearest, Select::label}) {
+      if (options.select && *options.select != select) continue;
+      for (const std::size_t n : sizes_to_try(select, data, states.size(), options))
+        sets.push_back({.model = {.kernel = kernel,
+                                  .data = data,
+                                  .neighbours = n > 0 ? n : states.size(),
+                                  .select = select},
+                        .all = n == 0});
+    }
+  }
+  return sets;
+}
+
+std::vector<Candidate> with_ridges(const std::vector<Candidate>& sets, const std::optional<double>& given,
+                                   std::initializer_list<double> ridges) {
+  std::vector<Candidate> all;
+  for (Candidate candidate : sets) {
+    for (const double ridge : ridges) {
+      candidate.model.ridge = given.value_or(ridge);
+      all.push_back(candidate);
+      if (given) break;
+    }
+  }
+  return all;
+}
+
+// The best candidates of different sets.
+std::vector<Candidate> best_sets(const std::vector<Candidate>& sorted, std::size_t count) {
+  std::vector<Candidate> best;
+  const auto same = [](const Candidate& a, const Candidate& b) {
+    return a.model.kernel == b.model.kernel && a.model.neighbours == b.model.neighbours &&
+           a.model.select == b.model.select;
+  };
+  for (const Candidate& c : sorted) {
+    if (std::ranges::any_of(best, [&](const Candidate& b) { return same(b, c); })) continue;
+    best.push_back(c);
+    if (best.size() == count) break;
+  }
+  return best;
+}
+
+// The candidate with the least score; one without a ridge if it is about as good.
+std::size_t best_of(const std::vector<Candidate>& candidates, const std::vector<std::vector<double>>& errors,
+                    const std::vector<SeenPlace>& seen, double outside) {
+  std::vector<double> scores;
+  for (const std::vector<double>& of : errors) scores.push_back(score(of, seen, outside));
+  const auto best = static_cast<std::size_t>(std::ranges::min_element(scores) - scores.begin());
+  if (candidates[best].model.ridge > 0)
+    for (std::size_t c = 0; c < candidates.size(); ++c)
+      if (candidates[c].model.ridge == 0 && scores[c] <= ridge_gain * scores[best]) return c;
+  return best;
+}
+
+ModelOptions defaults(std::span<const State> states, const AutoModelOptions& options) {
+  const bool stiffness = has_stiffness(states);
+  ModelOptions model;
+  model.kernel = options.kernel.value_or(stiffness ? Kernel::quintic : Kernel::cubic);
+  model.data = options.data.value_or(stiffness && model.kernel != Kernel::linear ? Data::force_and_stiffness
+                                                                                 : Data::force);
+  model.neighbours =
+      std::clamp<std::size_t>(options.neighbours.value_or(model.data == Data::force ? 100 : 25), 1,
+                              std::max<std::size_t>(1, states.size()));
+  model.select = options.select.value_or(Select::label);
+  model.ridge = options.ridge.value_or(0);
+  return model;
+}
+
+}  // namespace
+
+AutoModel choose_model(std::span<const State> states, const AutoModelOptions& options) {
+  AutoModel chosen{.model = defaults(states, options)};
+  if (states.size() < 8) return chosen;
+  const Trials trials = leave_out(states, options.wanted, options.spacing);
+  const double outside = share_outside(options.wanted);
+  std::vector<Candidate> candidates = sets_to_try(states, options);
+  if (trials.each.empty() || candidates.empty()) return chosen;
+  const auto stage = [&](double from, double to) -> std::function<void(double)> {
+    if (!options.progress) return {};
+    return [&options, from, to](double share) { options.progress(from + (to - from) * share); };
+  };
+  candidates = with_ridges(candidates, options.ridge, {0, 1e-4, 1e-2});
+  sort_by_score(trials, outside, candidates, stage(0, 0.4));
+  candidates = with_ridges(best_sets(candidates, finalists), options.ridge,
+                           {0, 1e-8, 1e-6, 1e-5, 1e-4, 3e-4, 1e-3, 3e-3, 1e-2, 3e-2, 1e-1});
+  sort_by_score(trials, outside, candidates, stage(0.4, 0.7));
+  candidates.resize(std::min(finalists, candidates.size()));
+  if (!options.ridge && candidates.front().model.ridge > 0) {
+    candidates.insert(candidates.begin(), candidates.front());
+    candidates.front().model.ridge = 0;
+  }
+  const Sampling all = sampling(trials, trials.each.size(), most_positions);
+  const std::vector<std::vector<double>> errors = misses(trials, candidates, all, stage(0.7, 1));
+  const std::vector<SeenPlace> seen = positions(trials, all);
+  const std::size_t best = best_of(candidates, errors, seen, outside);
+  chosen.model = candidates[best].model;
+  chosen.model.neighbours = std::min(chosen.model.neighbours, states.size());
+  chosen.all = candidates[best].all;
+  const std::vector<double> expected =
+      expected_quantiles(errors[best], seen, options.wanted, std::array{0.5, 0.95});
+  chosen.p50 = expected[0];
+  chosen.p95 = expected[1];
+  chosen.positions = errors[best].size();
+  chosen.groups = trials.groups;
+  chosen.beyond = count_beyond(seen, options.wanted);
+  return chosen;
+}
+
+}  // namespace forefeel

@@ -1,0 +1,49 @@
+#pragma once
+// Chooses a model for a set of states and estimates its error. Some known forces f are held back (left_out.hpp). They
+// are as far from the remaining states as the wanted places are from all states. The remaining states predict the
+// held forces (f~) with the same models that will be used later (ModelUpdater). The candidate with the least root
+// mean square of |f - f~| [N] is chosen. The expected error is the error at held positions that are as far from
+// known states as the wanted places. f is the force as measured, so its noise is part of the error.
+//
+// Candidates: kernels r, r^3, r^5; the nearest 25 to 200 states, 25 or 50 states by label, or one model of all states
+// (at most 1000 rows); ridges from 0 to 0.1. A ridge is used only if it reduces the error by 2 %. All candidates are
+// tried on some of the positions, the best ones on all.
+
+#include <cstddef>
+#include <functional>
+#include <optional>
+#include <span>
+
+#include "approx/error/left_out.hpp"
+#include "approx/model/model_options.hpp"
+#include "geometry/states/state.hpp"
+
+namespace forefeel {
+
+// What the caller has fixed; the rest is chosen.
+struct AutoModelOptions {
+  std::optional<Kernel> kernel = {};
+  std::optional<Data> data = {};  // force+stiffness where the states have it
+  std::optional<std::size_t> neighbours = {};
+  std::optional<Select> select = {};
+  std::optional<double> ridge = {};
+  double spacing = 0.006;  // h of the state space [m]
+  std::span<const SeenPlace> wanted =
+      {};  // where the force is wanted, as seen from the states; empty: not known
+  std::function<void(double)> progress = {};  // called by one thread with the share done
+};
+
+struct AutoModel {
+  ModelOptions model = {};
+  bool all = false;  // one model of all states serves every place (fit_model() about their middle)
+  // Quantiles of |f - f~| at the positions left out [N]; NaN where too few states allow no choice.
+  double p50 = unknown, p95 = unknown;
+  std::size_t positions = 0, groups = 0;  // left out
+  std::size_t beyond =
+      0;  // wanted places farther from the states than any position left out inside, or outside
+};
+
+// states: usable ones, one at each position. With fewer than 8 states or 3 groups the defaults are returned.
+AutoModel choose_model(std::span<const State> states, const AutoModelOptions& options);
+
+}  // namespace forefeel

@@ -1,0 +1,246 @@
+#include "approx/methods/evaluate.hpp"
+
+#include <fmt/format.h>
+
+#include <algorithm>
+#include <chrono>
+#include <cmath>
+
+#include "approx/error/leave_one_out.hpp"
+#include "approx/model/model_options.hpp"
+#include "approx/model/updater.hpp"
+#include "geometry/common/error.hpp"
+#include "geometry/common/quantiles.hpp"
+#include "geometry/coverage/estimate_spacing.hpp"
+
+namespace forefeel {
+namespace {
+
+using Clock = std::chrono::steady_clock;
+double since(Clock::time_point start) {
+  return std::chrono::duration<double>(Clock::now() - start).count();
+}
+
+// One point. Its evaluation is repeated so that the clock resolves its time.
+template <class Field>
+void measure(const Field& field, const Vec3& x, EvaluatedPoints& result) {
+  result.forces.push_back(field.force(x));
+  constexpr int repeats = 16;
+  Vec3 sum = Vec3::Zero();
+  const auto begin = Clock::now();
+  for (int r = 0; r < repeats; ++r) sum += field.force(x);
+  result.evaluate_ns.push_back(sum.allFinite() ? 1e9 * since(begin) / repeats : unknown);
+}
+
+// The kernel used. It is a simpler one if the states do not determine the polynomial (rbf_fit.hpp).
+std::string_view kernel_of(const Model& model) {
+  if (model.is_tangent()) return "tangent";
+  return model.degree() == 0 ? "linear with constant" : name(model.kernel());
+}
+
+// The model's force at one point, its limits, and the kernel after step-down.
+void add_point(const Model& model, const Vec3& x, const ModelOptions& options, EvaluatedPoints& result) {
+  result.kernels.push_back(kernel_of(model));
+  result.stepped_down += result.kernels.back() != name(options.kernel) ? 1 : 0;
+  result.reach.push_back({model.force_bound(), 2 * model.trust_distance(), model.hold_distance()});
+  measure(model, x, result);
+}
+
+EvaluatedPoints evaluate_rbf(const StateSpace& space, std::span<const Vec3> points,
+                             const ModelOptions& options, const ShowPoints& show) {
+  ModelUpdater updater(space, options);
+  Model model;
+  model.reserve(options);
+  EvaluatedPoints result;
+  for (const Vec3& x : points) {
+    UpdateReport report;
+    updater.forget();
+    const auto start = Clock::now();
+    updater.update(x, model, &report);
+    const double seconds = since(start);
+    const bool changed = report.refit || report.replaced > 0;
+    if (changed) result.fit_us.push_back(1e6 * seconds);
+    ++(report.refit ? result.fitted : changed ? result.updated : result.reused);
+    result.labels.push_back(report.label);
+    add_point(model, x, options, result);
+    if (show) show(result.forces.size());
+  }
+  return result;
+}
+
+// One model of all states.
+EvaluatedPoints evaluate_whole(std::span<const State> states, const StateSpace& space,
+                               std::span<const Vec3> points, const ModelOptions& options,
+                               const ShowPoints& show) {
+  Vec3 middle = Vec3::Zero();
+  for (const State& s : states) middle += s.at / static_cast<double>(states.size());
+  EvaluatedPoints result;
+  const auto start = Clock::now();
+  const Model model = fit_model(states, options, middle);
+  result.fit_us.push_back(1e6 * since(start));
+  result.fitted = 1;
+  result.reused = points.size() - 1;
+  for (const Vec3& x : points) {
+    result.labels.push_back(space.label(x));
+    add_point(model, x, options, result);
+    if (show) show(result.forces.size());
+  }
+  return result;
+}
+
+EvaluatedPoints evaluate_older(Method method, std::span<const State> states, const StateSpace& space,
+                               std::span<const Vec3> points, const MethodOptions& options) {
+  EvaluatedPoints result;
+  const auto start = Clock::now();
+  const Approximation field(method, states, options);
+  result.fit_us.push_back(1e6 * since(start));
+  result.fitted = 1;  // one field for all points
+  result.reused = points.size() - 1;
+  for (const Vec3& x : points) {
+    result.labels.push_back(space.coverage(x).label);
+    result.reach.push_back({field.bound(x), unknown, unknown});
+    measure(field, x, result);
+  }
+  return result;
+}
+
+ModelOptions model_options(const EvaluateOptions& options, bool stiffness, std::size_t states) {
+  const bool offline =
+      options.method == Method::offline_rbf;  // one model of all states; forces alone unless data is given
+  ModelOptions model;
+  model.kernel = options.kernel.value_or(stiffness && !offline ? Kernel::quintic : Kernel::cubic);
+  model.data = options.data.value_or(
+      stiffness && !offline && model.kernel != Kernel::linear ? Data::force_and_stiffness : Data::force);
+  model.neighbours = options.neighbours.value_or(model.data == Data::force ? 100 : 25);
+  model.neighbours = std::min(model.neighbours, std::max<std::size_t>(states, 1));
+  model.select = options.select.value_or(Select::label);
+  model.ridge = options.ridge.value_or(0);
+  return model;
+}
+
+// Refuses a model that does not fit into memory, as a session does.
+void check_memory(const ModelOptions& options, std::size_t states) {
+  try {
+    for_states(options, states);
+  } catch (const InputError& error) {
+    throw InputError("--neighbours", error.problem());
+  }
+}
+
+bool is_chosen(const EvaluateOptions& o, bool stiffness) {
+  const bool open = !o.method && !o.kernel && !o.data && !o.neighbours && !o.ridge && !o.choose_ridge;
+  return o.choose.value_or(open && !stiffness);
+}
+
+StateSpace space_of(std::span<const State> states, double spacing) {
+  StateSpace space({.spacing = spacing > 0 ? spacing : StateSpaceOptions{}.spacing});
+  for (const State& state : states) space.insert(state);
+  return space;
+}
+
+EvaluatedBars bars_of(const StateSpace& space, std::span<const State> states, std::span<const Vec3> points,
+                      const EvaluatedPoints& made, const OfflineBarOptions& options,
+                      const EvaluateOptions& given) {
+  const auto checked = [&](const Vec3& x) { return given.checked.contains(x); };
+  EvaluatedBars bars{.at = {}, .measured = checked_bars(space, given.checks, options)};
+  OfflineBars left_out;
+  if (!bars.measured.checked())
+    bars.measured = measure_bars(states, options);
+  else if (!std::ranges::all_of(points, checked))
+    left_out = measure_bars(states, options);
+  const OfflineBars& own = bars.measured.checked() ? left_out : bars.measured;
+  std::vector<SeenPlace> unchecked, held;
+  for (const BarSample& s : own.samples()) held.push_back(s.seen);
+  for (std::size_t i = 0; i < points.size(); ++i) {
+    if (bars.measured.checked() && checked(points[i])) {
+      bars.at.push_back(bars.measured.at(made.labels[i], false, checked_scale(made.forces[i])));
+      continue;
+    }
+    const SeenPlace& seen = options.wanted[i];
+    unchecked.push_back(seen);
+    bars.outside += seen.outside ? 1 : 0;
+    bars.at.push_back(own.at(made.labels[i], seen.outside, scale_at(space, points[i], made.forces[i])));
+  }
+  bars.beyond = count_beyond(held, unchecked);
+  return bars;
+}
+
+}  // namespace
+
+Evaluation evaluate(std::span<const State> states, std::span<const Vec3> points,
+                    const EvaluateOptions& options, const ShowPoints& show) {
+  for (std::size_t i = 0; i < points.size(); ++i)
+    if (!points[i].allFinite())
+      throw InputError("points", fmt::format("row {} (from 0) is not finite, expected three numbers", i));
+  std::vector<State> usable;
+  std::ranges::copy_if(states, std::back_inserter(usable), &State::usable);
+  if (usable.empty()) throw InputError("states", "none is solved or measured, expected at least one");
+  const bool stiffness = std::ranges::any_of(usable, &State::has_stiffness);
+  Evaluation result{.method = options.method.value_or(Method::rbf)};
+  ModelOptions& model = result.options.model = model_options(options, stiffness, usable.size());
+  if (model.data == Data::force_and_stiffness && !stiffness)
+    throw InputError("states", "no state has a stiffness, expected columns k11 to k33 or --data force");
+  const std::size_t rows = usable.size();
+  AveragedStates mean = averaged(std::move(usable));
+  result.repeated = mean.found;
+  const double spacing = options.spacing > 0 ? options.spacing : estimate_spacing(mean.states);
+  const StateSpace space = space_of(mean.states, spacing);
+  result.states = space.size();
+  result.options.spacing = space.options().spacing;
+  const bool moving = result.method == Method::rbf;
+  std::vector<SeenPlace> wanted;
+  if (moving) {
+    const Onlooker see(space);
+    for (const Vec3& x : points) wanted.push_back(see(x));
+  }
+  if (moving && is_chosen(options, stiffness)) {
+    result.chosen = choose_model(mean.states, {.kernel = options.kernel,
+                                               .data = options.data,
+                                               .neighbours = options.neighbours,
+                                               .select = options.select,
+                                               .ridge = options.ridge,
+                                               .spacing = result.options.spacing,
+                                               .wanted = wanted,
+                                               .progress = options.choosing});
+    model = result.chosen->model;
+  }
+  if (result.method == Method::rbf) check_memory(model, space.size());
+  model.neighbours = std::min(model.neighbours, space.size());
+  if (options.choose_ridge) model.ridge = forefeel::choose_ridge(space, model).ridge;
+  if (result.method == Method::rbf_network)
+    result.options.centres = RbfNetwork::centres_of(rows, options.neighbours.value_or(0));
+  result.made = result.chosen && result.chosen->all ? evaluate_whole(mean.states, space, points, model, show)
+                : result.method == Method::rbf
+                    ? evaluate_rbf(space, points, model, show)
+                    : evaluate_older(result.method, mean.states, space, points, result.options);
+  if (moving && options.bars)
+    result.bars = bars_of(space, mean.states, points, result.made,
+                          {.model = model,
+                           .all = result.chosen && result.chosen->all,
+                           .spacing = result.options.spacing,
+                           .wanted = wanted},
+                          options);
+  result.fit_us = median(result.made.fit_us);
+  result.evaluate_ns = median(result.made.evaluate_ns);
+  return result;
+}
+
+std::vector<State> measured_states(std::span<const Vec3> positions, std::span<const Vec3> forces,
+                                   std::span<const Mat3> stiffness) {
+  if (forces.size() != positions.size() || (!stiffness.empty() && stiffness.size() != positions.size()))
+    throw InputError("states",
+                     fmt::format("{} positions, {} forces and {} stiffnesses, expected one of each for "
+                                 "every state (or no stiffness)",
+                                 positions.size(), forces.size(), stiffness.size()));
+  std::vector<State> states(positions.size());
+  for (std::size_t i = 0; i < states.size(); ++i) {
+    states[i].at = positions[i];
+    states[i].force = forces[i];
+    if (!stiffness.empty()) states[i].stiffness = stiffness[i];
+    if (!states[i].at.allFinite() || !states[i].force.allFinite())
+      throw InputError("states", fmt::format("state {} is not finite, expected finite numbers", i));
+  }
+  return states;
+}
+
+}  // namespace forefeel

@@ -1,0 +1,95 @@
+#pragma once
+// Forces at points from known states: the computation of `forefeel evaluate`.
+//
+//   const std::vector<State> states = measured_states(positions, forces);
+//   const Evaluation found = evaluate(states, points, {});       // states without stiffness: the model is
+//                                                                // chosen (judge/auto_model.hpp)
+//   found.made.forces;  found.chosen->p95;                       // [N]; the error to expect [N]
+
+#include <cstddef>
+#include <functional>
+#include <optional>
+#include <span>
+#include <string_view>
+#include <vector>
+
+#include "approx/error/offline_bar.hpp"
+#include "approx/methods/auto_model.hpp"
+#include "approx/methods/older_methods.hpp"
+#include "geometry/coverage/coverage.hpp"
+#include "geometry/states/repeated_states.hpp"
+
+namespace forefeel {
+
+// Values that are not given: kernel quintic with force+stiffness where the states have it, else cubic with
+// force; 25 neighbours with stiffness, else 100; rule label; no ridge.
+struct EvaluateOptions {
+  // True: the model is chosen (auto_model.hpp), except for what the members below fix. Not given: the model is
+  // chosen if no state has a stiffness and method, kernel, data, neighbours and ridge are all left open.
+  std::optional<bool> choose = {};
+  std::optional<Method> method = {};  // rbf if not given
+  std::optional<Kernel> kernel = {};
+  std::optional<Data> data = {};
+  std::optional<std::size_t> neighbours = {};  // of rbf_network: the number of centres
+  std::optional<Select> select = {};
+  std::optional<double> ridge = {};
+  bool choose_ridge = false;  // by leaving out single states (leave_one_out.hpp)
+  bool bars = false;          // error bars of each point, for method rbf only (judge/offline_bar.hpp)
+  double spacing = unknown;   // h [m]; unknown: the median distance of the states
+  // Solves that are no states, drawn evenly from a box: within it, bars come from their errors.
+  std::span<const State> checks = {};
+  Box checked = {};                           // [m]
+  std::function<void(double)> choosing = {};  // called with the share done while the model is chosen
+};
+
+// Limits of a model. Its force never exceeds `bound` [N]. Outside the hull of its states the model is
+// replaced by its tangent beyond `tangent` [m]; the force is held constant beyond `held` [m] from where the
+// tangent is taken.
+struct Reach {
+  double bound, tangent, held;
+};
+
+struct EvaluatedPoints {
+  std::vector<Vec3> forces;                 // [N]
+  std::vector<Label> labels;                // coverage
+  std::vector<Reach> reach;                 // no tangent for the older methods
+  std::vector<double> fit_us, evaluate_ns;  // fit_us: of those points whose model was made or changed
+  std::size_t fitted = 0, updated = 0,
+              reused = 0;                 // number of points whose model was made anew, updated, kept
+  std::vector<std::string_view> kernels;  // by point, after step-down; none for the older methods
+  std::size_t stepped_down = 0;
+};
+
+// Error bars of the points, the measurement behind them, and the number of points that lie farther from the states than
+// any force left out inside the others, or outside them. At these points the bars are extrapolated.
+struct EvaluatedBars {
+  std::vector<BarWidths> at;
+  OfflineBars measured;
+  std::size_t beyond = 0;
+  std::size_t outside = 0;  // points outside the states
+};
+
+struct Evaluation {
+  EvaluatedPoints made = {};
+  Method method = Method::rbf;
+  MethodOptions options = {};                      // as used; .model of rbf and offline_rbf
+  std::size_t states = 0;                          // known positions
+  RepeatedStates repeated = {};                    // states that contradict each other are averaged
+  std::optional<AutoModel> chosen = {};            // where the model was chosen
+  std::optional<EvaluatedBars> bars = {};          // if requested and the method has them
+  double fit_us = unknown, evaluate_ns = unknown;  // medians
+};
+
+// Called after each point with the number done.
+using ShowPoints = std::function<void(std::size_t)>;
+
+// InputError where no state is usable, or where options do not suit the states; its key is the name of the
+// option ("--neighbours").
+Evaluation evaluate(std::span<const State> states, std::span<const Vec3> points,
+                    const EvaluateOptions& options, const ShowPoints& show = {});
+
+// Measured states; stiffness: of each position, or empty.
+std::vector<State> measured_states(std::span<const Vec3> positions, std::span<const Vec3> forces,
+                                   std::span<const Mat3> stiffness = {});
+
+}  // namespace forefeel

@@ -1,0 +1,94 @@
+#pragma once
+// The older methods, for comparison. Each gives the force f~(x) [N] at x [m] from a fixed set of states (x_i,
+// F_i).
+//   trilinear     in cells of the lattice {k h}^3 with all eight corners (Matyska, Peterlik 2007); elsewhere
+//                 the value at the nearest point of such a cell, or the force of the nearest state if nearer
+//   tricubic      the same by cubic convolution, with quadratic ghost values beyond the border
+//   deflection    force-deflection curves along directions from rest: linear in depth, extrapolated from the
+//                 last two states, interpolated between the three nearest directions (Mahvash, Hayward 2004)
+//   two_force     linear in position along the line through two states (Picinbono et al. 2002). A simulation
+//                 uses the two that it computed last; here these are the two nearest states
+//   offline_rbf   one RBF model of all states (Peterlik et al.)
+//   rbf_network   r^3 and linear p by least squares, with fewer centres than states (De et al.)
+// Every method is bounded by |f~(x)| <= max |F_i| + 2 S d(x) [N]; a larger force is scaled down to the bound. So the
+// methods can be compared far from their states without harm to a device. d(x) [m]: distance to the nearest state;
+// S [N/m]: the largest known stiffness, or the largest secant |F_i - F_j| / |x_i - x_j| of a state and its nearest
+// neighbour.
+
+#include <span>
+#include <string_view>
+#include <variant>
+#include <vector>
+
+#include "approx/model/lattice_field.hpp"
+#include "approx/model/updater.hpp"
+#include "geometry/index/point_octree.hpp"
+
+namespace forefeel {
+
+enum class Method { rbf, trilinear, tricubic, deflection, two_force, offline_rbf, rbf_network };
+std::string_view name(Method method);
+std::span<const Method> all_methods();
+
+struct MethodOptions {
+  ModelOptions model{};     // offline_rbf
+  double spacing = 0.006;   // lattice methods [m]
+  std::size_t centres = 0;  // of rbf_network; 0: see centres_of()
+};
+
+class DeflectionCurves {
+ public:
+  explicit DeflectionCurves(std::span<const State> states);
+  Vec3 force(const Vec3& x) const;
+
+ private:
+  struct Curve {
+    Vec3 direction;
+    std::vector<double> depth;  // ascending, from 0 [m]
+    std::vector<Vec3> force;
+    Vec3 at(double d) const;  // linear; extrapolated from the last two states
+  };
+  std::vector<Curve> curves_;
+};
+
+class TwoForce {
+ public:
+  explicit TwoForce(std::span<const State> states);
+  Vec3 force(const Vec3& x) const;
+
+ private:
+  std::vector<Vec3> points_, forces_;
+};
+
+class RbfNetwork {
+ public:
+  RbfNetwork(std::span<const State> states, std::size_t centres);
+  Vec3 force(const Vec3& x) const;
+  std::size_t centres() const { return centres_.size(); }
+  static std::size_t centres_of(std::size_t states,
+                                std::size_t wished);  // wished 0: a fifth of the states, at least 10
+
+ private:
+  Vec3 middle_ = Vec3::Zero();
+  double scale_ = 1;
+  std::vector<Vec3> centres_;                         // scaled
+  Eigen::Matrix<double, Eigen::Dynamic, 3> weights_;  // (centres + 4) x 3
+};
+
+class Approximation {
+ public:
+  // Any method but rbf, whose neighbour set follows the HIP (ModelUpdater). Throws InputError if the states
+  // do not suit the method.
+  Approximation(Method method, std::span<const State> states, const MethodOptions& options);
+  Vec3 force(const Vec3& x) const;
+  double bound(const Vec3& x) const;  // [N]; for offline_rbf the bound of the model
+
+ private:
+  std::variant<LatticeField, DeflectionCurves, TwoForce, RbfNetwork, Model> field_;
+  PointOctree points_;
+  double largest_ = 0, steepest_ = 0;
+
+  void find_bound(std::span<const State> states);
+};
+
+}  // namespace forefeel

@@ -1,0 +1,192 @@
+#include "approx/model/updater.hpp"
+
+#include <Eigen/LU>
+#include <algorithm>
+#include <cmath>
+
+#include "approx/model/neighbours.hpp"
+#include "approx/model/polynomial.hpp"
+#include "approx/model/rbf_fit.hpp"
+#include "geometry/common/error.hpp"
+
+namespace forefeel {
+using namespace detail;
+
+namespace {
+
+void check(const ModelOptions& options) {
+  if (options.kernel == Kernel::linear && options.data == Data::force_and_stiffness)
+    throw InputError("model.data",
+                     "kernel linear takes no stiffness, expected cubic or quintic with force+stiffness");
+  if (options.neighbours == 0) throw InputError("model.neighbours", "is 0, expected at least 1");
+  if (!(options.ridge >= 0) || !std::isfinite(options.ridge))
+    throw InputError("model.ridge", "is negative or not finite, expected a number >= 0");
+}
+
+Sample sample_of(StateId id, const State& state) {
+  Sample sample{.id = id, .at = state.at, .force = state.force, .stiffness = state.stiffness};
+  if (!sample.stiffness.allFinite()) sample.stiffness.setConstant(unknown);
+  return sample;
+}
+
+// Adds the auxiliary places of affine_places(), at the anchors of a polynomial of degree 2. Their forces are
+// those of the affine fit of the samples.
+void add_affine_places(std::vector<Sample>& samples, double h) {
+  constexpr double weight = 0.001;
+  double total = 0;
+  const Vec3 origin = samples.front().at;
+  Vec3 mean = Vec3::Zero(), force = Vec3::Zero();
+  for (const Sample& s : samples) {
+    total += s.weight;
+    mean += s.weight * (s.at - origin);
+    force += s.weight * s.force;
+  }
+  mean = origin + mean / total;
+  force /= total;
+  Mat3 spread = Mat3::Zero(), cross = Mat3::Zero(), stiffness = Mat3::Zero();
+  double known = 0;
+  for (const Sample& s : samples) {
+    const Vec3 x = s.at - mean;
+    spread += s.weight / total * x * x.transpose();
+    cross += s.weight / total * (s.force - force) * x.transpose();
+    if (!s.stiffness.allFinite()) continue;
+    known += s.weight;
+    stiffness += s.weight * s.stiffness;
+  }
+  const double radius = std::max(std::sqrt(spread.trace()), least_size * h);
+  const Mat3 slope =
+      known > 0 ? Mat3(-stiffness / known)
+                : Mat3(cross * (spread + 1e-3 * (h * h + spread.trace()) * Mat3::Identity()).inverse());
+  for (std::uint32_t j = 0; j < max_terms; ++j) {
+    const auto a = anchor(j);
+    const Vec3 x = radius * Vec3(a[0], a[1], a[2]);
+    samples.push_back({.id = {0xffffff00u + j},
+                       .at = mean + x,
+                       .force = force + slope * x,
+                       .stiffness = Mat3::Constant(unknown),
+                       .weight = weight,
+                       .reach = std::max(1.0, radius / h),
+                       .near = 0,
+                       .weighted = true,
+                       .state = false});
+  }
+}
+
+}  // namespace
+
+struct ModelUpdater::Impl {
+  const StateSpace& space;
+  ModelOptions options;
+  RbfFit fit;
+  NeighbourSelector selector;
+  std::vector<Neighbour> chosen, last_weighted;  // the second is empty if the last set had no weights
+  std::vector<StateId> wanted, removed, missing;
+  std::vector<Sample> added;
+  ModelDraft draft;
+  std::uint64_t serial = 0;
+  bool fresh = true;          // the next model must not depend on earlier ones
+  bool from_scratch = false;  // the fit is a refit of exactly its set, in order of ids
+
+  Impl(const StateSpace& known, ModelOptions wished)
+      : space(known),
+        options(wished),
+        fit(wished, most_neighbours(wished) + affine_places(wished)),
+        selector(known, wished) {
+    const std::size_t most = most_neighbours(options);
+    wanted.reserve(most);
+    chosen.reserve(most);
+    last_weighted.reserve(most);
+    removed.reserve(most);
+    missing.reserve(most);
+    added.reserve(most + affine_places(options));
+    draft.reserve(options);
+  }
+};
+
+ModelUpdater::ModelUpdater(const StateSpace& space, ModelOptions options) {
+  check(options);
+  if (options.length == 0) options.length = space.options().spacing;
+  impl_ = std::make_unique<Impl>(space, options);
+}
+ModelUpdater::~ModelUpdater() = default;
+ModelUpdater::ModelUpdater(ModelUpdater&&) noexcept = default;
+
+bool ModelUpdater::update(const Vec3& hip, Model& out, UpdateReport* report, const UpdateTag& tag) {
+  Impl& m = *impl_;
+  const Label label = m.selector.select(hip, m.chosen);
+  m.wanted.clear();
+  for (const Neighbour& c : m.chosen) m.wanted.push_back(c.id);
+  if (report != nullptr) *report = {.n = m.wanted.size(), .label = label};
+  if (m.wanted.empty()) {
+    m.draft.clear();
+    out.assign(m.draft, 0);
+    return false;
+  }
+  m.fit.difference(m.wanted, m.removed, m.missing);
+  m.added.clear();
+  for (const StateId id : m.missing) m.added.push_back(sample_of(id, m.space[id]));
+  // Weights change with the HIP, and with them nearly all of the matrix.
+  const bool weighted = m.selector.weighted();
+  const bool same_set = m.removed.empty() && m.added.empty();
+  const bool same_weights =
+      weighted ? std::ranges::equal(m.chosen, m.last_weighted) : m.last_weighted.empty();
+  bool refit = false;
+  if (!same_weights || (m.fresh && !(same_set && m.from_scratch))) {
+    m.added.clear();
+    for (const Neighbour& c : m.chosen) {
+      Sample& sample = m.added.emplace_back(sample_of(c.id, m.space[c.id]));
+      sample.weight = c.weight;
+      sample.near = c.near;
+      sample.reach = c.reach;
+      sample.weighted = weighted;
+    }
+    if (weighted && affine_places(m.options) > 0) add_affine_places(m.added, m.space.options().spacing);
+    m.fit.refit(m.added);
+    refit = m.from_scratch = true;
+  } else if (!same_set) {
+    refit = m.fit.replace(m.removed, m.added);
+    m.from_scratch = false;
+  }
+  m.last_weighted.clear();
+  if (weighted) m.last_weighted.assign(m.chosen.begin(), m.chosen.end());
+  m.fresh = false;
+  m.draft.reserve(m.options);
+  m.fit.write(m.draft, hip, m.selector.bridge(), m.selector.radius());
+  if (tag.guess) m.draft.forget_states();
+  ++m.serial;
+  out.assign(m.draft, tag.serial > 0 ? tag.serial : m.serial);
+  if (report != nullptr) {
+    report->replaced = m.added.size();
+    report->refit = refit;
+  }
+  return true;
+}
+
+void ModelUpdater::forget() {
+  impl_->fresh = true;
+  impl_->selector.forget();
+}
+
+Model ModelUpdater::model_at(const Vec3& hip) {
+  Model model;
+  update(hip, model);
+  return model;
+}
+
+Model fit_model(std::span<const State> states, const ModelOptions& options, const Vec3& centre) {
+  check(options);
+  std::vector<Sample> samples;
+  samples.reserve(states.size());
+  for (std::size_t i = 0; i < states.size(); ++i)
+    if (states[i].usable()) samples.push_back(sample_of({static_cast<std::uint32_t>(i)}, states[i]));
+  std::ranges::stable_sort(samples, {}, [&](const Sample& s) { return (s.at - centre).squaredNorm(); });
+  RbfFit solver(options, samples.size());
+  solver.refit(samples);
+  ModelDraft draft;
+  solver.write(draft, centre);
+  Model model;
+  model.assign(draft, 1);
+  return model;
+}
+
+}  // namespace forefeel

@@ -1,0 +1,92 @@
+#include "apps/bench/fit_baseline.hpp"
+
+#include <cmath>
+
+#include "approx/loops/instruction_set.hpp"
+
+namespace forefeel {
+
+#define FOREFEEL_DECLARE_BASELINE(isa)                                                        \
+  namespace isa {                                                                             \
+  void* make_lu(long, bool);                                                                  \
+  void free_lu(void*);                                                                        \
+  double refit_lu(void*, long, const double*, const double*);                                 \
+  void scalar_sum(std::size_t, const double*, const double*, const double*, double*);         \
+  void scalar_hermite_sum(std::size_t, const double*, const double*, const double*, double*); \
+  }
+FOREFEEL_DECLARE_BASELINE(portable)
+#ifdef FOREFEEL_MULTIVERSION
+FOREFEEL_DECLARE_BASELINE(avx2)
+FOREFEEL_DECLARE_BASELINE(avx512)
+#endif
+
+namespace {
+
+struct Functions {
+  void* (*make)(long, bool);
+  void (*free)(void*);
+  double (*refit)(void*, long, const double*, const double*);
+  void (*sum)(std::size_t, const double*, const double*, const double*, double*);
+  void (*hermite_sum)(std::size_t, const double*, const double*, const double*, double*);
+};
+
+Functions choose() {
+#ifdef FOREFEEL_MULTIVERSION
+  if (approx_instruction_set() == InstructionSet::avx512)
+    return {avx512::make_lu, avx512::free_lu, avx512::refit_lu, avx512::scalar_sum,
+            avx512::scalar_hermite_sum};
+  if (approx_instruction_set() == InstructionSet::avx2)
+    return {avx2::make_lu, avx2::free_lu, avx2::refit_lu, avx2::scalar_sum, avx2::scalar_hermite_sum};
+#endif
+  return {portable::make_lu, portable::free_lu, portable::refit_lu, portable::scalar_sum,
+          portable::scalar_hermite_sum};
+}
+
+const Functions& functions() {
+  static const Functions chosen = choose();
+  return chosen;
+}
+
+}  // namespace
+
+LuRefit::LuRefit(std::size_t states, bool hermite_quintic)
+    : work_(functions().make(static_cast<long>(states), hermite_quintic)),
+      states_(states),
+      hermite_(hermite_quintic) {
+  positions_.resize(3 * states);
+  values_.resize(3 * states * (hermite_ ? 4 : 1));
+}
+LuRefit::~LuRefit() {
+  functions().free(work_);
+}
+
+double LuRefit::refit(std::span<const Sample> samples) {
+  const std::size_t n = states_, rows = hermite_ ? 4 * n : n;
+  Vec3 centre = Vec3::Zero();
+  for (const Sample& s : samples) centre += s.at / double(n);
+  double largest = 0;
+  for (const Sample& s : samples) largest = std::max(largest, (s.at - centre).squaredNorm());
+  const double scale = std::sqrt(largest);
+  for (std::size_t i = 0; i < n; ++i) {
+    const Vec3 y = (samples[i].at - centre) / scale;
+    for (std::size_t d = 0; d < 3; ++d) positions_[d * n + i] = y[Eigen::Index(d)];
+    for (std::size_t c = 0; c < 3; ++c) {
+      double* to = values_.data() + c * rows + (hermite_ ? 4 : 1) * i;
+      to[0] = samples[i].force[Eigen::Index(c)];
+      for (std::size_t d = 0; hermite_ && d < 3; ++d)
+        to[1 + d] = -scale * samples[i].stiffness(Eigen::Index(c), Eigen::Index(d));
+    }
+  }
+  return functions().refit(work_, static_cast<long>(n), positions_.data(), values_.data());
+}
+
+void scalar_evaluate(std::size_t n, const double* positions, const double* coefficients, const double x[3],
+                     double f[3]) {
+  functions().sum(n, positions, coefficients, x, f);
+}
+void scalar_evaluate_hermite(std::size_t n, const double* centres, const double* polynomial,
+                             const double x[3], double f[3]) {
+  functions().hermite_sum(n, centres, polynomial, x, f);
+}
+
+}  // namespace forefeel

@@ -1,7 +1,0 @@
-// The command forefeel.
-
-#include "apps/commands/command_main.hpp"
-
-int main(int argc, char** argv) {
-  return forefeel::command_main(argc, argv);
-}

@@ -1,0 +1,35 @@
+#pragma once
+// What `forefeel evaluate` found, and the document that it prints with --json.
+
+#include <algorithm>
+#include <nlohmann/json_fwd.hpp>
+#include <optional>
+#include <vector>
+
+#include "approx/methods/evaluate.hpp"
+#include "apps/scene/given_states.hpp"
+#include "apps/scene/scene_mesh_error.hpp"
+#include "geometry/common/declared.hpp"
+
+namespace forefeel {
+
+// What `forefeel evaluate` prints.
+struct EvaluateResult {
+  std::vector<Vec3> points;
+  Evaluation found;
+  std::optional<Belonging> belonging;
+  std::optional<MeshError> mesh;
+
+  // The error to expect, relative to the largest of the forces; unknown where no model was chosen.
+  double shown() const {
+    double largest = 0;
+    for (const Vec3& f : found.made.forces) largest = std::max(largest, f.norm());
+    return found.chosen && largest > 0 ? found.chosen->p95 / largest : unknown;
+  }
+};
+
+nlohmann::ordered_json to_json(const EvaluateResult& evaluated);
+
+std::vector<Declared> declared_forces();  // the columns of the CSV file, without those of error bars
+
+}  // namespace forefeel

@@ -1,0 +1,207 @@
+#include "apps/evaluate/offline_bars.hpp"
+
+#include <fmt/format.h>
+
+#include <algorithm>
+#include <cmath>
+#include <nlohmann/json.hpp>
+#include <numeric>
+
+#include "apps/console/json.hpp"
+#include "geometry/common/output_file.hpp"
+
+namespace forefeel {
+namespace {
+
+using Json = nlohmann::ordered_json;
+constexpr const char* level_names[] = {"90", "95", "99"};
+constexpr double fewer = 0.05;   // a share that is further below its level gives a warning
+constexpr std::size_t few = 30;  // with fewer forces, the share of a label is not printed
+
+Json cover_json(const BarCover& cover) {
+  Json out;
+  out["samples"] = cover.samples;
+  for (std::size_t i = 0; i < bar_levels.size(); ++i)
+    out["coverage"][fmt::format("p{}", level_names[i])] = number(cover.inside[i]);
+  out["width_p50"] = number(cover.width_p50);
+  return out;
+}
+
+std::string share(double inside) {
+  return std::isfinite(inside) ? fmt::format("{:.1f}", 100 * inside) : "?";
+}
+
+std::string shares(const BarCover& cover) {
+  return fmt::format("{}/{}/{} %", share(cover.inside[0]), share(cover.inside[1]), share(cover.inside[2]));
+}
+
+bool too_few_inside(const BarCover& cover) {
+  for (std::size_t i = 0; i < bar_levels.size(); ++i)
+    if (cover.inside[i] < bar_levels[i] - fewer) return true;
+  return false;
+}
+
+template <class Value>
+std::string vtu_array(const std::string& name, int width, const OfflineBars& bars, Value value) {
+  std::string text = fmt::format(
+      "<DataArray type=\"Float64\" Name=\"{}\" NumberOfComponents=\"{}\" format=\"ascii\">\n", name, width);
+  for (const BarSample& s : bars.samples()) text += value(s) + "\n";
+  return text + "</DataArray>\n";
+}
+
+std::string vtu_number(double value) {
+  return std::isfinite(value) ? fmt::format("{}", value) : "NaN";
+}
+
+}  // namespace
+
+void describe_bars(Json& document, const std::optional<EvaluatedBars>& bars) {
+  for (std::size_t level = 0; level < bar_levels.size(); ++level) {
+    Json& column = document[fmt::format("bar{}", level_names[level])] = nullptr;
+    if (!bars) continue;
+    column = Json::array();
+    for (const BarWidths& bar : bars->at) column.push_back(number(bar[level]));
+  }
+  document["error_bar"] = nullptr;
+  if (!bars) return;
+  Json out = cover_json(bars->measured.cover());
+  out["levels"] = bar_levels;
+  out["beyond"] = bars->beyond;
+  out["checked"] = bars->measured.checked();
+  out["points_outside"] = bars->outside;
+  out["outside"] = cover_json(bars->measured.cover_outside());
+  for (const Label label : {Label::safe, Label::sparse, Label::gap, Label::blank})
+    out["by_label"][std::string(name(label))] = cover_json(bars->measured.cover(label));
+  document["error_bar"] = out;
+}
+
+std::string bars_in_words(const EvaluatedBars& bars) {
+  const BarCover all = bars.measured.cover();
+  if (all.samples == 0) return "error bars: unknown, too few states to leave some out";
+  std::string text = fmt::format(
+      "error bars of 90/95/99 %: {} of {} {} lie inside", shares(all), all.samples,
+      bars.measured.checked() ? "check solves" : "comparisons with known forces, left out in groups,");
+  if (std::isfinite(all.width_p50))
+    text += fmt::format("; median half-width of 95 % {:.3g} N", all.width_p50);
+  for (const Label label : {Label::safe, Label::sparse, Label::gap, Label::blank})
+    if (const BarCover own = bars.measured.cover(label); own.samples >= few && own.samples < all.samples)
+      text += fmt::format("; {} {} of {}", name(label), shares(own), own.samples);
+  if (bars.outside > 0) {
+    const BarCover out = bars.measured.cover_outside();
+    text += fmt::format(
+        "; {} points lie outside the states, their bars are those of {} outermost forces left "
+        "out",
+        bars.outside, out.samples);
+    if (std::isfinite(out.inside[0])) text += fmt::format(": {} inside", shares(out));
+  }
+  if (all.samples < 99) text += "; too few for a bar of 99 %";
+  if (too_few_inside(all)) text += "; fewer than they should, so the bars are too narrow";
+  if (bars.beyond > 0)
+    text += fmt::format(
+        "; {} points lie farther from the states, or farther outside them, than any force left out: bars "
+        "there are an "
+        "extrapolation or missing",
+        bars.beyond);
+  return text;
+}
+
+std::string bar_cells(const BarWidths& bar) {
+  std::string text;
+  for (const double width : bar) text += std::isfinite(width) ? fmt::format(",{}", width) : ",";
+  return text;
+}
+
+std::vector<Declared> declared_bars() {
+  return {
+      {"bar90,bar95,bar99", "N", "",
+       "half-widths of the error bars around the approximated force, from known forces left out in groups; "
+       "empty where too few are known for that level"}};
+}
+
+std::vector<Declared> declared_bars_json() {
+  return {{"bar90,bar95,bar99", "N", "", "lists: half-width of each point's error bar; null: not known"},
+          {"error_bar.levels", "1", "", "list: the levels of coverage"},
+          {"error_bar.samples", "1", "",
+           "number of comparisons with known forces, left out in groups of neighbouring positions; a force "
+           "on the border "
+           "may be left out more than once"},
+          {"error_bar.coverage.p90,p95,p99", "1", "",
+           "share of them inside their bars, each bar from the other groups"},
+          {"error_bar.width_p50", "N", "", "median half-width of 95 % of their bars"},
+          {"error_bar.by_label.LABEL", "", "", "samples, coverage and width_p50 of one label"},
+          {"error_bar.checked", "", "",
+           "true: within their box, the bars come from the check solves of generate --error, not from forces "
+           "left "
+           "out"},
+          {"error_bar.beyond", "1", "",
+           "points farther from the states than any force left out; compared apart inside and outside the "
+           "states"},
+          {"error_bar.points_outside", "1", "", "points outside the states"},
+          {"error_bar.outside.samples", "1", "",
+           "number of the forces left out that lie outside the other states"},
+          {"error_bar.outside.coverage.p90,p95,p99", "1", "", "share of these inside their bars"},
+          {"error_bar.outside.width_p50", "N", "", "median half-width of 95 % of their bars"}};
+}
+
+std::vector<Declared> declared_left_out() {
+  return {{"error", "N", "", "distance of the known force from the one that the other states give"},
+          {"bar90,bar95,bar99", "N", "", "half-widths of the error bars there, without its own group"},
+          {"force", "N", "", "magnitude of the known force"},
+          {"away", "m", "", "distance to the nearest state that was not left out"}};
+}
+
+void write_left_out_vtu(const std::filesystem::path& file, const OfflineBars& bars) {
+  const std::size_t n = bars.samples().size();
+  std::string text = fmt::format(
+      "<?xml version=\"1.0\"?>\n<VTKFile type=\"UnstructuredGrid\" version=\"0.1\" "
+      "byte_order=\"LittleEndian\">\n<UnstructuredGrid>\n<Piece NumberOfPoints=\"{0}\" "
+      "NumberOfCells=\"{0}\">\n<PointData>\n",
+      n);
+  text += vtu_array("error", 1, bars, [](const BarSample& s) { return vtu_number(s.error); });
+  for (std::size_t level = 0; level < bar_levels.size(); ++level)
+    text += vtu_array(fmt::format("bar{}", level_names[level]), 1, bars,
+                      [level](const BarSample& s) { return vtu_number(s.bar[level]); });
+  text += vtu_array("force", 1, bars, [](const BarSample& s) { return vtu_number(s.force); });
+  text += vtu_array("away", 1, bars, [](const BarSample& s) { return vtu_number(s.seen.away); });
+  text += "</PointData>\n<Points>\n";
+  text += vtu_array("position", 3, bars,
+                    [](const BarSample& s) { return fmt::format("{} {} {}", s.at.x(), s.at.y(), s.at.z()); });
+  text += "</Points>\n<Cells>\n<DataArray type=\"Int64\" Name=\"connectivity\" format=\"ascii\">\n";
+  for (std::size_t i = 0; i < n; ++i) text += fmt::format("{}\n", i);
+  text += "</DataArray>\n<DataArray type=\"Int64\" Name=\"offsets\" format=\"ascii\">\n";
+  for (std::size_t i = 0; i < n; ++i) text += fmt::format("{}\n", i + 1);
+  text += "</DataArray>\n<DataArray type=\"UInt8\" Name=\"types\" format=\"ascii\">\n";
+  for (std::size_t i = 0; i < n; ++i) text += "1\n";
+  text += "</DataArray>\n</Cells>\n</Piece>\n</UnstructuredGrid>\n</VTKFile>\n";
+  OutputFile out(file);
+  out.write(text);
+  out.commit();
+}
+
+std::string advice_in_words(const SpacingAdvice& advice, const Tolerance& tolerance) {
+  if (std::isnan(advice.spacing))
+    return fmt::format(
+        "no spacing suggested: at none would 95 % of at least 20 forces left out be safe and within {}",
+        in_words(tolerance));
+  std::string text = fmt::format(
+      "suggested: --spacing {:.2g}: {:.0f} % of the {} forces left out that are safe at it lie within {}",
+      advice.spacing, 100.0 * static_cast<double>(advice.within) / static_cast<double>(advice.safe),
+      advice.safe, in_words(tolerance));
+  if (advice.wider > 0)
+    text += fmt::format(", but {:.0f} % of the next {}, up to 1.5 times as wide",
+                        100.0 * static_cast<double>(advice.wider_within) / static_cast<double>(advice.wider),
+                        advice.wider);
+  if (advice.all) text += "; these states show no wider one";
+  return text;
+}
+
+Json advice_json(const SpacingAdvice& advice) {
+  return {{"spacing", number(advice.spacing)},
+          {"safe", advice.safe},
+          {"within", advice.within},
+          {"wider", advice.wider},
+          {"wider_within", advice.wider_within},
+          {"all", advice.all}};
+}
+
+}  // namespace forefeel

@@ -1,0 +1,132 @@
+// forefeel import and export: read states from a table, write them as a table or for ParaView.
+
+#include <fmt/format.h>
+
+#include <algorithm>
+#include <cmath>
+#include <nlohmann/json.hpp>
+
+#include "apps/console/commands.hpp"
+#include "apps/console/console.hpp"
+#include "apps/console/json.hpp"
+#include "apps/scene/spacing_check.hpp"
+#include "geometry/common/error.hpp"
+#include "geometry/common/output_file.hpp"
+#include "geometry/common/scanner.hpp"
+#include "geometry/states/state_file.hpp"
+#include "geometry/states/state_summary.hpp"
+
+namespace forefeel {
+namespace {
+
+// ---- import ----------------------------------------------------------------------------------------------
+
+struct ImportArguments {
+  std::string input, output;
+  double spacing = 0;
+};
+
+// An imported file may be imported again. A file with solved states is never overwritten.
+void refuse_solved(const std::string& output) {
+  std::error_code error;
+  if (!std::filesystem::exists(output, error) || std::filesystem::file_size(output, error) == 0) return;
+  const StateFile file = StateFile::open_read_only(output);
+  const auto source = file.header().notes.find("source");
+  if (file.size() > 0 && (source == file.header().notes.end() || !source->second.starts_with("import")))
+    throw InputError(
+        output,
+        fmt::format("already holds {} states that were not imported, expected a new name", file.size()));
+}
+
+int run_import(const Globals& globals, const ImportArguments& arguments) {
+  if (!(arguments.spacing > 0) || !std::isfinite(arguments.spacing))
+    throw InputError("--spacing", fmt::format("{} m, expected a positive number", arguments.spacing));
+  const std::vector<State> states = read_states_csv(arguments.input);
+  check_appendable(arguments.output, {arguments.input});
+  refuse_solved(arguments.output);
+  StateFileHeader header;
+  header.spacing = arguments.spacing;
+  const StateSetSummary sum = summarise(states);
+  header.box = sum.extent;
+  if (const auto line = spacing_beyond("--spacing", header.spacing, header.box, "the states"))
+    warn(globals, *line);
+  header.notes["source"] = "import " + arguments.input;
+  StateFile file = StateFile::open_or_create(arguments.output, header);
+  file.replace(header, states);
+  const RepeatedStates& repeats = sum.at_one_position;
+  if (repeats.contradicting > 0)
+    warn(globals, contradictions_in_words(arguments.input, repeats));
+  else if (repeats.repeated > 0)
+    warn(globals, fmt::format("{}: {} duplicate positions with the same force; each counts once",
+                              arguments.input, repeats.repeated));
+  if (globals.json)
+    print_json({{"states", states.size()},
+                {"with_stiffness", sum.with_stiffness},
+                {"repeated", repeats.repeated},
+                {"contradicting", repeats.contradicting},
+                {"averaged", repeats.averaged},
+                {"largest_difference", repeats.largest_difference},
+                {"spacing", number(header.spacing)},
+                {"box", {vector3(header.box.low), vector3(header.box.high)}},
+                {"file", arguments.output}});
+  say(globals, fmt::format("{}: {} states, {} with stiffness, spacing {:g} mm", arguments.output,
+                           states.size(), sum.with_stiffness, 1e3 * header.spacing));
+  return 0;
+}
+
+// ---- export ----------------------------------------------------------------------------------------------
+
+struct ExportArguments {
+  std::string input, output;
+};
+
+int run_export(const Globals& globals, const ExportArguments& arguments) {
+  const std::string extension = lower_case(std::filesystem::path(arguments.output).extension().string());
+  if (extension != ".csv" && extension != ".vtu")
+    throw InputError(arguments.output, "expected a name that ends in .csv or .vtu");
+  check_writable(arguments.output, {arguments.input});
+  const LoadedStates loaded = load_states(arguments.input);
+  if (loaded.damaged > 0) warn(globals, damage_in_words(arguments.input, loaded.damaged));
+  const auto usable = static_cast<std::size_t>(std::ranges::count_if(loaded.states, &State::usable));
+  const std::size_t written = extension == ".csv" ? usable : loaded.states.size();
+  if (extension == ".csv")
+    write_states_csv(arguments.output, loaded.states);
+  else
+    write_states_vtu(arguments.output, loaded.states);
+  if (globals.json)
+    print_json({{"states", loaded.states.size()},
+                {"written", written},
+                {"failed_left_out", loaded.states.size() - written},
+                {"file", arguments.output}});
+  say(globals, fmt::format("{}: {} states{}", arguments.output, written,
+                           written < loaded.states.size()
+                               ? fmt::format(", {} that failed left out", loaded.states.size() - written)
+                               : ""));
+  return 0;
+}
+
+}  // namespace
+
+void add_import(CommandLine& line) {
+  auto arguments = std::make_shared<ImportArguments>();
+  Command sub =
+      line.add("import", "Convert states from a CSV, measured or from elsewhere, into a state file");
+  sub.reads_no_scene();
+  sub.runs([arguments](const Globals& globals) { return run_import(globals, *arguments); });
+  sub.option("CSV", arguments->input, "Columns x,y,z,fx,fy,fz[,k11,…,k33][,h]").required().shows("F.csv");
+  sub.option("-o,--output", arguments->output, "State file to write").required().shows("S.states");
+  sub.option("--spacing", arguments->spacing, "Spacing h that counts as fully populated [m]")
+      .required()
+      .shows("H");
+}
+
+void add_export(CommandLine& line) {
+  auto arguments = std::make_shared<ExportArguments>();
+  Command sub = line.add("export", "Write states as a table or for ParaView");
+  sub.reads_no_scene();
+  sub.runs([arguments](const Globals& globals) { return run_export(globals, *arguments); });
+  sub.option("STATES", arguments->input, "State file or CSV").required().shows("STATES");
+  sub.option("-o,--output", arguments->output, "File to write").required().shows("F.csv|F.vtu");
+}
+
+}  // namespace forefeel

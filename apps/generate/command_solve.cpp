@@ -1,0 +1,282 @@
+// forefeel solve SCENE (--at=X,Y,Z)… | --points F.csv [-o OUT.csv]: tight solves on the reference branch.
+
+#include <fmt/format.h>
+#include <omp.h>
+
+#include <algorithm>
+#include <atomic>
+#include <filesystem>
+#include <memory>
+#include <mutex>
+#include <nlohmann/json.hpp>
+
+#include "apps/console/commands.hpp"
+#include "apps/console/console.hpp"
+#include "apps/console/json.hpp"
+#include "apps/console/json_keys.hpp"
+#include "apps/console/values.hpp"
+#include "apps/scene/scene.hpp"
+#include "geometry/common/error.hpp"
+#include "geometry/common/output_file.hpp"
+#include "geometry/mesh/tet_mesh.hpp"
+#include "geometry/states/state_file.hpp"
+#include "geometry/states/state_outcome.hpp"
+#include "solver/equilibrium/mesh_error.hpp"
+#include "solver/equilibrium/solver.hpp"
+
+namespace forefeel {
+namespace {
+
+struct SolveArguments {
+  std::string scene;
+  std::vector<std::string> at;
+  std::string points, output;
+  bool discretisation_error = false;
+};
+
+std::vector<Vec3> wanted_points(const SolveArguments& arguments) {
+  std::vector<Vec3> points;
+  for (const std::string& text : arguments.at) points.push_back(parse_vector(text, "--at"));
+  if (!arguments.points.empty())
+    for (const Vec3& x : read_points_csv(arguments.points)) points.push_back(x);
+  if (points.empty()) throw InputError("solve", "no position, expected --at=X,Y,Z or --points FILE");
+  for (const Vec3& x : points)
+    if (!x.allFinite()) throw InputError("solve", "a position is not finite, expected three finite numbers");
+  return points;
+}
+
+// Refuses positions that are too far away, usually because of another unit or a mistyped exponent.
+void check_reach(const std::vector<Vec3>& points, double side) {
+  constexpr double farthest = 100;  // longest sides of the body
+  for (const Vec3& x : points)
+    if (!(x.cwiseAbs().maxCoeff() <= farthest * side))
+      throw InputError("solve",
+                       fmt::format("the position ({:g}, {:g}, {:g}) m is farther from rest than {:.3g} m, "
+                                   "{:g} times the body's longest side; expected metres",
+                                   x[0], x[1], x[2], farthest * side, farthest));
+}
+
+// The share of all solves that is done. Half of a state's share is its straight path, half the second path,
+// which has up to three legs.
+class Tally {
+ public:
+  Tally(const Globals& globals, std::size_t states) : progress_(globals, "solve"), parts_(states, 0.0) {
+    show();
+  }
+
+  void straight(std::size_t i, double share) { set(i, 0.5 * share); }
+  void second(std::size_t i, int leg, double share) { set(i, 0.5 + (leg + share) / 6); }
+  void done(std::size_t i) {
+    ++done_;
+    set(i, 1);
+  }
+
+ private:
+  void set(std::size_t i, double part) {
+    const std::lock_guard lock(mutex_);
+    sum_ += part - parts_[i];
+    parts_[i] = part;
+    show();
+  }
+  void show() {
+    progress_.show(sum_ / static_cast<double>(parts_.size()),
+                   fmt::format("{} of {} states", done_.load(), parts_.size()));
+  }
+
+  Progress progress_;
+  std::mutex mutex_;
+  std::vector<double> parts_;
+  std::atomic<std::size_t> done_ = 0;
+  double sum_ = 0;
+};
+
+std::vector<SolveOutcome> solve_all(const Scene& scene, const std::vector<Vec3>& points,
+                                    const Globals& globals) {
+  const int threads = globals.threads > 0 ? globals.threads : omp_get_max_threads();
+  std::vector<SolveOutcome> outcomes(points.size());
+  Tally tally(globals, points.size());
+#pragma omp parallel num_threads( \
+    static_cast <int>(std::min <std::size_t>(points.size(), static_cast <std::size_t>(threads))))
+  {
+    Solver solver(scene.body);
+#pragma omp for schedule(dynamic)
+    for (std::size_t i = 0; i < points.size(); ++i) {
+      solver.watch([&tally, i](double share) { tally.straight(i, share); });
+      outcomes[i] =
+          solver.reference(points[i], scene.space.spacing, {.want_displacements = scene.displacements});
+      State& state = outcomes[i].state;
+      int leg = 0;
+      solver.watch([&tally, &leg, i](double share) {
+        tally.second(i, leg, share);
+        leg += share >= 1;
+      });
+      state.multivalued = second_way_differs(solver, state, scene.space.spacing);
+      if (state.multivalued)
+        outcomes[i].warnings.push_back("another path ends in another stable equilibrium here");
+      solver.watch({});
+      tally.done(i);
+    }
+  }
+  return outcomes;
+}
+
+// Error of the mesh itself at each position (solver/equilibrium/mesh_error.hpp).
+std::vector<double> discretisation_errors(const Scene& scene, const std::vector<SolveOutcome>& outcomes) {
+  Solver finer(finer_body(*scene.body));
+  std::vector<State> states;
+  for (const SolveOutcome& outcome : outcomes) states.push_back(outcome.state);
+  return mesh_errors(finer, states, scene.space.spacing);
+}
+
+// Before anything is solved: a finer body that no memory holds.
+void check_finer(const Body& body) {
+  const std::int64_t nodes = nodes_of_finer(body), most = MeshErrorOptions().most_nodes;
+  if (nodes > most)
+    throw InputError(
+        "--discretisation-error",
+        fmt::format("needs {} with about {} nodes, expected at most {}", finer_in_words(body), nodes, most));
+}
+
+// Result of `forefeel solve`, in the order of the positions.
+struct SolveResult {
+  std::vector<SolveOutcome> outcomes;
+  std::vector<double> discretisation_errors;  // relative; empty unless requested
+
+  std::size_t failed() const {
+    return static_cast<std::size_t>(std::ranges::count_if(
+        outcomes, [](const SolveOutcome& o) { return o.state.status != SolveStatus::converged; }));
+  }
+  std::size_t inverted() const {
+    return static_cast<std::size_t>(std::ranges::count_if(
+        outcomes, [](const SolveOutcome& o) { return has_inverted_elements(o.state); }));
+  }
+};
+
+SolveResult solve(const Globals& globals, const SolveArguments& arguments, const Scene& scene,
+                  const std::vector<Vec3>& points) {
+  SolveResult result{.outcomes = solve_all(scene, points, globals), .discretisation_errors = {}};
+  if (!arguments.discretisation_error) return result;
+  result.discretisation_errors = discretisation_errors(scene, result.outcomes);
+  return result;
+}
+
+nlohmann::ordered_json to_json(const SolveOutcome& outcome) {
+  const State& s = outcome.state;
+  nlohmann::ordered_json entry;
+  entry["at"] = vector3(s.at);
+  entry["force"] = vector3(s.force);
+  entry["stiffness"] = nlohmann::ordered_json::array();
+  for (int i = 0; i < 3; ++i) entry["stiffness"].push_back(vector3(Vec3(s.stiffness.row(i).transpose())));
+  entry["energy"] = number(s.energy);
+  entry["converged"] = ::forefeel::outcome(s) == SolveStatus::converged;
+  entry["status"] = name(::forefeel::outcome(s));
+  entry["iterations"] = s.iterations;
+  entry["residual"] = number(s.residual);
+  entry["seconds"] = number(s.seconds);
+  entry["min_jacobian"] = number(s.min_jacobian);
+  entry["multivalued"] = s.multivalued;
+  entry["warnings"] = outcome.warnings;
+  return entry;
+}
+
+nlohmann::ordered_json to_json(const SolveResult& result) {
+  nlohmann::ordered_json document{{"states", nlohmann::ordered_json::array()}};
+  for (std::size_t i = 0; i < result.outcomes.size(); ++i) {
+    document["states"].push_back(to_json(result.outcomes[i]));
+    if (!result.discretisation_errors.empty())
+      document["states"].back()["discretisation_error"] = number(result.discretisation_errors[i]);
+  }
+  return document;
+}
+
+std::string line_for(const State& s) {
+  return fmt::format(
+      "x = ({:.6g}, {:.6g}, {:.6g}) m  f = ({:.9g}, {:.9g}, {:.9g}) N  W = {:.6g} J  {} in {} iterations, "
+      "{:.1f} ms, least J {:.3f}{}",
+      s.at[0], s.at[1], s.at[2], s.force[0], s.force[1], s.force[2], s.energy, name(outcome(s)), s.iterations,
+      1e3 * s.seconds, s.min_jacobian, s.multivalued ? ", multivalued" : "");
+}
+
+void tell(const Globals& globals, const SolveResult& result) {
+  for (std::size_t i = 0; i < result.outcomes.size(); ++i) {
+    std::string line = line_for(result.outcomes[i].state);
+    if (!result.discretisation_errors.empty())
+      line += fmt::format(", discretisation error {:.1f} %", 100 * result.discretisation_errors[i]);
+    answer(globals, line);
+  }
+}
+
+void write_output(const std::string& file, const SolveResult& result) {
+  std::vector<State> states;
+  for (const SolveOutcome& outcome : result.outcomes) states.push_back(outcome.state);
+  write_states_csv(file, states);
+}
+
+int run_solve(const Globals& globals, const SolveArguments& arguments) {
+  const std::vector<Vec3> points = wanted_points(arguments);
+  if (!arguments.output.empty()) check_writable(arguments.output, {arguments.scene, arguments.points});
+  const Scene scene = load_scene(arguments.scene, globals.set, nullptr, {.spacing = false});
+  check_reach(points, longest_side(scene.body->mesh));
+  if (arguments.discretisation_error) check_finer(*scene.body);
+  for (const std::string& warning : scene.source.warnings) warn(globals, warning);
+  if (scene.spacing.automatic)
+    say(globals,
+        fmt::format(
+            "spacing \"auto\" is not measured, since a solve needs none: continuation steps of {:.3g} mm",
+            1e3 * scene.space.spacing));
+  const SolveResult result = solve(globals, arguments, scene, points);
+  for (const SolveOutcome& outcome : result.outcomes)
+    for (const std::string& warning : outcome.warnings)
+      warn(globals, fmt::format("({:.6g}, {:.6g}, {:.6g}): {}", outcome.state.at[0], outcome.state.at[1],
+                                outcome.state.at[2], warning));
+  if (!arguments.output.empty()) write_output(arguments.output, result);
+  if (globals.json) print_json(to_json(result));
+  const bool in_file = globals.quiet && !arguments.output.empty();
+  if (!globals.json && !in_file) tell(globals, result);
+  if (result.inverted() > 0)
+    warn(globals, fmt::format("{} of {} states have inverted elements: they do not count as converged",
+                              result.inverted(), result.outcomes.size()));
+  if (result.failed() > 0)
+    warn(globals, fmt::format("{} of {} states did not converge", result.failed(), result.outcomes.size()));
+  return result.failed() + result.inverted() > 0 ? 1 : 0;
+}
+
+}  // namespace
+
+std::vector<Declared> declared_solve_json() {
+  return {{"states[].at", "m", "", "HIP position"},
+          {"states[].force", "N", "", "force of the body on the tip"},
+          {"states[].stiffness", "N/m", "", "rows of K = -df/dx"},
+          {"states[].energy", "J", "", "stored energy"},
+          {"states[].converged", "", "", "false: not an equilibrium, or one with inverted elements"},
+          {"states[].status", "", "", "converged, diverged, stalled, inverted or cancelled"},
+          {"states[].iterations", "", "", "Newton iterations"},
+          {"states[].residual", "1", "", "relative to the force"},
+          {"states[].seconds", "s", "", "time of the solve"},
+          {"states[].min_jacobian", "1", "", "least det F of all elements"},
+          {"states[].multivalued", "", "", "true: another path ends at another equilibrium"},
+          {"states[].warnings", "", "", "list of lines"},
+          {"states[].discretisation_error", "1", "",
+           "with --discretisation-error: what the mesh itself gets wrong, relative; null: not measured"}};
+}
+
+void add_solve(CommandLine& line) {
+  const auto arguments = std::make_shared<SolveArguments>();
+  Command sub = line.add(
+      "solve", "Exact forces at given positions: the equilibria that the body reaches straight from rest");
+  sub.runs([arguments](const Globals& globals) { return run_solve(globals, *arguments); });
+  sub.option("SCENE", arguments->scene, "Scene (TOML)").required();
+  const Option at = sub.option("--at", arguments->at,
+                               "Position of the HIP (haptic interaction point, the tip), from rest [m]; "
+                               "repeat --at for more positions")
+                        .takes_one()
+                        .shows("X,Y,Z");
+  sub.option("--points", arguments->points, "CSV of positions x,y,z [m]").shows("F.csv").excludes(at);
+  sub.flag(
+      "--discretisation-error", arguments->discretisation_error,
+      "Estimate the error of the mesh: solve a finer body too (quadratic elements; where they are quadratic "
+      "already, on a mesh of half the size), and compare");
+  sub.option("-o,--output", arguments->output, "States as CSV").shows("OUT.csv");
+}
+
+}  // namespace forefeel

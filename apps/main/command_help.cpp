@@ -1,0 +1,100 @@
+// forefeel help [TOPIC [TABLE]] [-o OUT.html]: the reference of keys, settings and columns.
+
+#include <fmt/format.h>
+#include <sys/ioctl.h>
+#include <unistd.h>
+
+#include <algorithm>
+#include <filesystem>
+#include <memory>
+#include <nlohmann/json.hpp>
+#include <string>
+#include <vector>
+
+#include "apps/console/commands.hpp"
+#include "apps/console/console.hpp"
+#include "apps/console/json.hpp"
+#include "apps/console/suggest.hpp"
+#include "apps/main/help_topics.hpp"
+#include "geometry/common/error.hpp"
+#include "geometry/common/output_file.hpp"
+
+namespace forefeel {
+namespace {
+
+struct HelpArguments {
+  std::string topic, table, output;
+};
+
+std::size_t terminal_width() {
+  winsize size{};
+  if (ioctl(STDOUT_FILENO, TIOCGWINSZ, &size) != 0 || size.ws_col < 60) return 100;
+  return std::min<std::size_t>(size.ws_col, 120);
+}
+
+// What was asked for. InputError for an unknown topic or table.
+std::vector<HelpTopic> chosen(const HelpArguments& arguments) {
+  std::vector<HelpTopic> topics = help_topics();
+  if (arguments.topic.empty()) return topics;
+  std::vector<std::string> names;
+  for (const HelpTopic& topic : topics) names.push_back(topic.name);
+  const auto found = std::ranges::find(topics, arguments.topic, &HelpTopic::name);
+  if (found == topics.end())
+    throw InputError("help '" + arguments.topic + "'",
+                     "unknown topic" + expected_instead(arguments.topic, names) +
+                         "; the options of a command: forefeel COMMAND --help");
+  if (arguments.table.empty()) return {*found};
+  std::vector<DeclaredTable> tables = tables_named(*found, arguments.table);
+  if (tables.empty()) {
+    names.clear();
+    for (const DeclaredTable& table : found->tables) names.push_back(table.name);
+    throw InputError(fmt::format("help {} '{}'", found->name, arguments.table),
+                     "unknown table" + expected_instead(arguments.table, names));
+  }
+  found->tables = std::move(tables);
+  return {*found};
+}
+
+void list_topics(const Globals& globals, const std::vector<HelpTopic>& topics) {
+  for (const HelpTopic& topic : topics) {
+    std::vector<std::string> names;
+    for (const DeclaredTable& table : topic.tables) names.push_back(table.name);
+    answer(globals, fmt::format("forefeel help {}\n  {}\n  {}", topic.name, topic.meaning, listed(names)));
+  }
+  answer(globals, "forefeel help TOPIC TABLE: one table. forefeel COMMAND --help: the options of a command.");
+}
+
+int run_help(const Globals& globals, const HelpArguments& arguments) {
+  const std::vector<HelpTopic> topics = chosen(arguments);
+  if (!arguments.output.empty()) {
+    if (std::filesystem::path(arguments.output).extension() != ".html")
+      throw InputError("-o " + arguments.output, "expected a file OUT.html");
+    OutputFile file(arguments.output);
+    file.write(as_html(topics));
+    file.commit();
+  }
+  if (globals.json) return print_json(to_json(topics)), 0;
+  if (!arguments.output.empty()) return say(globals, arguments.output), 0;
+  if (arguments.topic.empty()) return list_topics(globals, topics), 0;
+  std::string text;
+  if (arguments.table.empty()) text = topics.front().meaning + "\n\n";
+  for (const DeclaredTable& table : topics.front().tables) text += as_text(table, terminal_width()) + "\n";
+  while (text.ends_with('\n')) text.pop_back();
+  answer(globals, text);
+  return 0;
+}
+
+}  // namespace
+
+void add_help(CommandLine& line) {
+  const auto arguments = std::make_shared<HelpArguments>();
+  Command sub =
+      line.add("help", "Every key of scenes and studies, setting of devices, and column of outputs");
+  sub.runs([arguments](const Globals& globals) { return run_help(globals, *arguments); });
+  sub.option("TOPIC", arguments->topic,
+             "scene, study, devices or outputs; without it, the topics are listed");
+  sub.option("TABLE", arguments->table, "One table of the topic: forefeel help scene material");
+  sub.option("-o,--output", arguments->output, "The same as a page").shows("OUT.html");
+}
+
+}  // namespace forefeel

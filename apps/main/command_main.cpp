@@ -1,0 +1,101 @@
+// The only place that catches every exception.
+
+#include "apps/main/command_main.hpp"
+
+#include <fmt/format.h>
+#include <poll.h>
+#include <unistd.h>
+
+#include <algorithm>
+#include <array>
+#include <cstdio>
+#include <filesystem>
+#include <iostream>
+#include <new>
+#include <string_view>
+
+#include "approx/loops/instruction_set.hpp"
+#include "apps/console/commands.hpp"
+#include "apps/console/interrupt.hpp"
+#include "apps/console/provenance.hpp"
+#include "geometry/common/error.hpp"
+#include "scheduling/study/study_run.hpp"
+
+namespace forefeel {
+namespace {
+
+int run(int argc, const char* const* argv) {
+  remember_command(argc, argv);
+  check_instruction_set();
+  CommandLine line("Haptic rendering of soft bodies from states solved ahead", version_text);
+  for (const auto add : {add_mesh, add_solve, add_generate, add_import, add_export, add_info, add_show,
+                         add_classify, add_evaluate, add_trace, add_session, add_replay, add_study,
+                         add_reproduce, add_bench, add_cache, add_help})
+    add(line);
+  return line.run(argc, argv);
+}
+
+// When interrupted, these commands stop by themselves and report what they keep.
+bool watches(int argc, char** argv) {
+  return argc > 1 && std::ranges::any_of(std::array{"session", "study", "generate"},
+                                         [&](const char* name) { return argv[1] == std::string_view(name); });
+}
+
+bool has_word(int argc, char** argv, std::string_view wanted) {
+  return std::any_of(argv, argv + argc, [&](const char* word) { return word == wanted; });
+}
+
+int tell_interrupted(const char* text, int argc, char** argv) {
+  if (has_word(argc, argv, "--json")) std::cout << "{\n  \"interrupted\": true\n}\n";
+  flush_warnings();
+  std::cerr << "forefeel: " << text << '\n';
+  return 1;
+}
+
+// If the reader of a pipe has ended, output is no longer wanted; that is not a failure.
+bool reader_is_gone() {
+  pollfd out{.fd = STDOUT_FILENO, .events = POLLOUT, .revents = 0};
+  return poll(&out, 1, 0) == 1 && (out.revents & POLLERR) != 0;
+}
+
+// Checks that the output was written completely. A full disk behind `> file` is detected here.
+int printed(int code) {
+  std::cout.flush();
+  if (std::cout.good() && std::fflush(stdout) == 0) return code;
+  if (reader_is_gone()) return code;
+  std::cerr << "forefeel: stdout: cannot be written, so the results are incomplete (is the disk full?)\n";
+  return code == 0 ? 1 : code;
+}
+
+int complain(const std::string& text, int code) {
+  std::cerr << "forefeel: " << text << '\n';
+  return code;
+}
+
+}  // namespace
+
+int command_main(int argc, char** argv) {
+  write_errors_without_signals();
+  // Under MPI rank 0 ends the others.
+  if (watches(argc, argv))
+    watch_from_the_start({.leave = !has_word(argc, argv, "--mpi"), .json = has_word(argc, argv, "--json")});
+  try {
+    return printed(run(argc, argv));
+  } catch (const Interrupted& wish) {
+    return tell_interrupted(wish.what(), argc, argv);
+  } catch (const InputError& error) {
+    return complain(error.what(), 2);
+  } catch (const std::filesystem::filesystem_error& error) {
+    // An InputError shortens long names.
+    const std::string problem = error.code().message() + ", expected a file or folder that can be used";
+    return complain(InputError({.file = error.path1().string()}, problem).what(), 2);
+  } catch (const std::bad_alloc&) {
+    return complain("out of memory", 1);
+  } catch (const StudyFailure& error) {
+    return complain(error.what(), 1);
+  } catch (const std::exception& error) {
+    return complain(std::string("internal error: ") + error.what(), 1);
+  }
+}
+
+}  // namespace forefeel

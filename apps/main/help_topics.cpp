@@ -1,0 +1,223 @@
+#include "apps/main/help_topics.hpp"
+
+#include <fmt/format.h>
+
+#include <algorithm>
+#include <iterator>
+#include <nlohmann/json.hpp>
+#include <sstream>
+
+#include "apps/bench/bench_keys.hpp"
+#include "apps/classify/error_known.hpp"
+#include "apps/classify/print_classified.hpp"
+#include "apps/console/json_keys.hpp"
+#include "apps/console/summary_json.hpp"
+#include "apps/console/tolerance_json.hpp"
+#include "apps/evaluate/evaluate_json.hpp"
+#include "apps/evaluate/offline_bars.hpp"
+#include "apps/mesh/mesh_study_table.hpp"
+#include "apps/picture/page.hpp"
+#include "apps/scene/scene_declared.hpp"
+#include "apps/scene/spec_text.hpp"
+#include "apps/study/study_file.hpp"
+#include "geometry/states/state_file.hpp"
+#include "scheduling/motion/predictor.hpp"
+#include "scheduling/policy/policy.hpp"
+#include "scheduling/record/run_files.hpp"
+#include "scheduling/record/shape_files.hpp"
+#include "scheduling/study/cell_result.hpp"
+#include "scheduling/workers/generator.hpp"
+
+namespace forefeel {
+namespace {
+
+std::vector<Declared> joined(std::vector<Declared> rows, const std::vector<Declared>& more) {
+  rows.insert(rows.end(), more.begin(), more.end());
+  return rows;
+}
+
+HelpTopic scene_topic() {
+  return {"scene", "The scene file (TOML). Unknown keys are errors; --set table.key=value overrides one.",
+          scene_tables()};
+}
+
+HelpTopic study_topic() {
+  return {"study", "The study file (TOML): sessions for every combination of values, compared.",
+          study_tables()};
+}
+
+HelpTopic devices_topic() {
+  HelpTopic topic{
+      "devices",
+      "The texts of --device, --cost, --policy, --predictor and --workers-kind, and of their keys.",
+      device_tables()};
+  topic.tables.push_back(cost_table());
+  topic.tables.push_back({"policy", "--policy or session.policy: what is solved next.", declared_policies()});
+  topic.tables.push_back(
+      {"predictor", "--predictor or session.predictor: where the hand will be.", declared_predictors()});
+  DeclaredTable workers{"workers", "--workers-kind or session.workers_kind: who solves.", {}};
+  for (const std::string& name : workers_names())
+    workers.rows.push_back({name, "", "",
+                            name == "threads" ? "threads of this process; simulated under the virtual clock"
+                                              : "registered by this program"});
+  topic.tables.push_back(workers);
+  return topic;
+}
+
+// The tables of the files that forefeel writes.
+HelpTopic outputs_topic() {
+  HelpTopic topic{
+      "outputs", "The files of a run, of a study, and of single commands. Unknown values are empty, or null.",
+      declared_run_files()};
+  topic.tables.push_back(
+      {"session.inputs",
+       "All that came into a run, in binary: states, times, positions. forefeel replay RUN "
+       "renders it again and compares each force.",
+       {}});
+  topic.tables.push_back({"states.csv", "States of a run, of solve, export and import.", declared_states()});
+  topic.tables.push_back(declared_shape_table());
+  topic.tables.push_back({"summary.json", "Summary of a session: keys joined by dots.",
+                          joined(declared_summary_json(), declared_tolerance())});
+  topic.tables.push_back({"cells.csv",
+                          "One row a cell of a study: a column for each varied key, seed, then these.",
+                          declared_cells()});
+  topic.tables.push_back(
+      {"forces.csv", "What evaluate writes with -o.", joined(declared_forces(), declared_bars())});
+  topic.tables.push_back({"coverage.csv", "What classify writes with --points or --line and -o.",
+                          joined(declared_coverage(), declared_errors())});
+  topic.tables.push_back({"NAME_left_out.vtu",
+                          "What classify --bars writes beside -o NAME.vtu: forces left out.",
+                          declared_left_out()});
+  topic.tables.push_back({"solve.json", "Of solve --json.", declared_solve_json()});
+  topic.tables.push_back(
+      {"mesh.json", "Of mesh --json.", joined(declared_mesh_json(), declared_labels_json())});
+  topic.tables.push_back({"generate.json", "Of generate --json.", declared_generate_json()});
+  topic.tables.push_back({"generate_error.json", "Of generate --error --json.", declared_placement_json()});
+  topic.tables.push_back(
+      {"evaluate.json", "Of evaluate --json.", joined(declared_evaluate_json(), declared_bars_json())});
+  topic.tables.push_back({"classify.json", "Of classify --json, for one set of states.",
+                          joined(declared_classified_json(), declared_errors_json())});
+  for (const DeclaredTable& table : declared_bench_json()) topic.tables.push_back(table);
+  topic.tables.push_back(
+      {"mesh_study.csv", "What mesh --study writes: one row a body.", declared_mesh_study()});
+  return topic;
+}
+
+// The words of a text in lines of at most `width`; the first line begins at `used` already.
+std::string wrapped(const std::string& text, std::size_t used, std::size_t indent, std::size_t width) {
+  std::istringstream words(text);
+  std::string out;
+  bool first = true;
+  for (std::string word; words >> word; first = false) {
+    if (!first && used + 1 + word.size() > width) {
+      out += "\n" + std::string(indent, ' ');
+      used = indent;
+    } else if (!first) {
+      out += ' ';
+      ++used;
+    }
+    out += word;
+    used += word.size();
+  }
+  return out;
+}
+
+std::string left_of(const Declared& row) {
+  return row.name + (row.unit.empty() || row.unit == "1" ? "" : " [" + row.unit + "]");
+}
+
+std::string right_of(const Declared& row) {
+  if (row.standard.empty()) return row.meaning;
+  const bool words = row.standard.starts_with("required");
+  return row.meaning + (words ? "; " : "; default ") + row.standard;
+}
+
+std::string html_of(const DeclaredTable& table, const std::string& topic) {
+  const bool with_defaults =
+      std::ranges::any_of(table.rows, [](const Declared& row) { return !row.standard.empty(); });
+  const bool with_units =
+      std::ranges::any_of(table.rows, [](const Declared& row) { return !row.unit.empty(); });
+  std::string html = fmt::format("<h3 id=\"{0}-{1}\">{1}</h3>\n<p class=\"muted\">{2}</p>\n",
+                                 html_escaped(topic), html_escaped(table.name), html_escaped(table.meaning));
+  if (table.rows.empty()) return html;
+  html += fmt::format("<table><tr><th>name</th>{}{}<th>meaning</th></tr>\n",
+                      with_units ? "<th>unit</th>" : "", with_defaults ? "<th>default</th>" : "");
+  for (const Declared& row : table.rows) {
+    std::string name = html_escaped(row.name);
+    for (std::size_t at = 0; (at = name.find(',', at)) != std::string::npos; at += 6)
+      name.insert(at + 1, "<wbr>");
+    html += "<tr><td><code>" + name + "</code></td>";
+    if (with_units) html += "<td>" + html_escaped(row.unit) + "</td>";
+    if (with_defaults) html += "<td>" + html_escaped(row.standard) + "</td>";
+    html += "<td>" + html_escaped(row.meaning) + "</td></tr>\n";
+  }
+  return html + "</table>\n";
+}
+
+}  // namespace
+
+std::vector<HelpTopic> help_topics() {
+  return {scene_topic(), study_topic(), devices_topic(), outputs_topic()};
+}
+
+std::vector<DeclaredTable> tables_named(const HelpTopic& topic, const std::string& name) {
+  std::vector<DeclaredTable> found;
+  std::ranges::copy_if(topic.tables, std::back_inserter(found), [&](const DeclaredTable& table) {
+    return table.name == name || table.name.starts_with(name + ".");
+  });
+  return found;
+}
+
+std::string as_text(const DeclaredTable& table, std::size_t width) {
+  std::string text = table.name + "\n  " + wrapped(table.meaning, 2, 2, width) + "\n";
+  std::size_t column = 12;
+  for (const Declared& row : table.rows)
+    column = std::max(column, std::min<std::size_t>(left_of(row).size() + 4, 34));
+  for (const Declared& row : table.rows) {
+    const std::string left = left_of(row);
+    text += "  " + left;
+    if (left.size() + 4 > column)
+      text += "\n" + std::string(column, ' ');
+    else
+      text += std::string(column - left.size() - 2, ' ');
+    text += wrapped(right_of(row), column, column, width) + "\n";
+  }
+  return text;
+}
+
+std::string as_html(const std::vector<HelpTopic>& topics) {
+  std::string html =
+      "<h1>Forefeel: reference</h1>\n<p class=\"sub\">Every key, setting and column. SI units; [1]: a "
+      "share or a ratio.</p>\n";
+  for (const HelpTopic& topic : topics) {
+    html += fmt::format("<p><b>{}</b>:", html_escaped(topic.name));
+    for (const DeclaredTable& table : topic.tables)
+      html +=
+          fmt::format(" <a href=\"#{0}-{1}\">{1}</a>", html_escaped(topic.name), html_escaped(table.name));
+    html += "</p>\n";
+  }
+  for (const HelpTopic& topic : topics) {
+    html += fmt::format("<h2>{}</h2>\n<p>{}</p>\n", html_escaped(topic.name), html_escaped(topic.meaning));
+    for (const DeclaredTable& table : topic.tables) html += html_of(table, topic.name);
+  }
+  return html_page("Forefeel: reference", html);
+}
+
+nlohmann::ordered_json to_json(const std::vector<HelpTopic>& topics) {
+  nlohmann::ordered_json document;
+  document["topics"] = nlohmann::ordered_json::array();
+  for (const HelpTopic& topic : topics) {
+    nlohmann::ordered_json tables = nlohmann::ordered_json::array();
+    for (const DeclaredTable& table : topic.tables) {
+      nlohmann::ordered_json rows = nlohmann::ordered_json::array();
+      for (const Declared& row : table.rows)
+        rows.push_back(
+            {{"name", row.name}, {"unit", row.unit}, {"default", row.standard}, {"meaning", row.meaning}});
+      tables.push_back({{"name", table.name}, {"meaning", table.meaning}, {"rows", rows}});
+    }
+    document["topics"].push_back({{"topic", topic.name}, {"meaning", topic.meaning}, {"tables", tables}});
+  }
+  return document;
+}
+
+}  // namespace forefeel

@@ -1,0 +1,28 @@
+#pragma once
+// The reference that `forefeel help` prints: every key, setting and column, from the tables that the readers
+// and writers themselves use.
+
+#include <nlohmann/json_fwd.hpp>
+#include <string>
+#include <vector>
+
+#include "geometry/common/declared.hpp"
+
+namespace forefeel {
+
+struct HelpTopic {
+  std::string name, meaning;
+  std::vector<DeclaredTable> tables = {};
+};
+
+// scene, study, devices, outputs.
+std::vector<HelpTopic> help_topics();
+// The table of this name and those nested in it: "session" also gives "session.jnd". Empty if there is none.
+std::vector<DeclaredTable> tables_named(const HelpTopic& topic, const std::string& name);
+
+// Text for a terminal of `width` columns.
+std::string as_text(const DeclaredTable& table, std::size_t width);
+std::string as_html(const std::vector<HelpTopic>& topics);  // a complete page
+nlohmann::ordered_json to_json(const std::vector<HelpTopic>& topics);
+
+}  // namespace forefeel

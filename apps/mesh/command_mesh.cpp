@@ -1,0 +1,331 @@
+// forefeel mesh SURFACE -o OUT.msh: repairs, decimates and fills a surface; or meshes a label volume; or makes a
+// phantom; or cleans a volume mesh.
+
+#include <fmt/format.h>
+
+#include <cmath>
+#include <limits>
+#include <nlohmann/json.hpp>
+#include <optional>
+
+#include "apps/console/commands.hpp"
+#include "apps/console/console.hpp"
+#include "apps/console/json.hpp"
+#include "apps/console/json_keys.hpp"
+#include "apps/console/look_at_it.hpp"
+#include "apps/console/values.hpp"
+#include "apps/mesh/extent.hpp"
+#include "apps/mesh/mesh_labels.hpp"
+#include "apps/mesh/mesh_study_table.hpp"
+#include "geometry/common/error.hpp"
+#include "geometry/common/output_file.hpp"
+#include "geometry/mesh/length_unit.hpp"
+#include "geometry/mesh/mesh_file.hpp"
+#include "geometry/mesh/mesh_summary.hpp"
+#include "geometry/meshing/deviation.hpp"
+#include "geometry/meshing/meshing_progress.hpp"
+#include "geometry/meshing/phantom.hpp"
+#include "geometry/meshing/surface.hpp"
+#include "geometry/segmentation/label_volume.hpp"
+
+namespace forefeel {
+namespace {
+
+struct MeshArguments {
+  std::string input, output, phantom, labels, unit;
+  std::optional<long long> elements;
+  std::optional<double> length, time_limit;
+  bool study = false;
+  std::optional<double> error;  // wanted of the study
+};
+
+struct MadeMesh {
+  TetMesh mesh;
+  TetrahedraliseReport report;
+  bool repaired = false;                                            // true if a surface was repaired
+  double hausdorff = std::numeric_limits<double>::quiet_NaN();      // [m]
+  double volume_change = std::numeric_limits<double>::quiet_NaN();  // (mesh - surface) / surface
+  std::vector<std::string> warnings;
+  std::optional<LabelBody> labels = {};  // of a label volume; its mesh is moved to the one above
+};
+
+void check_arguments(const MeshArguments& arguments) {
+  if (arguments.input.empty() == arguments.phantom.empty())
+    throw InputError("mesh", arguments.input.empty()
+                                 ? "no surface given, expected a file or --phantom NAME"
+                                 : "both a file and --phantom given, expected one of them");
+  if (!arguments.labels.empty() && !is_label_volume_file(arguments.input))
+    throw InputError("--labels", fmt::format("needs a label volume, expected {}", label_volume_extensions));
+  if (!is_written_mesh(arguments.output))
+    throw InputError(arguments.output, "expected a name that ends in .msh or .vtu");
+  if (arguments.elements && (*arguments.elements < 1 || *arguments.elements > 20'000'000))
+    throw InputError("--elements",
+                     fmt::format("{} is out of range, expected 1 to 20000000", *arguments.elements));
+  if (arguments.length && !(*arguments.length > 0 && std::isfinite(*arguments.length)))
+    throw InputError("--length", fmt::format("{} m, expected a positive number", *arguments.length));
+  if (!arguments.unit.empty() && !unit_of(arguments.unit))
+    throw InputError("--unit", fmt::format("'{:.40}', expected {}", arguments.unit, unit_names));
+  if (!arguments.unit.empty() && (arguments.length || !arguments.phantom.empty()))
+    throw InputError("--unit", arguments.length ? "has no effect with --length, expected one of them"
+                                                : "a phantom has its size in m, expected --length");
+  check_writable(arguments.output);
+}
+
+// Of the lengths of a surface or mesh [m].
+double unit_in(const MeshArguments& arguments) {
+  return unit_of(arguments.unit).value_or(1);
+}
+
+// "filling it with tetrahedra: surface 2 of at most 14, 9 meshes tried"
+std::string in_words(const MeshingProgress& p) {
+  std::string text = name(p.step);
+  if (p.attempt > 0) text += fmt::format(": surface {} of at most {}", p.attempt, p.attempts);
+  if (p.fills > 0) text += fmt::format(", {} mesh{} tried", p.fills, p.fills == 1 ? "" : "es");
+  return text;
+}
+
+Surface scaled(Surface surface, double factor) {
+  for (Vec3& node : surface.nodes) node *= factor;
+  return surface;
+}
+
+MadeMesh from_surface(const Surface& surface, const MeshArguments& arguments, const std::string& name,
+                      Progress& progress) {
+  MadeMesh made{.mesh = {}, .report = {}, .repaired = true, .warnings = {}};
+  TetrahedraliseOptions options{.elements = static_cast<std::size_t>(arguments.elements.value_or(0)),
+                                .length = arguments.length,
+                                .name = name,
+                                .time_limit = arguments.time_limit};
+  made.mesh = tetrahedralise(surface, options, &made.report,
+                             [&](const MeshingProgress& p) { progress.show(in_words(p)); });
+  made.hausdorff = made.report.hausdorff;
+  if (made.report.repair.wrapped)
+    made.warnings.push_back(
+        fmt::format("{}: the surface could not be repaired in place and was rebuilt around", name));
+  const Deviation deviation = deviation_of(surface, made.mesh, made.hausdorff, arguments.length);
+  made.volume_change = deviation.volume_change;
+  for (const std::string& words : in_words(deviation, made.report.repair))
+    made.warnings.push_back(fmt::format("{}: {}", name, words));
+  return made;
+}
+
+MadeMesh from_labels(const MeshArguments& arguments, Progress& progress) {
+  LabelMeshOptions options{.length = arguments.length, .time_limit = arguments.time_limit};
+  if (!arguments.labels.empty()) options.labels = parse_labels(arguments.labels);
+  if (arguments.elements) options.elements = static_cast<std::size_t>(*arguments.elements);
+  MadeMesh made{.mesh = {}, .report = {}, .warnings = {}};
+  made.labels = body_of_labels(arguments.input, options, arguments.unit, progress);
+  made.mesh = std::move(made.labels->mesh);
+  made.hausdorff = made.labels->report.hausdorff;
+  for (const std::string& warning : made.labels->report.warnings)
+    made.warnings.push_back(arguments.input + ": " + warning);
+  return made;
+}
+
+MadeMesh make(const Globals& globals, const MeshArguments& arguments) {
+  // How long a surface takes is not known beforehand: the line gives the step, and the time so far.
+  Progress progress(globals, "mesh");
+  const std::string wanted =
+      arguments.elements ? fmt::format("to {} elements", *arguments.elements) : std::string("as it is");
+  progress.show(arguments.phantom.empty()
+                    ? fmt::format("repairing and filling {} {}", arguments.input, wanted)
+                    : fmt::format("making the phantom {}", arguments.phantom));
+  if (!arguments.phantom.empty()) {
+    MadeMesh made{
+        .mesh = phantom(arguments.phantom, static_cast<std::size_t>(arguments.elements.value_or(0))),
+        .report = {},
+        .warnings = {}};
+    if (arguments.length) scale_to_length(made.mesh, *arguments.length);
+    return made;
+  }
+  if (is_label_volume_file(arguments.input)) return from_labels(arguments, progress);
+  if (is_surface_file(arguments.input))
+    return from_surface(scaled(read_surface(arguments.input), unit_in(arguments)), arguments, arguments.input,
+                        progress);
+  if (!is_mesh_file(arguments.input) && std::filesystem::exists(arguments.input))
+    throw InputError(arguments.input,
+                     "unknown kind of file, expected a surface (.obj .off .stl .ply .vtp .vtk), a mesh "
+                     "(.msh .vtk .vtu .mesh) or a label volume (.nii .nii.gz .mha .nrrd .vti)");
+  TetMesh mesh = read_mesh(arguments.input);
+  for (Vec3& node : mesh.nodes) node *= unit_in(arguments);
+  MeshCheck check = check_and_orient(mesh, arguments.input);
+  MadeMesh made{.mesh = {}, .report = {}, .warnings = {}};
+  if (arguments.elements) {
+    made = from_surface(boundary_surface(mesh), arguments, arguments.input, progress);
+  } else {
+    if (arguments.length) scale_to_length(mesh, *arguments.length);
+    made.mesh = std::move(mesh);
+    made.hausdorff = 0;
+  }
+  for (const std::string& warning : check.warnings) made.warnings.push_back(arguments.input + ": " + warning);
+  return made;
+}
+
+nlohmann::ordered_json repair_json(const MadeMesh& made) {
+  const RepairReport& r = made.report.repair;
+  nlohmann::ordered_json repaired = nlohmann::ordered_json::object();
+  if (!made.repaired) return repaired;
+  repaired["self_intersections"] = r.self_intersections;
+  repaired["holes"] = r.holes;
+  repaired["components"] = r.components;
+  repaired["reoriented"] = r.reoriented;
+  repaired["wrapped"] = r.wrapped;
+  repaired["triangles_before"] = r.triangles_before;
+  repaired["triangles_after"] = r.triangles_after;
+  return repaired;
+}
+
+nlohmann::ordered_json document_of(const MadeMesh& made, const MeshSummary& sum, const std::string& output) {
+  nlohmann::ordered_json document;
+  document["nodes"] = sum.nodes;
+  document["elements"] = sum.elements;
+  document["volume"] = number(sum.quality.volume);
+  document["min_dihedral_deg"] = number(sum.quality.min_dihedral_deg);
+  document["max_dihedral_deg"] = number(sum.quality.max_dihedral_deg);
+  document["hausdorff"] = number(made.hausdorff);
+  document["volume_change"] = number(made.volume_change);
+  document["repaired"] = repair_json(made);
+  document["min_tet_volume"] = number(sum.quality.min_tet_volume);
+  document["longest_side"] = number(sum.box.size().maxCoeff());
+  document["box"] = box_json(sum.box);
+  document["surface_triangles"] = sum.surface_triangles;
+  document["groups"] = nlohmann::ordered_json::object();
+  for (const auto& [name, nodes] : sum.groups) document["groups"][name] = nodes;
+  if (made.labels) document["labels"] = labels_json(made.labels->report);
+  document["file"] = output;
+  document["warnings"] = made.warnings;
+  return document;
+}
+
+void tell(const Globals& globals, const MadeMesh& made, const MeshSummary& sum, const std::string& output) {
+  say(globals,
+      fmt::format(
+          "{}: {} tetrahedra, {} nodes, {:.4g} m long, {:.4g} cm3, dihedral angles {:.1f} to {:.1f} degrees",
+          output, sum.elements, sum.nodes, sum.box.size().maxCoeff(), 1e6 * sum.quality.volume,
+          sum.quality.min_dihedral_deg, sum.quality.max_dihedral_deg));
+  say(globals, "within " + box_text(sum.box));
+  if (made.labels) tell_labels(globals, *made.labels);
+  if (!made.repaired) return;
+  const RepairReport& r = made.report.repair;
+  say(globals, fmt::format("surface: {} triangles, {} self-intersections, {} holes, {} part{}; Hausdorff "
+                           "distance {:.3g} mm, volume {}",
+                           r.triangles_before, r.self_intersections, r.holes, r.components,
+                           r.components == 1 ? "" : "s", 1e3 * made.hausdorff,
+                           std::isfinite(made.volume_change)
+                               ? fmt::format("{:+.1f} %", 100 * made.volume_change)
+                               : std::string("of the surface unknown, since it is open")));
+}
+
+// A mesh from TetGen or from a coarse grid must pass the checks for meshes that are read. What fails then is the
+// mesher's, not the file's.
+void check_made(MadeMesh& made, const MeshArguments& arguments) {
+  const std::string where = arguments.phantom.empty() ? arguments.input : "phantom " + arguments.phantom;
+  try {
+    check_and_orient(made.mesh, where);
+  } catch (const InputError& error) {
+    throw InputError(where,
+                     fmt::format("the mesh made of it cannot be solved: {}; expected another --elements",
+                                 error.problem()));
+  }
+}
+
+// Most files name no unit. Nothing to say where the person has chosen the size.
+void warn_of_size(MadeMesh& made, const Box& box, const MeshArguments& arguments) {
+  if (!arguments.unit.empty() || arguments.length || !arguments.phantom.empty()) return;
+  const std::string size = unlikely_size(box, made.labels ? made.labels->unit : 1);
+  if (!size.empty())
+    made.warnings.push_back(fmt::format("{}: {}; --unit or --length scales it", arguments.input, size));
+}
+
+int run_study(const Globals& globals, const MeshArguments& arguments) {
+  if (arguments.elements || arguments.length || !arguments.phantom.empty() || !arguments.labels.empty() ||
+      !arguments.unit.empty())
+    throw InputError("--study",
+                     "takes its body from a scene, expected SCENE.toml, -o DIR/ and --error alone");
+  if (arguments.input.empty()) throw InputError("mesh", "no scene given, expected SCENE.toml with --study");
+  return study_meshes(globals, {arguments.input, arguments.output, arguments.error.value_or(0.02)});
+}
+
+int run_mesh(const Globals& globals, const MeshArguments& arguments) {
+  if (arguments.study) return run_study(globals, arguments);
+  if (arguments.error) throw InputError("--error", "is that of a study, expected it with --study");
+  if (!globals.set.empty())
+    throw InputError("--set", "is about keys of a scene, but mesh reads none, expected no --set, or --study");
+  check_arguments(arguments);
+  MadeMesh made = make(globals, arguments);
+  check_made(made, arguments);
+  const MeshSummary sum = summarise(made.mesh);
+  warn_of_size(made, sum.box, arguments);
+  write_mesh(arguments.output, made.mesh);
+  for (const std::string& warning : made.warnings) warn(globals, warning);
+  if (globals.json) print_json(document_of(made, sum, arguments.output));
+  tell(globals, made, sum, arguments.output);
+  say(globals, look_at_it(globals, arguments.output));
+  return 0;
+}
+
+}  // namespace
+
+std::vector<Declared> declared_mesh_json() {
+  return {
+      {"nodes", "", "", "number of nodes"},
+      {"elements", "", "", "number of tetrahedra"},
+      {"volume", "m^3", "", "of the mesh"},
+      {"min_dihedral_deg", "degrees", "", "least angle between two faces of a tetrahedron"},
+      {"max_dihedral_deg", "degrees", "", "largest"},
+      {"hausdorff", "m", "", "distance between the surface of the mesh and the input; null: not measured"},
+      {"volume_change", "1", "", "volume of the mesh over that of the input, less 1; null: not measured"},
+      {"repaired", "", "", "empty where no surface was repaired"},
+      {"repaired.self_intersections", "", "", "pairs of triangles that intersected"},
+      {"repaired.holes", "", "", "holes that were closed"},
+      {"repaired.components", "", "", "connected parts of the input"},
+      {"repaired.reoriented", "", "", "true: triangles were turned"},
+      {"repaired.wrapped", "", "", "true: the surface was wrapped anew, since it could not be repaired"},
+      {"repaired.triangles_before", "", "", "of the input"},
+      {"repaired.triangles_after", "", "", "of the repaired surface"},
+      {"min_tet_volume", "m^3", "", "of the smallest tetrahedron"},
+      {"longest_side", "m", "", "of the bounding box"},
+      {"box", "m", "", "low and high corner"},
+      {"surface_triangles", "", "", "of the mesh"},
+      {"groups.NAME", "", "", "nodes of each named set; groups is empty without sets"},
+      {"groups", "", "", "object of the named sets"},
+      {"file", "", "", "that was written"},
+      {"warnings", "", "", "list of lines"}};
+}
+
+void add_mesh(CommandLine& line) {
+  auto arguments = std::make_shared<MeshArguments>();
+  Command sub = line.add(
+      "mesh", "Make a tetrahedral mesh from a surface, a label volume, a volume mesh or a built-in body");
+  sub.runs([arguments](const Globals& globals) { return run_mesh(globals, *arguments); });
+  sub.option("SURFACE", arguments->input,
+             "Surface (.obj .off .stl .ply .vtp .vtk), label volume (.nii .nii.gz .mha .nrrd .vti) or mesh "
+             "(.msh .vtk .vtu .mesh); with --study a scene")
+      .shows("SURFACE");
+  sub.option("-o,--output", arguments->output,
+             "Mesh to write: Gmsh 2.2 (.msh) or VTK (.vtu); with --study a folder")
+      .required()
+      .shows("OUT.msh");
+  sub.option("--elements", arguments->elements, "Number of tetrahedra, met within 5 % [label volume: 20000]")
+      .shows("N");
+  sub.option("--labels", arguments->labels,
+             "Labels of a label volume and names of their groups, 1=liver,7=tumour [all, as label_7]")
+      .shows("LABEL=NAME,...");
+  sub.option("--unit", arguments->unit,
+             "Unit of the file's lengths: m, cm, mm or um [m; label volume: its own, or mm]")
+      .shows("UNIT");
+  sub.option("--length", arguments->length, "Scale so that the longest side is this [m]").shows("M");
+  sub.option("--time-limit", arguments->time_limit,
+             "Time for the surface, all tries together [s] [120; for above 600000 elements N/5000]")
+      .check(above_zero)
+      .shows("S");
+  sub.flag("--study", arguments->study,
+           "Force against number of elements, linear and quadratic, and the cheapest body below --error: "
+           "forefeel mesh SCENE.toml --study -o DIR/");
+  sub.option("--error", arguments->error, "With --study: error of the force that is allowed [0.02]")
+      .check(above_zero)
+      .shows("E");
+  sub.option("--phantom", arguments->phantom, "Built-in body: liver, beam, ball or slab").shows("NAME");
+}
+
+}  // namespace forefeel

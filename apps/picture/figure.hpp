@@ -1,0 +1,30 @@
+#pragma once
+// A figure of a report: a gnuplot script (plot.hpp) with its caption, and the tables beside it.
+
+#include <filesystem>
+#include <string>
+#include <vector>
+
+namespace forefeel {
+
+struct Figure {
+  std::string name;  // prefix of its ids, and name of its file without extension
+  std::string caption;
+  int width = 960, height = 420;
+  std::string script;
+};
+
+extern const char* const figure_style;  // gnuplot style of axes, tics and grid
+extern const char* const plot_style;    // the same for the pictures of experiments
+// Eight colours that can be told apart with every kind of colour vision (Okabe, Ito 2008).
+const char* line_colour(std::size_t index);
+
+// Writes NAME.svg into the folder and returns a <figure> with it; without gnuplot, a note instead.
+std::string draw_into(const std::filesystem::path& folder, const Figure& figure);
+// HTML table of rows of cells; the first row is the header. Escapes the text.
+std::string html_table(const std::vector<std::vector<std::string>>& rows);
+
+// Writes a file completely or not at all.
+void write_text(const std::filesystem::path& file, const std::string& text);
+
+}  // namespace forefeel

@@ -1,0 +1,66 @@
+#include "apps/scene/given_states.hpp"
+
+#include <fmt/format.h>
+
+#include "apps/scene/scene_session.hpp"
+#include "geometry/common/error.hpp"
+#include "geometry/states/repeated_states.hpp"
+#include "scheduling/workers/ask_body.hpp"
+
+namespace forefeel {
+namespace {
+
+constexpr const char* way_out = "expected states of this body, or --foreign to take them knowingly";
+
+}  // namespace
+
+const char* const foreign_help =
+    "Accept states of another or an unknown body; nothing is then solved for the scene's body";
+
+std::string_view name(Belonging belonging) {
+  return belonging == Belonging::identity ? "identity" : belonging == Belonging::asked ? "asked" : "foreign";
+}
+
+Belonging belonging_of(const Globals& globals, const Scene& scene, const std::string& file,
+                       const BodyIdentity& identity, std::span<const State> states, bool foreign) {
+  if (!identity.empty()) {
+    const std::string differs = differing_keys(identity, scene.identity);
+    if (differs.empty()) {
+      if (foreign) warn(globals, fmt::format("--foreign: without effect, {} is of this body", file));
+      return Belonging::identity;
+    }
+    if (foreign) return Belonging::foreign;
+    throw InputError({.file = file},
+                     fmt::format("belongs to another body, different: {}; {}", differs, way_out));
+  }
+  if (foreign) return Belonging::foreign;
+  SessionInput input = session_input(scene);
+  input.touched.displacements = false;
+  ReferenceService references(reference_options(input), globals.threads);
+  const double farthest = 2 * bounding_box(scene.body->mesh).size().maxCoeff();
+  BodyAnswer answer;
+  {
+    const Progress progress(globals, "comparing with the body");
+    answer = ask_body(states, farthest, references);
+  }
+  if (answer.asked.empty() && !answer.too_far) return Belonging::asked;  // no force to compare
+  if (!answer.fits())
+    throw InputError({.file = file}, fmt::format("names no body, and does not fit that of {}: {}; {}",
+                                                 scene.source.file.string(), in_words(answer), way_out));
+  say(globals, fmt::format("{}: names no body; {}, taken as states of {}", file, in_words(answer),
+                           scene.source.file.string()));
+  return Belonging::asked;
+}
+
+GivenStates given_states(const Globals& globals, const Scene& scene, const std::string& file, bool foreign) {
+  GivenStates given{.loaded = load_states(file)};
+  if (given.loaded.damaged > 0) warn(globals, damage_in_words(file, given.loaded.damaged));
+  AveragedStates mean = averaged(std::move(given.loaded.states));
+  if (mean.found.contradicting > 0) warn(globals, contradictions_in_words(file, mean.found));
+  given.loaded.states = std::move(mean.states);
+  given.belonging =
+      belonging_of(globals, scene, file, given.loaded.header.identity, given.loaded.states, foreign);
+  return given;
+}
+
+}  // namespace forefeel

@@ -1,0 +1,85 @@
+#pragma once
+// A scene (TOML): body, material, clamp, contact, state space, model, session. Unknown keys are errors that
+// suggest the nearest known one; every error names file, key and what was expected.
+
+#include <filesystem>
+#include <memory>
+#include <optional>
+#include <set>
+#include <span>
+#include <string>
+#include <string_view>
+#include <utility>
+#include <vector>
+
+#include "apps/scene/scene_keys.hpp"
+#include "apps/scene/scene_spacing.hpp"
+#include "geometry/common/error.hpp"
+#include "scheduling/session/session.hpp"
+
+namespace forefeel {
+
+// The text that a scene was read from.
+struct SceneSource {
+  std::filesystem::path file;
+  std::string hash;  // of the scene as overridden, without comments
+  std::string body;  // the sections that make the body, as text
+  std::vector<std::string> warnings;
+};
+
+// What depends on whether, and where, the scene gives a key: liver.toml:30: session.device.
+struct SceneWritten {
+  std::optional<std::string> device, cost;  // as written; nothing where the scene does not say it
+  // Arrivals: empty where the scene gives none.
+  InputPlace device_place = {}, cost_place = {}, box_place = {}, arrivals_place = {};
+  // The scheduling_keys() that the scene writes, each with its place.
+  std::vector<std::pair<std::string, InputPlace>> scheduling;
+};
+
+struct SceneSpacing {
+  bool automatic = false;  // spacing = "auto"
+  // Of the relative error where the label is safe [1]; spacing = "auto" meets it.
+  double tolerance = usual_tolerance;
+  std::optional<SpacingChoice> chosen;  // with spacing = "auto" only, if it was measured
+};
+
+struct Scene {
+  SceneSource source;
+  SceneWritten written;
+  std::shared_ptr<const Body> body;  // checked: it can be solved
+  BodyIdentity identity;             // mesh, material, clamp, contact -> hash
+  Viscosity viscosity = {};          // of all materials
+  Vec3 inward = -Vec3::UnitZ();      // from the contact into the body
+  StateSpaceOptions space;
+  SceneSpacing spacing;
+  bool displacements = false;
+  ModelOptions model;
+  SessionOptions session;  // .model.fit equals model; device and cost: scene_session.hpp
+};
+
+// How a command uses its scene. Measuring spacing = "auto" solves hundreds of states.
+struct SceneUse {
+  bool spacing = true;  // false: "auto" is not measured; the finest spacing that would be tried is used
+  bool quiet = false;   // no progress line while it is measured
+};
+
+// overrides: "key.path=value" as given to --set; value is TOML, or a bare string.
+// like: another variant of the same file. If both describe the same body, the body is shared instead of
+// meshed again.
+Scene load_scene(const std::filesystem::path& file, std::span<const std::string> overrides = {},
+                 const Scene* like = nullptr, const SceneUse& use = {});
+
+// The built-in scene, where a command is given none: the liver phantom touched on its right lobe by a patch
+// of 2 cm, neo-Hookean, spacing 6 mm.
+Scene built_in_scene(std::span<const std::string> overrides = {});
+std::string_view built_in_scene_text();
+
+// Full paths of the keys that the reader asks for in a scene with this text, for the test that every declared
+// key is read.
+std::set<std::string> scene_keys_read(std::string_view text, std::span<const std::string> overrides = {});
+
+// The scene's state space on a lattice of another spacing [m]. If the scene gives no box, the box changes with the
+// spacing. InputError if the lattice has too many positions.
+StateSpaceOptions space_at(const Scene& scene, double spacing);
+
+}  // namespace forefeel

@@ -1,0 +1,23 @@
+#pragma once
+// [hand] of a scene: the same as session.device = "hand:…", key by key.
+//   [hand]
+//   profile = "omega"
+//   grip = "light"
+//   drawn = true
+
+#include <optional>
+#include <string>
+#include <vector>
+
+#include "apps/scene/scene_table.hpp"
+#include "geometry/common/declared.hpp"
+
+namespace forefeel {
+
+// The keys of [hand]: profile, and the settings of hand:PROFILE.
+std::vector<Declared> hand_keys();
+
+// The device's text of the table; none where it has no keys. Values are checked where the text is read.
+std::optional<std::string> device_of_hand(const SceneTable& hand);
+
+}  // namespace forefeel

@@ -1,0 +1,171 @@
+#include "apps/scene/scene_mesh_error.hpp"
+
+#include <fmt/format.h>
+#include <sys/resource.h>
+#include <sys/syscall.h>
+#include <unistd.h>
+
+#include <Eigen/Geometry>
+#include <algorithm>
+#include <chrono>
+#include <cmath>
+#include <fstream>
+#include <limits>
+#include <nlohmann/json.hpp>
+#include <optional>
+
+#include "apps/console/interrupt.hpp"
+#include "apps/console/json.hpp"
+#include "apps/console/json_text.hpp"
+#include "apps/scene/cache_folder.hpp"
+#include "geometry/common/error.hpp"
+#include "geometry/common/output_file.hpp"
+#include "geometry/common/sha256.hpp"
+#include "solver/kernels/revision.hpp"
+
+namespace forefeel {
+namespace {
+
+namespace fs = std::filesystem;
+using Json = nlohmann::ordered_json;
+
+constexpr std::int64_t measuring_rule =
+    2;                              // version of the measurement; a new number invalidates kept values
+constexpr int lower_priority = 10;  // nice value of the thread
+
+fs::path file_of(const Scene& scene, std::span<const Vec3> positions, const fs::path& folder) {
+  if (folder.empty()) return {};
+  Sha256 hash;
+  hash.add(measuring_rule).add(solver_revision());
+  for (const auto& [key, value] : scene.identity) hash.add(key + "=" + value + "\n");
+  for (const Vec3& x : positions)
+    for (const double c : x) hash.add(c);
+  hash.add(scene.space.spacing);
+  return folder / (hash.hex().substr(0, 32) + ".mesh-error.json");
+}
+
+Json to_file(const MeshError& e) {
+  return {{"error", e.error}, {"positions", e.positions}, {"method", name(e.method)}, {"finer", e.finer}};
+}
+
+// Nothing where the file is missing, incomplete or altered: the error is then measured again.
+std::optional<MeshError> read_kept(const fs::path& file) {
+  std::ifstream in(file);
+  if (file.empty() || !in) return {};
+  Json kept = Json::parse(in, nullptr, false);
+  if (!kept.is_object() || !kept.contains("sha256")) return {};
+  const Json sum = kept["sha256"];
+  kept.erase("sha256");
+  if (sum != sum_of(kept)) return {};
+  try {
+    MeshError e{.error = kept.at("error").get<double>(),
+                .positions = kept.at("positions").get<std::size_t>()};
+    e.finer = kept.at("finer").get<std::string>();
+    for (const MeshErrorMethod method : {MeshErrorMethod::equilibria, MeshErrorMethod::rest})
+      if (kept.at("method") == name(method)) e.method = method;
+    return e;
+  } catch (const Json::exception&) {
+    return {};
+  }
+}
+
+void keep(const fs::path& file, const MeshError& error) {
+  if (file.empty() || error.positions == 0) return;
+  try {
+    Json kept = to_file(error);
+    kept["sha256"] = sum_of(kept);
+    OutputFile out(file);
+    out.write(json_text(kept, 2) + "\n");
+    out.commit();
+  } catch (const std::exception&) {  // it is measured again next time
+  }
+}
+
+std::string percent(double share) {
+  return fmt::format("{:.2g} %", 100 * share);
+}
+
+}  // namespace
+
+std::vector<Vec3> mesh_error_positions(const Box& box, const Vec3& inward, double spacing) {
+  const Vec3 n = inward.normalized(), t = n.unitOrthogonal(), s = n.cross(t);
+  std::vector<Vec3> positions;
+  for (const Vec3& direction : {n, t, s}) {
+    double reach = std::numeric_limits<double>::infinity();
+    for (int i = 0; i < 3; ++i) {
+      const double end = direction[i] > 0 ? box.high[i] : box.low[i];
+      if (std::abs(direction[i]) > 1e-9) reach = std::min(reach, end / direction[i]);
+    }
+    positions.push_back((reach > 0 && std::isfinite(reach) ? 0.5 * reach : spacing) * direction);
+  }
+  return positions;
+}
+
+MeshError scene_mesh_error(const Scene& scene, const fs::path& folder, std::stop_token stop) {
+  try {
+    const std::vector<Vec3> positions =
+        mesh_error_positions(scene.space.box, scene.inward, scene.space.spacing);
+    const fs::path file = file_of(scene, positions, folder);
+    if (const std::optional<MeshError> kept = read_kept(file)) return *kept;
+    const MeshError found =
+        mesh_error(scene.body, positions, {.spacing = scene.space.spacing, .stop = std::move(stop)});
+    keep(file, found);
+    return found;
+  } catch (const std::exception& problem) {
+    MeshError failed;
+    failed.why = std::string("it failed: ") + problem.what();
+    return failed;
+  }
+}
+
+std::string measured_by(const MeshError& e) {
+  if (e.positions == 0) return "not measured: " + e.why;
+  const bool rest = e.method == MeshErrorMethod::rest;
+  return fmt::format("{} {} of {}", e.positions, rest ? "displacements by the rest stiffness" : "equilibria",
+                     e.finer);
+}
+
+std::string in_words(const MeshError& e) {
+  return e.positions == 0 ? measured_by(e) : fmt::format("{} ({})", percent(e.error), measured_by(e));
+}
+
+std::string discretisation_line(const MeshError& e, double shown) {
+  return fmt::format("discretisation error of the mesh: {}{}", in_words(e),
+                     e.error > shown ? ", more than the error shown" : "");
+}
+
+void add_to(Json& document, const MeshError& e) {
+  document["discretisation_error"] = number(e.error);
+  document["discretisation_positions"] = e.positions;
+  document["discretisation_by"] = measured_by(e);
+}
+
+// ---- beside other work
+
+MeshErrorTask::MeshErrorTask(const Scene& scene, When when) : scene_(scene), folder_(cache_folder()) {
+  if (when != When::meanwhile || !scene.session.judging.discretisation_error) return;
+  found_ = std::async(std::launch::async, [this] {
+    setpriority(PRIO_PROCESS, static_cast<id_t>(syscall(SYS_gettid)), lower_priority);  // of this thread
+    return scene_mesh_error(scene_, folder_, stop_.get_token());
+  });
+}
+
+MeshErrorTask::~MeshErrorTask() {
+  stop_.request_stop();
+}
+
+MeshError MeshErrorTask::get() {
+  if (!scene_.session.judging.discretisation_error) {
+    MeshError none;
+    none.why = "session.discretisation_error is false";
+    return none;
+  }
+  if (!found_.valid())
+    found_ = std::async(std::launch::async,
+                        [this] { return scene_mesh_error(scene_, folder_, stop_.get_token()); });
+  while (found_.wait_for(std::chrono::milliseconds(50)) != std::future_status::ready)
+    if (interrupt_flag().load()) stop_.request_stop();
+  return found_.get();
+}
+
+}  // namespace forefeel

@@ -1,0 +1,166 @@
+#include "apps/scene/scene_spacing.hpp"
+
+#include <fmt/format.h>
+
+#include <cmath>
+#include <fstream>
+#include <nlohmann/json.hpp>
+
+#include "apps/console/console.hpp"
+#include "apps/console/interrupt.hpp"
+#include "apps/console/json.hpp"
+#include "apps/console/json_text.hpp"
+#include "geometry/common/error.hpp"
+#include "geometry/common/output_file.hpp"
+#include "geometry/common/sha256.hpp"
+#include "solver/kernels/revision.hpp"
+
+namespace forefeel {
+namespace {
+
+namespace fs = std::filesystem;
+using Json = nlohmann::ordered_json;
+
+constexpr std::int64_t spacing_rule =
+    2;  // version of the rule of choice; a new number invalidates kept choices
+
+fs::path file_of(const BodyIdentity& identity, const AutoSpacingOptions& options, const fs::path& folder) {
+  if (folder.empty()) return {};
+  Sha256 hash;
+  hash.add(spacing_rule).add(solver_revision());
+  for (const auto& [key, value] : identity) hash.add(key + "=" + value + "\n");
+  for (const Vec3& corner : {options.box.low, options.box.high})
+    for (const double x : corner) hash.add(x);
+  const ModelOptions& m = options.model;
+  hash.add(name(m.kernel))
+      .add(name(m.data))
+      .add(name(m.select))
+      .add(static_cast<std::int64_t>(m.neighbours))
+      .add(m.ridge);
+  const CoverageOptions& c = options.coverage;
+  for (const double x : {c.safe_spread, c.safe_cone_radius, c.safe_angle_deg, options.tolerance,
+                         options.floor, options.allowed_share, options.confidence})
+    hash.add(x);
+  hash.add(static_cast<std::int64_t>(options.positions));
+  return folder / (hash.hex().substr(0, 32) + ".spacing.json");
+}
+
+Json to_file(const SpacingChoice& c) {
+  const auto number = [](double v) { return std::isfinite(v) ? Json(v) : Json(nullptr); };
+  return {{"spacing", c.spacing}, {"p95", number(c.p95)}, {"max", number(c.max)},
+          {"safe", c.safe},       {"above", c.above},     {"share_above_bound", c.share_bound},
+          {"states", c.states},   {"solves", c.solves},   {"holds", c.holds}};
+}
+
+// False if the file is missing, incomplete or of another form. If its checksum does not match, a warning says
+// so.
+bool read_kept(const fs::path& file, SpacingChoice& choice) {
+  std::ifstream in(file);
+  if (file.empty() || !in) return false;
+  Json kept = Json::parse(in, nullptr, false);
+  if (!kept.is_object()) return false;
+  if (kept.contains("sha256")) {  // older files have none
+    const Json sum = kept["sha256"];
+    kept.erase("sha256");
+    if (sum != sum_of(kept)) {
+      warn({}, file.string() + ": has a wrong checksum: the spacing is measured anew");
+      return false;
+    }
+  }
+  try {
+    const auto number = [&](const char* key) {
+      return kept.at(key).is_null() ? unknown : kept.at(key).get<double>();
+    };
+    choice.spacing = kept.at("spacing").get<double>();
+    choice.p95 = number("p95");
+    choice.max = number("max");
+    choice.safe = kept.at("safe").get<std::size_t>();
+    choice.above = kept.at("above").get<std::size_t>();
+    choice.share_bound = kept.at("share_above_bound").get<double>();
+    choice.states = kept.at("states").get<std::size_t>();
+    choice.solves = kept.at("solves").get<std::size_t>();
+    choice.holds = kept.at("holds").get<bool>();
+  } catch (const Json::exception&) {
+    return false;
+  }
+  choice.kept = true;
+  return choice.spacing > 0;
+}
+
+}  // namespace
+
+SpacingChoice automatic_spacing(const std::shared_ptr<const Body>& body, const BodyIdentity& identity,
+                                const AutoSpacingOptions& options, const fs::path& folder, bool quiet) {
+  SpacingChoice choice;
+  choice.tolerance = options.tolerance;
+  choice.allowed_share = options.allowed_share;
+  choice.confidence = options.confidence;
+  const fs::path file = file_of(identity, options, folder);
+  if (read_kept(file, choice)) return choice;
+  AutoSpacingOptions watched = options;
+  watched.interrupted = &interrupt_flag();
+  Globals globals;
+  globals.quiet = quiet;
+  Progress progress(globals, "spacing \"auto\"");
+  watched.progress = [&](const AutoSpacingProgress& p) {
+    progress.show(fmt::format("try {} of at most {}, {:.3g} mm: {} of {} {}", p.trial, p.trials,
+                              1e3 * p.spacing, p.done, p.total, p.checking ? "tight solves" : "states"));
+  };
+  const AutoSpacingReport report = choose_spacing(body, watched);
+  if (report.interrupted)
+    throw Interrupted(
+        "interrupted while the spacing was measured: nothing of it is kept, and nothing was written");
+  const AutoSpacingTrial& last = report.trials.back();
+  choice = {.spacing = report.spacing,
+            .tolerance = options.tolerance,
+            .p95 = last.p95,
+            .max = last.max,
+            .safe = last.safe,
+            .states = last.states,
+            .solves = report.solves,
+            .above = last.above,
+            .share_bound = last.share_bound,
+            .allowed_share = options.allowed_share,
+            .confidence = options.confidence,
+            .holds = report.holds,
+            .kept = false};
+  if (file.empty()) return choice;
+  try {
+    Json kept = to_file(choice);
+    kept["sha256"] = sum_of(kept);
+    OutputFile out(file);
+    out.write(json_text(kept, 2) + "\n");
+    out.commit();
+  } catch (const InputError&) {  // it is computed again next time
+  }
+  return choice;
+}
+
+std::string in_words(const SpacingChoice& c) {
+  const std::string solves = fmt::format("; {} solves{}", c.solves, c.kept ? ", kept from before" : "");
+  if (c.safe == 0)
+    return fmt::format(
+        "spacing \"auto\": {:.4g} mm; too few positions of the box are safe on it to judge by{}",
+        1e3 * c.spacing, solves);
+  const std::string worst =
+      std::isfinite(c.max) ? fmt::format("{:.2g} %", 100 * c.max) : "without an equilibrium";
+  return fmt::format(
+      "spacing \"auto\": {:.4g} mm; of {} safe positions {} above {:g} % error (p95 {:.2g} %, worst {}), so "
+      "that with "
+      "{:g} % confidence at most {:.2g} % of what is safe is above it (allowed: {:g} %{}){}",
+      1e3 * c.spacing, c.safe, c.above == 1 ? "1 is" : fmt::format("{} are", c.above), 100 * c.tolerance,
+      100 * c.p95, worst, 100 * c.confidence, 100 * c.share_bound, 100 * c.allowed_share,
+      c.holds ? "" : ", does not hold", solves);
+}
+
+Json to_json(const SpacingChoice& c) {
+  Json document = to_file(c);
+  document["share_above"] =
+      c.safe > 0 ? Json(static_cast<double>(c.above) / static_cast<double>(c.safe)) : Json();
+  document["share_above_allowed"] = c.allowed_share;
+  document["confidence"] = c.confidence;
+  document["tolerance"] = c.tolerance;
+  return document;
+}
+
+}  // namespace forefeel

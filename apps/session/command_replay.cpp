@@ -1,0 +1,113 @@
+// forefeel replay RUN: renders a recorded run again and compares every force, bit by bit.
+
+#include <fmt/format.h>
+
+#include <filesystem>
+#include <memory>
+#include <nlohmann/json.hpp>
+#include <string>
+
+#include "apps/console/commands.hpp"
+#include "apps/console/console.hpp"
+#include "apps/console/json.hpp"
+#include "apps/console/provenance.hpp"
+#include "geometry/common/error.hpp"
+#include "scheduling/render/frame_table.hpp"
+#include "scheduling/render/input_replay.hpp"
+
+namespace forefeel {
+namespace {
+
+namespace fs = std::filesystem;
+
+fs::path inputs_of(const fs::path& given) {
+  std::error_code error;
+  const fs::path file = fs::is_directory(given, error) ? given / inputs_file_name : given;
+  if (fs::exists(file, error)) return file;
+  if (file == given) throw InputError({.file = given.string()}, "no such folder, expected that of a run");
+  throw InputError({.file = file.string()},
+                   "no such file, expected the record of a run (session.record = true in its scene)");
+}
+
+std::string in_words(const Vec3& force) {
+  return fmt::format("{}, {}, {} N", force[0], force[1], force[2]);  // reads back to the same bits
+}
+
+std::string in_words(const ForceDifference& difference) {
+  return fmt::format("first difference in frame {} ({:.3f} s), {} force: {} recorded, {} replayed",
+                     difference.frame, difference.t, difference.sent ? "sent" : "rendered",
+                     in_words(difference.recorded), in_words(difference.replayed));
+}
+
+nlohmann::ordered_json to_json(const ReplayReport& report, std::size_t rows) {
+  nlohmann::ordered_json first;
+  if (report.first)
+    first = {{"frame", report.first->frame},
+             {"t", number(report.first->t)},
+             {"force", report.first->sent ? "sent" : "rendered"},
+             {"recorded", vector3(report.first->recorded)},
+             {"replayed", vector3(report.first->replayed)}};
+  return {{"frames", report.frames},
+          {"equal", report.equal},
+          {"first_difference", first},
+          {"seconds", number(report.seconds)},
+          {"whole", report.whole},
+          {"states", report.states},
+          {"failed", report.failed},
+          {"models", report.models},
+          {"bytes", report.bytes},
+          {"recorded_by", report.made_by},
+          {"replayed_by", report.replayed_by},
+          {"frames_csv_rows", rows}};
+}
+
+void tell(const Globals& globals, const ReplayReport& report, std::size_t rows) {
+  answer(globals, fmt::format("{} of {} frames equal: {:.3f} s, {} states, {} models", report.equal,
+                              report.frames, report.seconds, report.states, report.models));
+  answer(
+      globals,
+      rows > 0
+          ? fmt::format(
+                "compared: session.inputs, and the same positions and forces in {} rows of frames.csv", rows)
+          : std::string("compared: session.inputs alone; there is no frames.csv beside it"));
+  if (report.first) answer(globals, in_words(*report.first));
+}
+
+int run_replay(const Globals& globals, const std::string& run) {
+  const fs::path file = inputs_of(run);
+  Progress progress(globals, "replay");
+  const ReplayReport report =
+      replay_inputs(file, program_text(), [&](double t) { progress.show(fmt::format("{:.1f} s", t)); });
+  // A record that does not replay says so itself.
+  const std::size_t rows = report.first ? 0 : compare_frame_table(file.parent_path() / "frames.csv", file);
+  if (!report.whole)
+    warn(globals,
+         fmt::format("{}: ends early, because the run was killed or its disk was full: {} frames are "
+                     "there, up to {:.3f} s",
+                     file.string(), report.frames, report.seconds));
+  if (report.made_by != report.replayed_by)
+    warn(globals, fmt::format("recorded by {}, replayed by {}: forces may differ in their last bits",
+                              report.made_by, report.replayed_by));
+  if (globals.json)
+    print_json(to_json(report, rows));
+  else
+    tell(globals, report, rows);
+  flush_warnings();
+  return report.first || report.frames == 0 || !report.whole ? 1 : 0;
+}
+
+}  // namespace
+
+void add_replay(CommandLine& line) {
+  const auto run = std::make_shared<std::string>();
+  Command sub = line.add(
+      "replay",
+      "Render a recorded run again and compare each force with the recorded one, bit by bit. A frames.csv of "
+      "another run beside the record is refused; other files of the run are not read. Exit code 1: a force "
+      "differs, or the record ends early");
+  sub.runs([run](const Globals& globals) { return run_replay(globals, *run); });
+  sub.option("RUN", *run, "Folder of a session, whose session.inputs is read").required();
+  sub.reads_no_scene();
+}
+
+}  // namespace forefeel

@@ -1,0 +1,375 @@
+// forefeel session SCENE … -o RUN/: a headless haptic session. Options that are not given come from the
+// scene.
+
+#include <fmt/format.h>
+
+#include <algorithm>
+#include <cmath>
+#include <filesystem>
+#include <future>
+#include <iterator>
+#include <memory>
+#include <new>
+#include <nlohmann/json.hpp>
+#include <optional>
+#include <span>
+#include <string>
+#include <utility>
+#include <vector>
+
+#include "apps/console/commands.hpp"
+#include "apps/console/console.hpp"
+#include "apps/console/interrupt.hpp"
+#include "apps/console/json.hpp"
+#include "apps/console/json_text.hpp"
+#include "apps/console/look_at_it.hpp"
+#include "apps/console/provenance.hpp"
+#include "apps/console/suggest.hpp"
+#include "apps/console/summary_json.hpp"
+#include "apps/console/tolerance_json.hpp"
+#include "apps/scene/given_states.hpp"
+#include "apps/scene/scene_mesh_error.hpp"
+#include "apps/scene/scene_tolerance.hpp"
+#include "apps/session/report.hpp"
+#include "apps/session/session_arguments.hpp"
+#include "apps/session/session_folder.hpp"
+#include "apps/session/session_shapes.hpp"
+#include "geometry/common/error.hpp"
+#include "geometry/common/output_file.hpp"
+#include "geometry/states/state_file.hpp"
+#include "scheduling/motion/prediction_score.hpp"
+#include "scheduling/motion/predictor.hpp"
+#include "scheduling/policy/policy.hpp"
+#include "scheduling/record/attention.hpp"
+#include "scheduling/record/notes.hpp"
+#include "scheduling/record/run_files.hpp"
+#include "scheduling/render/input_replay.hpp"
+#include "scheduling/workers/rank_workers.hpp"
+
+namespace forefeel {
+namespace {
+
+namespace fs = std::filesystem;
+
+// Loads the states of a file and prepares it so that new states are appended. The file is made if it is missing.
+SessionPlan extend_states(const Scene& scene, const fs::path& file, const Globals& globals,
+                          SessionPlan plan) {
+  plan = with_state_file(std::move(plan), file);
+  if (!fs::exists(file)) {
+    check_writable(file);
+    warn(globals, fmt::format("{}: no such file yet; it is made, and the session starts with no known states",
+                              file.string()));
+    return plan;
+  }
+  StateFileHeader header{
+      .identity = scene.identity, .spacing = scene.space.spacing, .box = scene.space.box, .notes = {}};
+  StateFile states = StateFile::open_or_create(file, header);
+  plan = with_known(std::move(plan), states.read_all());
+  if (states.damaged() > 0) warn(globals, damage_in_words(file.string(), states.damaged(), true));
+  states.drop_damaged();
+  return plan;
+}
+
+// The plan with the states known at the start, and the file for those that will be solved: the run's own,
+// unless the given one is to be extended.
+SessionPlan take_states(const Scene& scene, const SessionArguments& given, const Globals& globals,
+                        SessionPlan plan) {
+  const KnownStatesArguments& states = given.states;
+  if (states.file.empty() && (states.extend || states.foreign))
+    throw InputError(states.extend ? "--extend" : "--foreign",
+                     "is about the file of --states, expected both");
+  const fs::path own = fs::path(given.output) / "session.states";
+  if (states.file.empty()) return with_state_file(std::move(plan), own);
+  if (states.extend) return extend_states(scene, states.file, globals, std::move(plan));
+  std::error_code error;
+  if (fs::equivalent(states.file, own, error))
+    throw InputError("--states " + states.file,
+                     "is where this run keeps what it solves, expected --extend to append to it, or another "
+                     "folder for -o");
+  GivenStates known = given_states(globals, scene, states.file, states.foreign);
+  if (known.belonging == Belonging::foreign) {
+    if (std::ranges::none_of(known.loaded.states, &State::usable))
+      throw InputError(states.file, "holds no usable state, expected some to render");
+    return with_foreign(std::move(plan), std::move(known.loaded.states));
+  }
+  return with_known(with_state_file(std::move(plan), own), std::move(known.loaded.states));
+}
+
+std::string text_for(const SessionProgress& p) {
+  if (p.phase != SessionPhase::session || p.rehearsals > 0)
+    return fmt::format("{} {:.0f} of {:.0f}", phase_in_words(p), p.t, p.seconds);
+  return fmt::format("{:.1f} of {:.1f} s  {} states known, {} solved  {}", p.t, p.seconds, p.known, p.solved,
+                     name(p.label));
+}
+
+std::string share(double value) {
+  return std::isfinite(value) ? fmt::format("{:.1f} %", 100 * value) : "unknown";
+}
+
+void tell(const Globals& globals, const SessionSummary& s, const std::optional<std::string>& shapes,
+          const fs::path& run) {
+  for (const std::string& line : attention(s)) say(globals, "attention: " + line);
+  say(globals,
+      fmt::format(
+          "{} frames ({} clock), {} missed deadlines; {} states known at the start, {} solved{}, {} used",
+          s.run.frames, s.settings.clock == Clock::real ? "real" : "virtual", s.deadline.missed,
+          s.states.start, s.states.solved,
+          s.states.inverted > 0 ? fmt::format(", {} with inverted elements", s.states.inverted) : "",
+          s.states.used));
+  say(globals,
+      fmt::format("time in safe {}, sparse {}, gap {}, blank {}; outside the box {}",
+                  share(s.time_in[Label::safe]), share(s.time_in[Label::sparse]),
+                  share(s.time_in[Label::gap]), share(s.time_in[Label::blank]), share(s.motion.outside)));
+  const SessionSummary::Errors &error = s.error.samples, &visits = s.error.first_visit;
+  say(globals,
+      fmt::format("error of the rendered force: p50 {}, p95 {}; within the JND {} samples, {} first visits",
+                  share(error.p50), share(error.p95), share_of_samples(error.within_jnd, error.samples),
+                  share_of_samples(visits.within_jnd, visits.samples)));
+  say(globals, fmt::format("discretisation error of the mesh, not in these errors: {} ({})",
+                           share(s.error.mesh.error), s.error.mesh.how));
+  const SessionSummary::Bars& bars = s.error.bars.all;
+  if (bars.samples > 0)
+    say(globals,
+        fmt::format("error bars: that of 95 % held the truth in {} samples; median half-width {:.2g} N",
+                    share_of_samples(bars.inside[1], bars.samples), bars.width_p50));
+  say(globals,
+      fmt::format("{} model switches, {} frames over the JND bound; clamped {}, slewed {} of the frames",
+                  s.switching.count, s.switching.frames_over_jnd, share(s.safety.clamped_share),
+                  share(s.safety.slewed_share)));
+  if (shapes) say(globals, *shapes);
+  for (const std::string& note : shortened_notes(s.run.notes)) say(globals, note);
+  if (std::error_code problem; fs::exists(run / "report.html", problem))
+    say(globals, fmt::format("report: {}", (run / "report.html").string()));
+  say(globals, look_at_it(globals, run));
+}
+
+// The slices and the state file are made on separate threads while the errors are computed.
+struct Meanwhile {
+  std::future<void> states;  // in their file
+  Picture slices;
+
+  void begin(const SessionResult& result, const StateSpaceOptions& space, const fs::path& run) {
+    slices = begin_slices(result, space);
+    states = std::async(std::launch::async,
+                        [all = result.states, file = run / "states.csv"] { write_states_csv(file, all); });
+  }
+};
+
+// summary.json.
+nlohmann::ordered_json document_of(const SessionSummary& summary, const Scene& scene) {
+  nlohmann::ordered_json document = to_json(summary);
+  if (scene.spacing.chosen) document["spacing_auto"] = to_json(*scene.spacing.chosen);
+  document["prediction"] = to_json(std::span<const PredictorErrors>(summary.motion.prediction));
+  document["provenance"] = provenance(scene.source.hash);
+  return document;
+}
+
+// Writes one file after the other. If one file cannot be written, the others still are.
+class Salvage {
+ public:
+  explicit Salvage(std::vector<std::string> failures) : failures_(std::move(failures)) {}
+  template <class Write>
+  void attempt(const std::string& what, Write write) {
+    try {
+      write();
+    } catch (const std::bad_alloc&) {
+      failures_.push_back(what + " is not written: out of memory");
+    } catch (const std::exception& problem) {
+      failures_.push_back(problem.what());
+    }
+  }
+  const std::vector<std::string>& failures() const { return failures_; }  // one line each
+
+ private:
+  std::vector<std::string> failures_;
+};
+
+// 1 for a session that was interrupted or lost results; warnings say how far it came and what failed.
+int exit_code(const Globals& globals, const SessionResult& result, const SessionPlan& plan,
+              const std::vector<std::string>& failures) {
+  for (const std::string& failure : failures) warn(globals, failure);
+  if (!result.interrupted()) {
+    flush_warnings();
+    return failures.empty() ? 0 : 1;
+  }
+  if (result.end == RunEnd::not_begun)
+    warn(globals, fmt::format("{}: 0 of {} frames; the files of the run hold what was known at the start",
+                              result.notes.front(), plan.frames));
+  else
+    warn(globals, fmt::format("interrupted after {} of {} frames, {} states solved: the files of the run "
+                              "hold what was done until then",
+                              result.frames.size(), plan.frames, result.counts.solved));
+  flush_warnings();
+  return 1;
+}
+
+// Waits until the other ranks have the scene.
+void gather(const Globals& globals, RankPool& ranks, const Scene& scene) {
+  constexpr double longest = 600;  // [s], of loading
+  ranks.begin(rank_identity(scene.source.hash), said_spacing(scene.space.spacing));
+  ranks.wait_until_loaded(longest);
+  const std::string why = ranks.notes().empty() ? "they still load the scene" : ranks.notes().back();
+  if (ranks.taking_jobs() == 0) throw InputError("--mpi", "none of the other ranks can solve: " + why);
+  if (ranks.taking_jobs() < ranks.ranks()) warn(globals, why);
+}
+
+int run_session_command(const Globals& globals, const SessionArguments& given,
+                        const std::shared_ptr<RankPool>& ranks) {
+  take_figures(given.figures);
+  const Scene scene = load_scene(given.scene, globals.set, nullptr, {.quiet = globals.quiet});
+  const ShapeOptions shape = shape_options(globals, given);
+  SessionPlan plan = plan_of(globals, given, scene, ranks, shape.rate > 0);
+  if (ranks) gather(globals, *ranks, scene);
+  const fs::path run = given.output;
+  end_if_interrupted("the session began");
+  plan = take_states(scene, given, globals, std::move(plan));
+  plan = with_inputs_file(std::move(plan), run / inputs_file_name, program_text());
+  const SessionOptions& options = plan.options;
+  keep_replayed(options, run);
+  SessionShapes shapes(shape, plan, given);
+  claim_run_folder(globals, given, shapes.files(), run);
+  warn_of_replay(globals, scene, given);
+  for (const std::string& warning : scene.source.warnings) warn(globals, warning);
+  if (scene.spacing.chosen) say(globals, in_words(*scene.spacing.chosen));
+
+  std::unique_ptr<Progress> progress = std::make_unique<Progress>(globals, "session");
+  const InterruptWatch watch;  // also while the files are written
+  plan.options.stop.interrupted = &watch.flag();
+  plan.options.stop.hurried = &watch.hurry();
+  Meanwhile meanwhile;
+  const bool beside = options.clock.kind == Clock::real && !plan.input.foreign;
+  MeshErrorTask mesh(scene, beside ? MeshErrorTask::When::meanwhile : MeshErrorTask::When::at_the_end);
+  PredictorScores predictions(options.clock.frame);
+  const SessionResult result = run_session(
+      plan,
+      {.progress =
+           [&](const SessionProgress& p) {
+             progress->show(p.seconds > 0 ? p.t / p.seconds : 0, text_for(p));
+           },
+       .when_run = [&](const SessionResult& so_far) { meanwhile.begin(so_far, scene.space, run); },
+       .each_position = [&](const Vec3& at) { predictions.add(at); }},
+      shapes.wanted());
+  progress.reset();
+  for (const std::string& warning : result.warnings) warn(globals, warning);
+
+  const double limit = plan.render.safety.force_limit;
+  shapes.begin_files(run);
+  ReportPictures pictures = begin_pictures(result, meanwhile.slices, view_of(scene.space, options, limit));
+  pictures.shape = shapes.begin_picture();
+  Salvage salvage(result.failures);
+  salvage.attempt("the run's tables", [&] { write_run_files(run, result, options); });
+  salvage.attempt("states.csv", [&] { meanwhile.states.get(); });
+  salvage.attempt("the shapes", [&] { shapes.finish_files(run); });
+  SessionSummary summary = summarise(result, plan);
+  summary.motion.prediction = predictions.report();
+  const MeshError by_mesh =
+      plan.input.foreign ? MeshError{.why = "the states are of another body"} : mesh.get();
+  summary.error.mesh = {by_mesh.error, by_mesh.positions, measured_by(by_mesh)};
+  summary.run.failures = salvage.failures();
+  nlohmann::ordered_json document = document_of(summary, scene);
+  shapes.add_to(document);
+  const std::optional<Tolerance> tolerance = written_tolerance(given.scene, globals.set);
+  if (tolerance) document["tolerance"] = to_json(tolerance_share(result, *tolerance), *tolerance);
+  salvage.attempt("summary.json", [&] {
+    OutputFile file(run / "summary.json");
+    file.write(json_text(document, 2) + "\n");
+    file.commit();
+  });
+  salvage.attempt("report.html", [&] { write_report(run, summary, document, scene, pictures); });
+  if (!given.figures.formats.empty())
+    salvage.attempt("figures", [&] {
+      write_figures(globals, figures_in(run), given.figures.formats,
+                    run_figures(result, scene.space, view_of(scene.space, options, limit)));
+    });
+  document["failures"] = salvage.failures();
+  if (globals.json) print_json(document);
+  if (!globals.json) tell(globals, summary, shapes.in_words(), run);
+  if (!globals.json && tolerance)
+    say(globals, tolerance_in_words(tolerance_share(result, *tolerance), *tolerance));
+  const int code = exit_code(globals, result, plan, salvage.failures());
+  if (!summary.energy.stability || summary.energy.stability->stable) return code;
+  if (globals.json || globals.quiet) warn(globals, attention(summary).front());
+  flush_warnings();
+  return 1;
+}
+
+int run_with_mpi(const Globals& globals, const SessionArguments& given) {
+  const auto lead = [&](RankPool& pool) {
+    if (pool.ranks() < 1)
+      throw InputError(
+          "--mpi", "there is one rank, expected more: mpirun -n 3 forefeel session --mpi … has two workers");
+    const std::shared_ptr<RankPool> shared(&pool, [](RankPool*) {});
+    return run_session_command(globals, given, shared);
+  };
+  const auto load = [&](const RankContext& rank) {
+    const Scene scene = load_scene(given.scene, globals.set, nullptr, {.spacing = false});
+    const StateSolverOptions solving{
+        .spacing = heard_spacing(scene, rank),
+        .tolerance = 1e-6,
+        .displacements = scene.displacements || shape_options(globals, given).rate > 0};
+    return LoadedHand{.hand = make_state_hand(scene.body, solving),
+                      .identity = rank_identity(scene.source.hash)};
+  };
+  return run_ranked(globals, given.mpi, {.lead = lead, .load = load, .load_at_once = true});
+}
+
+}  // namespace
+
+void add_session(CommandLine& line) {
+  const auto given = std::make_shared<SessionArguments>();
+  Command sub =
+      line.add("session", "A haptic session with a simulated hand: workers solve while a 1 kHz loop renders");
+  sub.runs([given](const Globals& globals) {
+    return given->mpi.on ? run_with_mpi(globals, *given) : run_session_command(globals, *given, nullptr);
+  });
+  sub.option("SCENE", given->scene, "Scene (TOML); its [session] holds the defaults").required();
+  sub.option(
+         "--states", given->states.file,
+         "States known at the start (.states or CSV), of this body. The file is not changed: new states are "
+         "written to RUN/session.states")
+      .shows("S");
+  const Option extend = sub.flag("--extend", given->states.extend,
+                                 "Append new states to the file of --states; it is made if missing");
+  sub.flag("--foreign", given->states.foreign, foreign_help).excludes(extend);
+  sub.option("--device", given->device,
+             "The hand: path:NAME[,speed=…,amplitude=…,tremor=…,noise=…], "
+             "trace:FILE[,columns=…,rate=…,unit=…,tool=…,"
+             "scale=…,offset=x/y/z] or hand:PROFILE[,target=NAME,grip=…]");
+  sub.option("--clock", given->clock, "real or virtual");
+  sub.option("--seconds", given->seconds, "Length [s]");
+  sub.option("--workers", given->workers, "Workers that solve");
+  sub.option("--workers-kind", given->workers_kind, "threads, or a kind that this program registers");
+  add_figures(sub, given->figures, "RUN/figures");
+  add_mpi_options(sub, given->mpi,
+                  "Real clock: the workers are the other ranks of mpirun -n N forefeel session --mpi …");
+  sub.option(
+      "--policy", given->policy,
+      "What is solved next: " + listed(policy_names()) +
+          ". clairvoyant is an upper bound: it simulates all eight schedules, then runs the best; it takes "
+          "about eight times as long");
+  sub.option("--predictor", given->predictor, "Where the hand will be: " + listed(predictor_names()));
+  sub.option(
+      "--shape-rate", given->shape_rate,
+      "Shapes of the body per second, in RUN/shape.pvd and for forefeel show; 0: none. The points are moved "
+      "already: in ParaView, Warp By Vector of displacement by -1 shows the body at rest, by k - 1 the "
+      "motion k times as large");
+  sub.option("--switch", given->switching,
+             "How the force changes from one model to the next: paper, smooth or none");
+  sub.option("--cost", given->cost,
+             "Virtual clock: time of a solve [s], constant:S, lognormal:MEDIAN,SIGMA, recorded or paper");
+  sub.option("--latency", given->latency, "Virtual clock: time of a message to or from a worker [s]");
+  sub.option("--select", given->select,
+             "Which states a model uses: nearest, or label (outside safe regions from all sides of the HIP)");
+  const Option arrivals = sub.option("--arrivals", given->arrivals,
+                                     "CSV t,x,y,z, rows in any order: states become known at given times");
+  sub.option("--replay", given->replay, "A run folder: motion and arrivals as recorded there")
+      .excludes(arrivals);
+  sub.option(
+         "-o,--output", given->output,
+         "Folder for the files of the run. In its report and columns, rendered is the force before the "
+         "safety rules (rendered_x …), sent the force after them (fx, fy, fz); errors are those of rendered")
+      .shows("RUN/")
+      .required();
+}
+
+}  // namespace forefeel

@@ -1,0 +1,356 @@
+#include "apps/session/report.hpp"
+#include "apps/console/json_text.hpp"
+#include "apps/console/summary_json.hpp"
+
+#include <fmt/format.h>
+
+#include <algorithm>
+#include <cmath>
+#include <future>
+#include <iterator>
+#include <nlohmann/json.hpp>
+#include <span>
+#include <string>
+#include <utility>
+#include <vector>
+
+#include "apps/picture/page.hpp"
+#include "apps/picture/plot.hpp"
+#include "apps/session/bars_card.hpp"
+#include "apps/session/report_figures.hpp"
+#include "apps/session/run_charts.hpp"
+#include "apps/session/slice_figure.hpp"
+#include "geometry/common/error.hpp"
+#include "geometry/common/output_file.hpp"
+#include "geometry/states/state_file.hpp"
+#include "scheduling/record/attention.hpp"
+#include "scheduling/record/notes.hpp"
+
+namespace forefeel {
+namespace {
+
+using Json = nlohmann::ordered_json;
+
+std::string escaped(const std::string& text) {
+  return html_escaped(text);
+}
+
+// ---- numbers for people
+
+std::string shown(double value) {
+  return std::isfinite(value) ? fmt::format("{:.4g}", value) : "–";
+}
+std::string shown(std::size_t value) {
+  return std::to_string(value);
+}
+std::string percent(double share) {
+  if (!std::isfinite(share)) return "–";
+  const double value = 100 * share;
+  return value != 0 && value < 0.1 ? fmt::format("{:.2g} %", value) : fmt::format("{:.1f} %", value);
+}
+std::string with_unit(double value, const std::string& unit) {
+  return std::isfinite(value) ? shown(value) + " " + unit : "–";
+}
+
+std::string tile(const std::string& value, const std::string& what, Judged judged = Judged::plain) {
+  const char* const names[] = {"", " good", " warn", " bad"};
+  return fmt::format("<div class=\"tile{}\"><b>{}</b><span>{}</span></div>\n",
+                     names[static_cast<std::size_t>(judged)], value, what);
+}
+
+// Small values are good; a value that is not known is not judged.
+Judged small_is_good(double value, double warn, double bad) {
+  if (!std::isfinite(value)) return Judged::plain;
+  return value > bad ? Judged::bad : value > warn ? Judged::warn : Judged::good;
+}
+
+// Shares within the just noticeable difference; with few samples none is good.
+Judged within(const SessionSummary::Errors& errors) {
+  const Judged judged = small_is_good(1 - errors.within_jnd, 0.05, 0.2);
+  return judged == Judged::good && errors.samples < few_samples ? Judged::plain : judged;
+}
+
+std::string tiles(const SessionSummary& s) {
+  std::string html = "<div class=\"tiles\">\n";
+  const SessionSummary::Errors &samples = s.error.samples, &visits = s.error.first_visit;
+  const auto frames = static_cast<double>(std::max<std::size_t>(1, s.run.frames));
+  html += tile(share_of_samples(samples.within_jnd, samples.samples),
+               "sampled frames within the just noticeable difference", within(samples));
+  html += tile(share_of_samples(visits.within_jnd, visits.samples),
+               "first visits within the just noticeable difference", within(visits));
+  html += tile(percent(samples.p95),
+               fmt::format("error of the rendered force, 95th percentile of {} samples", samples.samples),
+               small_is_good(samples.p95, 0.07, 0.3));
+  const Card bars = bars_card(s.error.bars);
+  html += tile(bars.value, bars.what, bars.judged);
+  if (std::isfinite(s.error.mesh.error))
+    html += tile(percent(s.error.mesh.error),
+                 "discretisation error of the mesh, not in the errors before: " + escaped(s.error.mesh.how),
+                 small_is_good(s.error.mesh.error, 0.07, 0.3));
+  html += tile(shown(s.switching.frames_over_jnd),
+               fmt::format("of {} frames in which a switch exceeded its bound", s.run.frames),
+               small_is_good(static_cast<double>(s.switching.frames_over_jnd), 0, 0));
+  html += tile(with_unit(s.switching.max_jump, "N"),
+               fmt::format("largest change by one of {} switches in one frame; {} undamped",
+                           s.switching.count, with_unit(s.switching.max_jump_undamped, "N")));
+  html += tile(percent(s.time_in[Label::safe]),
+               fmt::format("of {} frames in safe regions (densely known)", s.run.frames),
+               small_is_good(1 - s.time_in[Label::safe], 0.5, 0.9));
+  html += tile(shown(s.states.solved), "states solved; " + shown(s.states.used) + " used by a model");
+  html += tile(shown(s.load),
+               "load: states that the motion needs over states that are solved; above 1 workers lag",
+               small_is_good(s.load, 1, 3));
+  html += tile(percent(s.safety.clamped_share),
+               fmt::format("of {} frames clamped at {}; {} at the slew limit", s.run.frames,
+                           with_unit(s.safety.force_limit, "N"), percent(s.safety.slewed_share)),
+               small_is_good(s.safety.clamped_share, 0, clamped_too_often));
+  html += tile(percent(s.motion.outside), fmt::format("of {} frames outside the box of states", s.run.frames),
+               small_is_good(s.motion.outside, 0, outside_too_often));
+  if (s.settings.clock == Clock::real)
+    html += tile(shown(s.deadline.missed),
+                 "deadlines missed of " + shown(s.run.frames) + " frames; a frame costs " +
+                     with_unit(s.deadline.cost_us.p50, "µs"),
+                 small_is_good(static_cast<double>(s.deadline.missed) / frames, 0, 0.01));
+  return html + "</div>\n";
+}
+
+// ---- sections
+
+std::string legend(const SessionSummary& summary) {
+  std::string html = "<p class=\"legend\">";
+  for (const Label label : all_labels)
+    html += fmt::format("<span><i style=\"background:{}\"></i>{} {}</span>", colour(label), name(label),
+                        percent(summary.time_in[label]));
+  return html + "<span class=\"muted\">share of the time</span></p>\n";
+}
+
+std::string figure(const Figure& f) {
+  const std::optional<std::string> svg = draw_svg(f.name, f.width, f.height, f.script);
+  if (!svg)
+    return fmt::format("<p class=\"note\">The picture \"{}\" could not be drawn by gnuplot.</p>\n", f.name);
+  return fmt::format("<figure style=\"margin-bottom:12px\">{}<figcaption>{}</figcaption></figure>\n", *svg,
+                     escaped(f.caption));
+}
+
+// Each picture is its own gnuplot process; they run in parallel.
+template <class Make>
+Picture drawn(Make make) {
+  return std::async(std::launch::async,
+                    [make = std::move(make)] { return have_gnuplot() ? figure(make()) : std::string(); })
+      .share();
+}
+
+std::string pictures(const SessionSummary& summary, const ReportPictures& drawings) {
+  std::string html =
+      drawings.moments.get() + drawings.charts.get() + "<h2>What was known where</h2>\n" + legend(summary);
+  if (!have_gnuplot())
+    return html +
+           "<p class=\"note\">Plots need gnuplot, which was not found when this report was written.</p>\n";
+  html += drawings.slices.get();
+  if (drawings.deadlines.valid())
+    html += fmt::format("<h2>Deadlines ({} frames)</h2>\n", summary.run.frames) + drawings.deadlines.get();
+  return html;
+}
+
+std::string by_label_table(const SessionSummary& summary) {
+  std::string html = fmt::format("<h2>Error by label ({} samples)</h2>\n", summary.error.samples.samples) +
+                     "<table><tr><th>label</th><th>samples</th><th>p50</th><th>p95</th>"
+                     "<th>max</th><th>within the JND</th></tr>\n";
+  const auto cell = [](const std::string& text) { return "<td class=\"n\">" + text + "</td>"; };
+  for (const Label label : all_labels) {
+    const SessionSummary::Errors& row = summary.error.by_label[label];
+    html += fmt::format("<tr><td>{}</td>", name(label)) + cell(shown(row.samples)) + cell(percent(row.p50)) +
+            cell(percent(row.p95)) + cell(percent(row.max)) + cell(percent(row.within_jnd)) + "</tr>\n";
+  }
+  return html + "</table>\n";
+}
+
+// ---- the whole document, key by key
+
+std::string printed(const Json& value) {
+  if (value.is_null()) return "–";
+  if (value.is_string()) return escaped(value.get<std::string>());
+  if (value.is_number_float()) return shown(value.get<double>());
+  if (value.is_array()) {
+    std::string text;
+    for (const Json& element : value) text += (text.empty() ? "" : ", ") + printed(element);
+    return text;
+  }
+  return escaped(json_text(value));
+}
+
+bool is_list_of_rows(const Json& value) {
+  return value.is_array() && !value.empty() && value.front().is_object();
+}
+
+void rows_of(const Json& value, const std::string& path, std::string& html) {
+  if (value.is_object()) {
+    for (const auto& [key, child] : value.items())
+      rows_of(child, path.empty() ? key : path + "." + key, html);
+  } else {
+    html += fmt::format("<tr><td>{}</td><td class=\"n\">{}</td></tr>\n", escaped(path), printed(value));
+  }
+}
+
+// "horizon [s]": a column of the tables of predictors.
+std::string titled(const std::string& key) {
+  const std::vector<Declared> columns = declared_prediction();
+  const auto column = std::ranges::find(columns, key, &Declared::name);
+  return column == columns.end() || column->unit == "1" ? key : key + " [" + column->unit + "]";
+}
+
+// A list of objects with the same keys as a table with these columns.
+std::string rows_table(const std::string& title, const Json& rows) {
+  std::string html = fmt::format("<h3>{}</h3>\n<div class=\"scroll\"><table><tr>", escaped(title));
+  for (const auto& [key, value] : rows.front().items()) html += "<th>" + escaped(titled(key)) + "</th>";
+  html += "</tr>\n";
+  for (const Json& row : rows) {
+    html += "<tr>";
+    for (const auto& [key, value] : row.items()) html += "<td class=\"n\">" + printed(value) + "</td>";
+    html += "</tr>\n";
+  }
+  return html + "</table></div>\n";
+}
+
+// Moves the lists of objects out of a document into tables of their own.
+std::string take_lists(const std::string& path, Json& value) {
+  std::string html;
+  std::vector<std::string> taken;
+  for (auto& [key, child] : value.items()) {
+    const std::string name = path.empty() ? key : path + "." + key;
+    if (is_list_of_rows(child)) {
+      html += rows_table(name, child);
+      taken.push_back(key);
+    } else if (child.is_object()) {
+      html += take_lists(name, child);
+      if (child.empty()) taken.push_back(key);
+    }
+  }
+  for (const std::string& key : taken) value.erase(key);
+  return html;
+}
+
+std::string all_numbers(Json document) {
+  std::string html =
+      "<details open><summary>All numbers (SI; shares from 0 to 1)</summary>\n<div class=\"columns\">\n";
+  for (const char* elsewhere : {"provenance", "notes", "attention"}) document.erase(elsewhere);
+  if (document.contains("error")) document["error"].erase("by_label");  // in a table of its own
+  const std::string lists = take_lists("", document);
+  std::string single;
+  for (const auto& [key, value] : document.items()) {
+    if (!value.is_object()) {
+      rows_of(value, key, single);
+      continue;
+    }
+    std::string rows;
+    rows_of(value, "", rows);
+    html += fmt::format("<table><tr><th colspan=\"2\">{}</th></tr>\n{}</table>\n", escaped(key), rows);
+  }
+  return html + "<table><tr><th colspan=\"2\">session</th></tr>\n" + single + "</table>\n</div>\n" + lists +
+         "</details>\n";
+}
+
+// The warnings that come before all figures.
+std::string attention_box(const SessionSummary& summary) {
+  std::string html;
+  for (const std::string& line : attention(summary)) html += "<li>" + escaped(line) + "</li>\n";
+  return html.empty() ? html : "<ul class=\"note\">\n" + html + "</ul>\n";
+}
+
+std::string notes(const SessionSummary& summary, const Scene& scene) {
+  std::vector<std::string> lines = scene.source.warnings;
+  std::ranges::move(shortened_notes(summary.run.notes), std::back_inserter(lines));
+  if (lines.empty()) return "";
+  std::string html = "<h2>Notes</h2>\n<ul class=\"note\">\n";
+  for (const std::string& line : lines) html += "<li>" + escaped(line) + "</li>\n";
+  return html + "</ul>\n";
+}
+
+std::string provenance_section(const Json& document) {
+  std::string rows;
+  if (const auto found = document.find("provenance"); found != document.end()) rows_of(*found, "", rows);
+  return "<h2>Provenance</h2>\n<table class=\"wide\">\n" + rows + "</table>\n";
+}
+
+}  // namespace
+
+namespace {
+
+SliceInput slices_of(const SessionResult& result) {
+  SliceInput slice;
+  for (const FrameRecord& f : result.frames) {
+    slice.t.push_back(f.t);
+    for (std::size_t axis = 0; axis < 3; ++axis)
+      slice.path[axis].push_back(f.at[static_cast<Eigen::Index>(axis)]);
+  }
+  const auto take = [&](double known, const Vec3& at) {
+    State state;
+    state.at = at;
+    slice.states.emplace_back(known, std::move(state));
+  };
+  for (const DispatchRecord& d : result.dispatch)
+    if ((d.status == DispatchStatus::solved || d.status == DispatchStatus::arrived) &&
+        std::isfinite(d.finished))
+      take(std::isfinite(d.known) ? d.known : d.finished, d.at);
+  for (std::size_t i = 0; i < result.counts.start; ++i) take(0.0, result.states[i].at);
+  std::ranges::stable_sort(slice.states, {}, [](const auto& known) { return known.first; });
+  return slice;
+}
+
+}  // namespace
+
+Picture begin_slices(const SessionResult& result, const StateSpaceOptions& space) {
+  return drawn([slice = slices_of(result), space] { return slice_figure(slice, space); });
+}
+
+std::vector<Figure> run_figures(const SessionResult& result, const StateSpaceOptions& space,
+                                const RunView& view) {
+  std::vector<Figure> figures{time_figure(result.frames, view.force_limit),
+                              slice_figure(slices_of(result), space)};
+  if (has_deadlines(result.frames)) figures.push_back(deadline_figure(result.frames));
+  return figures;
+}
+
+RunView view_of(const StateSpaceOptions& space, const SessionOptions& options, double force_limit) {
+  return {.box = space.box,
+          .spacing = space.spacing,
+          .force_limit = force_limit,
+          .jnd_share = options.switching.jnd_share,
+          .jnd_floor = options.switching.jnd_floor,
+          .error_floor = options.judging.error_floor};
+}
+
+ReportPictures begin_pictures(const SessionResult& result, Picture slices, const RunView& view) {
+  const std::span<const FrameRecord> frames = result.frames;
+  ReportPictures drawings{.slices = std::move(slices),
+                          .still = drawn([=] { return time_figure(frames, view.force_limit); }),
+                          .deadlines = {},
+                          .charts = {},
+                          .moments = {}};
+  if (has_deadlines(frames)) drawings.deadlines = drawn([frames] { return deadline_figure(frames); });
+  drawings.charts = std::async(std::launch::async, [&result, view, still = drawings.still] {
+                      return run_charts(result, view, still.get());
+                    }).share();
+  drawings.moments =
+      std::async(std::launch::async, [&result, view] { return worst_moments(result, view); }).share();
+  return drawings;
+}
+
+void write_report(const std::filesystem::path& run_folder, const SessionSummary& s, const Json& document,
+                  const Scene& scene, const ReportPictures& drawings) {
+  std::string html = fmt::format(
+      "<h1>{}</h1>\n{}<p class=\"sub\">{} s, {} clock, policy {}, switch {}, {} workers, neighbours by {}, "
+      "seed {}; {} tetrahedra, {}</p>\n",
+      escaped(scene.source.file.stem().string()), attention_box(s), shown(s.run.seconds),
+      s.settings.clock == Clock::real ? "real" : "virtual", escaped(s.settings.policy),
+      name(s.switching.rule), s.settings.workers, name(s.settings.select), s.settings.seed,
+      scene.body->mesh.tets.size(), name(scene.body->material.law));
+  html += tiles(s) + pictures(s, drawings);
+  if (drawings.shape.valid()) html += drawings.shape.get();
+  html += by_label_table(s) + notes(s, scene) + all_numbers(document) + provenance_section(document);
+  OutputFile file(run_folder / "report.html");
+  file.write(html_page("Forefeel: " + scene.source.file.filename().string(), html));
+  file.commit();
+}
+
+}  // namespace forefeel

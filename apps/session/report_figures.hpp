@@ -1,0 +1,21 @@
+#pragma once
+// The pictures of a run's report, as gnuplot scripts (see plot.hpp). `rendered` and `sent` are those of
+// scheduling/record/summary.hpp: before and after the safety rules.
+
+#include <span>
+#include <string>
+#include <vector>
+
+#include "apps/picture/figure.hpp"
+#include "scheduling/common/session_result.hpp"
+
+namespace forefeel {
+
+// Over one time axis: force with its limit [N], labels, number of known states, error and its parts. A limit
+// above the axis is named instead of drawn; NaN: none.
+Figure time_figure(std::span<const FrameRecord> frames, double force_limit);
+// Cost and wake-up lateness of the loop; only with a real clock.
+bool has_deadlines(std::span<const FrameRecord> frames);
+Figure deadline_figure(std::span<const FrameRecord> frames);
+
+}  // namespace forefeel

@@ -1,0 +1,64 @@
+#include "apps/session/session_folder.hpp"
+
+#include <fmt/format.h>
+
+#include <algorithm>
+#include <iterator>
+#include <utility>
+
+#include "apps/console/console.hpp"
+#include "geometry/common/error.hpp"
+#include "geometry/common/output_file.hpp"
+#include "geometry/common/result_folder.hpp"
+#include "scheduling/record/shape_files.hpp"
+#include "scheduling/render/input_replay.hpp"
+
+namespace forefeel {
+
+namespace fs = std::filesystem;
+
+namespace {
+
+void set_aside_states_of_last_run(const Globals& globals, const SessionArguments& given,
+                                  const fs::path& run) {
+  const fs::path file = run / "session.states";
+  std::error_code error;
+  if (!fs::exists(file) || (given.states.extend && fs::equivalent(given.states.file, file, error))) return;
+  if (!is_database(file))
+    throw InputError({.file = file.string()},
+                     "is not a state file of an earlier run, expected another folder for the run");
+  int k = 1;
+  while (fs::exists(run / fmt::format("session-{}.states", k))) ++k;
+  warn(globals,
+       fmt::format("{}: states of an earlier run, kept as session-{}.states; --states begins with them",
+                   file.string(), k));
+  for (const char* end : {"-wal", "-shm", ""}) {
+    const fs::path part = file.string() + end;
+    if (fs::exists(part)) fs::rename(part, run / fmt::format("session-{}.states{}", k, end));
+  }
+}
+
+}  // namespace
+
+void keep_replayed(const SessionOptions& options, const fs::path& run) {
+  std::error_code error;
+  if (options.motion.replay && fs::equivalent(*options.motion.replay, run, error))
+    throw InputError("-o " + run.string(), "is the run that is replayed, expected another folder");
+}
+
+void claim_run_folder(const Globals& globals, const SessionArguments& given,
+                      std::vector<std::string> shape_files, const fs::path& run) {
+  std::vector<std::string> files{"frames.csv",
+                                 "dispatch.csv",
+                                 "switches.csv",
+                                 "states.csv",
+                                 "summary.json",
+                                 "report.html",
+                                 std::string(inputs_file_name)};
+  std::ranges::move(shape_files, std::back_inserter(files));
+  claim_folder(run, files);
+  remove_shape_files(run);
+  set_aside_states_of_last_run(globals, given, run);
+}
+
+}  // namespace forefeel

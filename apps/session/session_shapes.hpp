@@ -1,0 +1,40 @@
+#pragma once
+// The shapes of `forefeel session`: options, files, and the printed summary. Without a rate above 0, none of these
+// functions has an effect.
+
+#include <filesystem>
+#include <future>
+#include <nlohmann/json_fwd.hpp>
+#include <optional>
+#include <string>
+#include <vector>
+
+#include "apps/session/session_arguments.hpp"
+#include "scheduling/record/shape_summary.hpp"
+#include "scheduling/session/shaped_session.hpp"
+
+namespace forefeel {
+
+// The scene's, with --shape-rate. An InputError names the place that gave the value.
+ShapeOptions shape_options(const Globals& globals, const SessionArguments& given);
+
+class SessionShapes {
+ public:
+  // InputError for a plan whose known states hold no displacements, or are of another body.
+  SessionShapes(const ShapeOptions& options, const SessionPlan& plan, const SessionArguments& given);
+
+  ShapedRun* wanted() { return run_ ? &*run_ : nullptr; }  // for run_session(); null: none
+  std::vector<std::string> files() const;                  // in the run's folder
+  // After the session. The series is written on a thread of its own.
+  void begin_files(const std::filesystem::path& run);
+  void finish_files(const std::filesystem::path& run);    // throws what could not be written
+  std::shared_future<std::string> begin_picture() const;  // for the report; invalid without shapes
+  void add_to(nlohmann::ordered_json& document) const;    // key `shape`
+  std::optional<std::string> in_words() const;            // one line
+
+ private:
+  std::optional<ShapedRun> run_;
+  std::future<void> series_;
+};
+
+}  // namespace forefeel

@@ -1,0 +1,328 @@
+// forefeel study STUDY.toml -o DIR/: runs every combination of the varied keys with every seed. Writes a
+// table, a ranking and a report.
+
+#include <fmt/format.h>
+
+#include <algorithm>
+#include <charconv>
+#include <cmath>
+#include <fstream>
+#include <memory>
+#include <nlohmann/json.hpp>
+#include <set>
+
+#include "apps/console/commands.hpp"
+#include "apps/console/console.hpp"
+#include "apps/console/interrupt.hpp"
+#include "apps/console/json.hpp"
+#include "apps/console/json_text.hpp"
+#include "apps/console/provenance.hpp"
+#include "apps/console/suggest.hpp"
+#include "apps/console/summary_json.hpp"
+#include "apps/console/values.hpp"
+#include "apps/picture/figure_files.hpp"
+#include "apps/scene/mpi_run.hpp"
+#include "apps/scene/scene_mesh_error.hpp"
+#include "apps/session/report.hpp"
+#include "apps/study/study_figures.hpp"
+#include "apps/study/study_folder.hpp"
+#include "apps/study/study_gantt.hpp"
+#include "apps/study/study_meshes.hpp"
+#include "apps/study/study_report.hpp"
+#include "apps/study/study_table.hpp"
+#include "geometry/common/error.hpp"
+#include "geometry/common/output_file.hpp"
+#include "geometry/common/result_folder.hpp"
+#include "geometry/common/sha256.hpp"
+#include "scheduling/record/run_files.hpp"
+#include "scheduling/study/study_ranks.hpp"
+
+namespace forefeel {
+namespace {
+
+namespace fs = std::filesystem;
+
+struct StudyArguments {
+  std::string study, output;
+  std::size_t gantt = 0;  // row of cells.csv, from 1; 0: none
+  FigureArguments figures;
+  MpiArguments mpi;
+};
+
+void write_whole(const fs::path& file, const std::string& text) {
+  OutputFile out(file);
+  out.write(text);
+  out.commit();
+}
+
+nlohmann::ordered_json manifest(const PlannedStudy& planned) {
+  nlohmann::ordered_json document;
+  const auto made_by = provenance(planned.scenes.front().source.hash);
+  document["version"] = made_by["version"];
+  document["commit"] = made_by["commit"];
+  document["study"] = planned.file.text;
+  document["cells"] = nlohmann::ordered_json::array();
+  for (const StudyCell& cell : planned.plan.cells) document["cells"].push_back(cell.key);
+  return document;
+}
+
+// One line about what changed since DIR/ was started, or nothing.
+std::optional<std::string> change_since(const fs::path& folder, const PlannedStudy& planned) {
+  std::ifstream in(folder / "study.json");
+  if (!in) return {};
+  const auto before = nlohmann::ordered_json::parse(in, nullptr, false), now = manifest(planned);
+  if (!before.is_object() || !before.contains("cells") || before["cells"] == now["cells"]) return {};
+  const StudyPlan& plan = planned.plan;
+  const auto listed = before["cells"].get<std::set<std::string>>();
+  const auto same = static_cast<std::size_t>(
+      std::ranges::count_if(plan.cells, [&](const StudyCell& cell) { return listed.contains(cell.key); }));
+  const char* what =
+      before.value("commit", "") != now["commit"] || before.value("version", "") != now["version"]
+          ? "another build of forefeel"
+      : before.value("study", "") != now["study"] ? "another text of this study"
+                                                  : "another scene, trace or --set";
+  return fmt::format(
+      "{}: begun with {}; {} of its {} cells are the same and kept, {} are new, {} are no longer part",
+      folder.string(), what, same, listed.size(), plan.cells.size() - same,
+      listed.size() - std::min(same, listed.size()));
+}
+
+// ---- a dispatch Gantt
+
+// Reruns the cell, which gives the same session, and writes its files and picture.
+int run_gantt(const Globals& globals, const PlannedStudy& planned, const StudyArguments& arguments) {
+  const StudyPlan& plan = planned.plan;
+  if (arguments.gantt > plan.cells.size())
+    throw InputError("--gantt", fmt::format("is {}, expected a row of cells.csv from 1 to {}",
+                                            arguments.gantt, plan.cells.size()));
+  if (plan.study.sustained)
+    throw InputError("--gantt", "a cell of a sustained-speed study is many sessions, expected another study");
+  StudyCell cell = plan.cells[arguments.gantt - 1];
+  const Scene& scene = planned.scenes[cell.input];
+  const SessionInput& input = plan.inputs[cell.input];
+  cell.options.workers.threads = globals.threads;
+  const SessionOptions options = with_load_found(cell, input).options;
+  const fs::path folder = fs::path(arguments.output) / fmt::format("cell-{:04}", arguments.gantt);
+  claim_folder(folder, {"frames.csv", "dispatch.csv", "switches.csv", "summary.json", "report.html",
+                        "gantt.svg", "gantt.png", "gantt.pdf"});
+  Progress progress(globals, "session");
+  const SessionPlan session = make_plan(input, options);
+  const SessionResult result =
+      run_session(session, {.progress = [&](const SessionProgress& p) {
+                    progress.show(p.seconds > 0 ? std::min(1.0, p.t / p.seconds) : 0.0, phase_in_words(p));
+                  }});
+  write_run_files(folder, result, options);
+  SessionSummary summary = summarise(result, session);
+  const MeshError by_mesh = MeshErrorTask(scene, MeshErrorTask::When::at_the_end).get();
+  summary.error.mesh = {by_mesh.error, by_mesh.positions, measured_by(by_mesh)};
+  nlohmann::ordered_json document = to_json(summary);
+  document["provenance"] = provenance(scene.source.hash);
+  write_whole(folder / "summary.json", json_text(document, 2) + "\n");
+  write_report(folder, summary, document, scene,
+               begin_pictures(result, begin_slices(result, scene.space),
+                              view_of(scene.space, options, summary.safety.force_limit)));
+  const Figure figure = gantt_figure(result, options.clock.seconds, options.workers.count);
+  std::vector<std::string> formats = arguments.figures.formats;
+  if (std::ranges::find(formats, "svg") == formats.end()) formats.emplace_back("svg");
+  const bool svg = write_figures(globals, folder, formats, {figure});
+  if (globals.json) print_json(document);
+  say(globals, fmt::format("{}: {} solves of {} workers in {} s",
+                           (folder / (svg ? "gantt.svg" : "dispatch.csv")).string(), result.dispatch.size(),
+                           options.workers.count, options.clock.seconds));
+  return svg ? 0 : 1;
+}
+
+// ---- the study
+
+// Counts of the cells. An interrupted study reports nothing else.
+nlohmann::ordered_json counts(const StudyPlan& plan, const StudyResult& result) {
+  return {{"cells", plan.cells.size()},        {"ran", result.ran},
+          {"resumed", result.resumed},         {"left", plan.cells.size() - result.resumed - result.ran},
+          {"interrupted", result.interrupted}, {"seconds", number(result.seconds)}};
+}
+
+void show_contrasts(const Globals& globals, const Study& study, const std::vector<Contrast>& compared) {
+  std::string shown;
+  for (const Contrast& c : compared) {
+    const StudyMetric& metric = c.metric;
+    const auto scaled = [&](double v) { return metric.ratio ? std::exp(v) : metric.scale * v; };
+    if (shown != metric.key) say(globals, metric.title + (metric.ratio ? ", factors:" : ", differences:"));
+    shown = metric.key;
+    const std::string where = c.slice ? fmt::format(" at {} = {}", study.axes[c.slice->axis].column,
+                                                    study.axes[c.slice->axis].values[c.slice->value].text)
+                                      : "";
+    const char* verdict = c.comparison.verdict() == 0                               ? "not significant"
+                          : (c.comparison.verdict() > 0) == metric.larger_is_better ? "better"
+                                                                                    : "worse";
+    const auto interval = [&](const ConfidenceInterval& of) {
+      return std::isfinite(of.low) && std::isfinite(of.high)
+                 ? fmt::format("[{:.3g}, {:.3g}]", scaled(of.low), scaled(of.high))
+                 : std::string("none");
+    };
+    // With few pairs or one trace there is no interval. Both intervals must exclude zero for a verdict.
+    say(globals, fmt::format("  {} against {}{}: {}{:.3g}, bootstrap {}, Student's {}: {}",
+                             study.axes.front().values[c.a].text, study.axes.front().values[c.b].text, where,
+                             metric.ratio ? "×" : "", scaled(c.comparison.bootstrap.mean),
+                             interval(c.comparison.bootstrap), interval(c.comparison.student), verdict));
+  }
+}
+
+// The devices behind the figures, and the result in one sentence.
+struct Findings {
+  MeshFindings meshes;
+  std::vector<StudyDevice> devices;
+  std::optional<std::string> verdict;
+  std::vector<std::string> advice;
+};
+
+std::vector<std::string> attention(const Findings& found) {
+  std::vector<std::string> lines = found.meshes.above;
+  for (const std::string& line : attention(found.devices)) lines.push_back(line);
+  return lines;
+}
+
+void tell(const Globals& globals, const Findings& found) {
+  for (const std::string& line : attention(found)) say(globals, "attention: " + line);
+  for (const std::string& line : found.meshes.others) say(globals, line);
+  if (found.verdict) say(globals, *found.verdict);
+  for (const std::string& line : found.advice) say(globals, line);
+  say(globals, fmt::format("{}", fmt::join(device_titles(), " | ")));
+  for (const StudyDevice& device : found.devices)
+    say(globals, fmt::format("  {}", fmt::join(device_row(device), " | ")));
+}
+
+// The devices and the verdict come first, because the other values must be read with them in mind.
+nlohmann::ordered_json to_json(const Findings& found) {
+  return {{"attention", attention(found)},
+          {"discretisation", found.meshes.others},
+          {"verdict", found.verdict ? nlohmann::ordered_json(*found.verdict) : nlohmann::ordered_json()},
+          {"advice", found.advice},
+          {"devices", devices_json(found.devices)}};
+}
+
+// The identity that all ranks must share: of build, study, scenes and traces.
+std::string identity_of(const StudyPlan& plan) {
+  Sha256 hash;
+  for (const StudyCell& cell : plan.cells) hash.add(cell.key + "\n");
+  return rank_identity(hash.hex());
+}
+
+int run_command(const Globals& globals, const StudyArguments& arguments, RankPool* ranks) {
+  if (globals.seed != 0) throw InputError("--seed", "a study lists its seeds, expected them in the file");
+  if (arguments.output.empty()) throw InputError("--output", "is empty, expected a folder");
+  take_figures(arguments.figures);
+  const PlannedStudy planned = plan_study(read_study(arguments.study, globals.set));
+  const StudyPlan& plan = planned.plan;
+  for (const std::string& warning : planned.warnings) warn(globals, warning);
+  end_if_interrupted("any cell was run");
+  if (arguments.gantt > 0) return run_gantt(globals, planned, arguments);
+
+  const fs::path folder = arguments.output;
+  if (fs::exists(folder) && !fs::is_directory(folder))
+    throw InputError(arguments.output, "is a file, expected a folder for the results");
+  if (const auto change = change_since(folder, planned)) warn(globals, *change);
+  claim_folder(folder, {"study.json", "cells.csv", "report.html"});
+  if (!arguments.figures.formats.empty()) figures_in(folder);
+  check_writable(folder / "cells.csv");
+  write_whole(folder / "study.json", json_text(manifest(planned), 1) + "\n");
+  if (ranks) ranks->begin(identity_of(plan));
+  StudyResult result = run_study_in(folder, plan, globals, ranks);
+  if (result.interrupted) {
+    const std::size_t done = result.resumed + result.ran;
+    warn(globals, fmt::format("interrupted after {} of {} cells, {} left; the same command resumes", done,
+                              plan.cells.size(), plan.cells.size() - done));
+    if (globals.json) {
+      nlohmann::ordered_json document = counts(plan, result);
+      document["files"] = nlohmann::ordered_json::array();  // files are written only when all cells are done
+      document["provenance"] = provenance(planned.scenes.front().source.hash);
+      print_json(document);
+    }
+    return 1;
+  }
+  if (const auto missed = loads_missed(plan, result.cells)) warn(globals, *missed);
+  add_regret(plan.study, result.cells);
+  const MeshFindings meshes = measure_meshes(globals, planned, result.cells);
+  const std::vector<AxisRanking> ranked = rankings(plan.study, result.cells);
+  std::vector<Contrast> compared = contrasts(plan.study, result.cells, primary_metric(plan.study));
+  for (Contrast& c : contrasts(plan.study, result.cells, second_metric(plan.study)))
+    compared.push_back(std::move(c));
+  const Findings found{.meshes = meshes,
+                       .devices = study_devices(plan, result.cells),
+                       .verdict = study_verdict(plan.study, result.cells),
+                       .advice = study_advice(plan.study, result.cells)};
+  write_whole(folder / "cells.csv", cells_csv(plan.study, result.cells));
+  const Palette& palette = palette_in_use();
+  write_whole(folder / "report.html", study_page(planned, result, ranked, compared, meshes.lines(), palette));
+  const bool drawn = arguments.figures.formats.empty() ||
+                     write_figures(globals, figures_in(folder), arguments.figures.formats,
+                                   study_figures(plan.study, result.cells, ranked, palette));
+
+  if (globals.json) {
+    nlohmann::ordered_json document = counts(plan, result);
+    document.update(to_json(found));
+    document.update(ranking_json(plan.study, ranked, compared));
+    document["notes"] = notes_of(result.cells);
+    document["files"] = {(folder / "cells.csv").string(), (folder / "report.html").string()};
+    document["provenance"] = provenance(planned.scenes.front().source.hash);
+    print_json(document);
+  }
+  tell(globals, found);
+  show_contrasts(globals, plan.study, compared);
+  for (const std::string& note : sustained_notes(plan.study, result.cells)) say(globals, note);
+  for (const std::string& note : notes_of(result.cells)) say(globals, note);
+  say(globals,
+      fmt::format("{}: {} cells, {} run in {:.1f} s, {} there before", (folder / "report.html").string(),
+                  plan.cells.size(), result.ran, result.seconds, result.resumed));
+  return drawn ? 0 : 1;
+}
+
+int run_with_mpi(const Globals& globals, const StudyArguments& arguments) {
+  const auto lead = [&](RankPool& ranks) {
+    if (arguments.gantt > 0)
+      throw InputError("--mpi", "has no use with --gantt, which runs one cell; expected one of the two");
+    if (globals.threads > 1)
+      throw InputError("--threads",
+                       fmt::format("is {}, but with --mpi each rank runs one cell at a time, expected "
+                                   "more ranks instead",
+                                   globals.threads));
+    return run_command(globals, arguments, &ranks);
+  };
+  const auto load = [&](const RankContext& rank) {
+    auto planned = std::make_shared<const PlannedStudy>(plan_study(read_study(arguments.study, globals.set)));
+    const std::string identity = identity_of(planned->plan);
+    return LoadedHand{.hand = make_cell_hand({planned, &planned->plan}, rank), .identity = identity};
+  };
+  return run_ranked(globals, arguments.mpi, {.lead = lead, .load = load});
+}
+
+}  // namespace
+
+void add_study(CommandLine& line) {
+  const auto arguments = std::make_shared<StudyArguments>();
+  Command sub = line.add(
+      "study",
+      "Run every combination of policies, devices, models …, and compare them: table, ranking, report");
+  sub.runs([arguments](const Globals& globals) {
+    return arguments->mpi.on ? run_with_mpi(globals, *arguments) : run_command(globals, *arguments, nullptr);
+  });
+  sub.option(
+         "STUDY", arguments->study,
+         "Study (TOML). target_load = [L, …] in [vary] chooses the cost of a solve: the motion then needs L "
+         "times as many new states per second as the workers solve, messages included. A session ends with "
+         "its motion, or after session.seconds of the study if that is earlier")
+      .required();
+  sub.option("-o,--output", arguments->output, "Folder of the results; resumed if it exists")
+      .required()
+      .shows("DIR/");
+  sub.option("--gantt", arguments->gantt,
+             "Only run this cell again (a row of cells.csv, counted from 1) and draw when each worker solved "
+             "what")
+      .check(above_zero)
+      .shows("CELL");
+  add_figures(sub, arguments->figures, "DIR/figures");
+  add_mpi_options(
+      sub, arguments->mpi,
+      "All ranks of mpirun -n N forefeel study --mpi … run cells, with the same results; rank 0 writes");
+}
+
+}  // namespace forefeel

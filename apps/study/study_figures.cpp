@@ -1,0 +1,194 @@
+#include "apps/study/study_figures.hpp"
+
+#include <fmt/format.h>
+
+#include <algorithm>
+#include <charconv>
+#include <cmath>
+#include <limits>
+#include <utility>
+
+#include "apps/picture/figure.hpp"
+#include "apps/picture/plot.hpp"
+
+namespace forefeel {
+namespace {
+
+// A name for ids and files: letters, digits and '-'.
+std::string as_name(const std::string& text) {
+  std::string name;
+  for (const char c : text) name += std::isalnum(static_cast<unsigned char>(c)) ? c : '-';
+  return name;
+}
+
+// The least and largest value added, with a margin, limited to the possible range of the metric.
+class Range {
+ public:
+  void add(double value) {
+    if (!std::isfinite(value)) return;
+    low_ = std::min(low_, value);
+    high_ = std::max(high_, value);
+  }
+  std::pair<double, double> with_margin(const StudyMetric& metric) const {
+    if (metric.ratio) return {low_ / 1.15, high_ * 1.15};
+    const double margin = std::max(0.08 * (high_ - low_), 1e-3 * std::max(1.0, std::abs(high_)));
+    std::pair<double, double> range{low_ - margin, high_ + margin};
+    // The edge stands a little outside, so that a point on it is drawn whole.
+    if (metric.share) range = {std::max(range.first, -1.0), std::min(range.second, metric.scale + 1)};
+    return range;
+  }
+
+ private:
+  double low_ = std::numeric_limits<double>::infinity(), high_ = -low_;
+};
+
+std::string interval_row(const StudyMetric& metric, double y, double mean, const ConfidenceInterval& interval,
+                         const std::pair<double, double>& range) {
+  if (!says_something(metric, interval)) return "";
+  return fmt::format("{} {} {} {}\n", mean, y, std::max(in_unit(metric, interval.low), range.first),
+                     std::min(in_unit(metric, interval.high), range.second));
+}
+
+std::optional<std::vector<double>> numeric(const StudyAxis& axis) {
+  std::vector<double> numbers;
+  for (const StudyValue& value : axis.values) {
+    double number = 0;
+    const auto [end, error] =
+        std::from_chars(value.text.data(), value.text.data() + value.text.size(), number);
+    if (error != std::errc{} || end != value.text.data() + value.text.size()) return {};
+    numbers.push_back(number);
+  }
+  return numbers;
+}
+
+// Points of one value of the first axis: x, mean, interval.
+std::string level_points(const Study& study, const std::vector<StudyCellResult>& cells, std::size_t axis,
+                         const std::vector<double>& x, std::size_t level, Range& seen) {
+  const StudyMetric metric = primary_metric(study);
+  std::string lines;
+  for (std::size_t v = 0; v < x.size(); ++v) {
+    const Ranking ranking =
+        rank(observations(study, cells, 0, metric, {{axis, v}}), study.axes.front().values.size(),
+             metric.larger_is_better, {.shares = metric.share});
+    for (const Ranked& r : ranking.ranked) {
+      if (r.level != level) continue;
+      const double mean = in_unit(metric, r.value.student.mean);
+      const auto at = [&](double value) {
+        return says_something(metric, r.value.bootstrap) ? in_unit(metric, value) : mean;
+      };
+      for (const double value : {mean, at(r.value.bootstrap.low), at(r.value.bootstrap.high)})
+        seen.add(value);
+      lines +=
+          fmt::format("{} {} {} {}\n", x[v], mean, at(r.value.bootstrap.low), at(r.value.bootstrap.high));
+    }
+  }
+  return lines;
+}
+
+}  // namespace
+
+double in_unit(const StudyMetric& metric, double value) {
+  return metric.scale * (metric.ratio ? std::exp(value) : value);
+}
+
+bool says_something(const StudyMetric& metric, const ConfidenceInterval& interval) {
+  if (!std::isfinite(interval.low) || !std::isfinite(interval.high) || !(interval.high > interval.low))
+    return false;
+  const double width = interval.high - interval.low;
+  return metric.share ? width < 0.9 : !metric.ratio || width < std::log(1000.0);
+}
+
+std::optional<Figure> ranking_figure(const Study& study, const AxisRanking& entry, const Palette& palette) {
+  const auto& ranked = entry.ranking.ranked;
+  const StudyMetric& metric = entry.metric;
+  if (ranked.empty()) return {};
+  Range seen;
+  for (const Ranked& r : ranked) {
+    seen.add(in_unit(metric, r.value.student.mean));
+    if (!says_something(metric, r.value.bootstrap)) continue;
+    seen.add(in_unit(metric, r.value.bootstrap.low));
+    seen.add(in_unit(metric, r.value.bootstrap.high));
+  }
+  const auto range = seen.with_margin(metric);
+  std::string means, thick, thin, tics;
+  for (std::size_t i = 0; i < ranked.size(); ++i) {
+    const double mean = in_unit(metric, ranked[i].value.student.mean),
+                 y = static_cast<double>(ranked.size() - i);
+    means += fmt::format("{} {}\n", mean, y);
+    thick += interval_row(metric, y, mean, ranked[i].value.bootstrap, range);
+    thin += interval_row(metric, y, mean, ranked[i].value.student, range);
+    tics += fmt::format("{}'{}' {}", i > 0 ? ", " : "",
+                        plain_text(study.axes[entry.axis].values[ranked[i].level].text), y);
+  }
+  std::string script = data_block("means", means) + data_block("thick", thick) + data_block("thin", thin);
+  script += fmt::format(
+      "set yrange [0.4:{}]\nset ytics ({}) noenhanced nomirror\nset xtics nomirror out\nset border 3 lc rgb "
+      "'#8a8a8a'\nset grid x lc rgb '#e4e1da'\nset xlabel '{}' noenhanced\nunset key\n{}set xrange [{}:{}]\n",
+      static_cast<double>(ranked.size()) + 0.6, tics, plain_text(metric.title),
+      metric.ratio ? "set logscale x\n" : "", range.first, range.second);
+  script += fmt::format(
+      "plot $thin using 1:2:3:4 with xerrorbars pt 0 lw 1.2 lc rgb '#8a8a8a', $thick using 1:2:3:4 with "
+      "xerrorbars "
+      "pt 0 lw 2.5 lc rgb '{0}', $means using 1:2 with points pt 7 ps 0.9 lc rgb '{0}'\n",
+      colour_of(palette, 0));
+  return Figure{
+      .name = fmt::format("ranking-{}-{}", as_name(study.axes[entry.axis].column), entry.axis),
+      .caption = std::string("Mean over motions and seeds; thick: bootstrap interval, thin: Student "
+                             "interval over motions") +
+                 (metric.share ? " on the logit scale" : "") +
+                 ", both 95 %. Intervals that say nothing (one motion, or as wide as the scale) are left "
+                 "out; an end at the frame lies beyond it.",
+      .width = 960,
+      .height = std::clamp(110 + 34 * static_cast<int>(ranked.size()), 170, 900),
+      .script = script};
+}
+
+std::optional<Figure> curves_figure(const Study& study, const std::vector<StudyCellResult>& cells,
+                                    std::size_t axis, const Palette& palette) {
+  const std::optional<std::vector<double>> x = numeric(study.axes[axis]);
+  if (!x || x->size() < 2) return {};
+  const StudyMetric metric = primary_metric(study);
+  std::string script, plot;
+  Range seen;
+  for (std::size_t level = 0; level < study.axes.front().values.size(); ++level) {
+    script += data_block(fmt::format("level{}", level), level_points(study, cells, axis, *x, level, seen));
+    plot += fmt::format(
+        "{}$level{} using 1:2:3:4 with yerrorbars pt 0 lc rgb '{}' notitle, $level{} using 1:2 with "
+        "linespoints pt 7 ps 0.6 lw 2 lc rgb '{}' title '{}' noenhanced",
+        level > 0 ? ", " : "plot ", level, colour_of(palette, level), level, colour_of(palette, level),
+        plain_text(study.axes.front().values[level].text));
+  }
+  const bool positive = std::ranges::all_of(*x, [](double v) { return v > 0; });
+  const auto [least, most] = std::ranges::minmax(*x);
+  const double margin = 0.04 * (most - least);
+  std::string tics;
+  for (const double v : *x) tics += fmt::format("{}'{}' {}", tics.empty() ? "" : ", ", v, v);
+  const auto range = seen.with_margin(metric);
+  if (!(range.second > range.first)) return {};
+  script += fmt::format(
+      "set key outside right top\nset border 3 lc rgb '#8a8a8a'\nset tics nomirror out\nset grid lc rgb "
+      "'#e4e1da'\nset xrange [{}:{}]\nset xtics ({})\nset yrange [{}:{}]\nset xlabel '{}' noenhanced\nset "
+      "ylabel '{}' noenhanced\n{}{}{}\n",
+      positive ? least / 1.08 : least - margin, positive ? most * 1.08 : most + margin, tics, range.first,
+      range.second, plain_text(study.axes[axis].column), plain_text(metric.title),
+      positive ? "set logscale x\n" : "", metric.ratio ? "set logscale y\n" : "", plot);
+  return Figure{.name = "over-" + as_name(study.axes[axis].column),
+                .caption = "Mean over motions and seeds with bootstrap intervals.",
+                .width = 960,
+                .height = 420,
+                .script = script};
+}
+
+std::vector<Figure> study_figures(const Study& study, const std::vector<StudyCellResult>& cells,
+                                  const std::vector<AxisRanking>& ranked, const Palette& palette) {
+  std::vector<Figure> figures;
+  const auto take = [&](std::optional<Figure> figure) {
+    if (figure) figures.push_back(*std::move(figure));
+  };
+  for (const AxisRanking& entry : ranked) take(ranking_figure(study, entry, palette));
+  for (std::size_t axis = 1; axis < study.axes.size(); ++axis)
+    take(curves_figure(study, cells, axis, palette));
+  return figures;
+}
+
+}  // namespace forefeel

@@ -1,0 +1,32 @@
+#pragma once
+// The sides of a bridge: clusters of the directions in which known states lie, seen from inside a gap. Two
+// directions belong to one side if a chain of directions joins them in steps of at most the link angle.
+// Two states at a distance h, seen from kappa_p h [m] or farther, appear at most 2 asin(1 / (2 kappa_p)) apart
+// (39 degrees for kappa_p = 1.5). With that link angle, states of spacing h always form one side.
+
+#include <cstddef>
+#include <set>
+#include <span>
+#include <vector>
+
+#include "geometry/coverage/region_summary.hpp"
+
+namespace forefeel {
+
+inline constexpr std::size_t most_bridges = 1000;  // gaps whose sides are found, largest first
+
+double bridge_link_deg(double sparse_distance);  // link angle [deg] for kappa_p
+
+// offsets: states within the gap radius, relative to the place [m]. Nearest side first.
+std::vector<BridgeSide> bridge_sides(std::span<const Vec3> offsets, double link_deg);
+
+// Largest distance of a gap to its safe neighbours: the thickness kappa_p h of its sparse rim plus h/2 [m].
+double rim_reach(double sparse_distance, double spacing);  // kappa_p, h [m]
+
+// Fills RegionComponent::safe_neighbours. For each component, beside holds the components that share a facet
+// with it, and near_safe (for gaps) the safe components within rim_reach().
+void name_safe_neighbours(const std::vector<std::set<std::uint32_t>>& beside,
+                          std::vector<std::set<std::uint32_t>>& near_safe,
+                          std::vector<RegionComponent>& components);
+
+}  // namespace forefeel

@@ -1,0 +1,145 @@
+#include "geometry/coverage/cell_raster.hpp"
+
+#include <Eigen/Geometry>
+#include <algorithm>
+#include <cmath>
+
+namespace forefeel {
+namespace {
+
+constexpr double beside = 1e-10;  // a weight above minus this may belong to a place in the cell
+constexpr double thin = 1e-5;     // relative height of cells whose weights rounding may change by more
+constexpr double unsure = 1e-7;   // relative doubt of pi^2 and of distances
+
+double squared_longest(const std::array<Vec3, 4>& c) {
+  double longest = 0;
+  for (std::size_t i = 0; i < 4; ++i)
+    for (std::size_t j = 0; j < i; ++j) longest = std::max(longest, (c[i] - c[j]).squaredNorm());
+  return longest;
+}
+
+}  // namespace
+
+bool CellRaster::meets(const std::array<Vec3, 4>& corners) {
+  const VoxelGrid& grid = voxels_.grid;
+  for (std::size_t axis = 0; axis < 3; ++axis) {
+    const auto a = static_cast<Eigen::Index>(axis);
+    const double low = std::min({corners[0][a], corners[1][a], corners[2][a], corners[3][a]}),
+                 high = std::max({corners[0][a], corners[1][a], corners[2][a], corners[3][a]});
+    const double slack = 1e-6 * (high - low) + grain_, from = (low - slack - grid.origin[a]) / grid.side,
+                 to = (high + slack - grid.origin[a]) / grid.side;
+    if (!(from < high_[axis]) || !(to > low_[axis])) return false;
+    // Centres lie half a side from the lower face; those of voxels that the box cuts, anywhere inside.
+    first_[axis] = std::max(low_[axis], static_cast<std::int32_t>(std::max(0.0, std::floor(from))));
+    end_[axis] = static_cast<std::int32_t>(std::min<double>(high_[axis], std::floor(to) + 1));
+    const std::vector<double>& centre = voxels_.centre[axis];
+    while (first_[axis] < end_[axis] && centre[static_cast<std::size_t>(first_[axis])] < low - slack)
+      ++first_[axis];
+    while (first_[axis] < end_[axis] && centre[static_cast<std::size_t>(end_[axis]) - 1] > high + slack)
+      --end_[axis];
+    if (first_[axis] >= end_[axis]) return false;
+  }
+  return true;
+}
+
+void CellRaster::set(std::size_t index, std::uint8_t value) {
+  std::uint8_t& here = voxels_.label[index];
+  const auto rank = [](std::uint8_t m) { return m == mark::unset ? 0 : m == mark::sparse ? 1 : m + 2; };
+  if (rank(value) <= rank(here)) return;
+  if (value >= mark::ask_cone && (here < mark::ask_cone || here == mark::unset)) asked_.push_back(index);
+  here = value;
+}
+
+// All voxels within the rounding of a cell that is (nearly) flat.
+void CellRaster::add_flat(const std::array<Vec3, 4>& corners) {
+  Vec3 normal = Vec3::Zero();
+  for (std::size_t i = 0; i < 4; ++i) {
+    const Vec3 n = (corners[(i + 1) % 4] - corners[i]).cross(corners[(i + 2) % 4] - corners[i]);
+    if (n.squaredNorm() > normal.squaredNorm()) normal = n;
+  }
+  const bool plane = normal.norm() > 0;
+  if (plane) normal.normalize();
+  double from = 0, to = 0;
+  for (const Vec3& c : corners) {
+    from = std::min(from, normal.dot(c - corners[0]));
+    to = std::max(to, normal.dot(c - corners[0]));
+  }
+  const double slack = 1e-6 * std::sqrt(squared_longest(corners)) + 8 * grain_;
+  for (std::int32_t k = first_[2]; k < end_[2]; ++k)
+    for (std::int32_t j = first_[1]; j < end_[1]; ++j)
+      for (std::int32_t i = first_[0]; i < end_[0]; ++i) {
+        const double height = normal.dot(voxels_.centre_of(i, j, k) - corners[0]);
+        if (height >= from - slack && height <= to + slack) set(voxels_.index(i, j, k), mark::ask);
+      }
+}
+
+std::uint8_t CellRaster::mark_at(const Vec3& q) const {
+  const Vec3 d = q - corner_[0];
+  double squared = 0, nearest = 1e300, farthest = 0;
+  for (std::size_t i = 0; i < 4; ++i) {
+    const double weight = (i == 0 ? 1.0 : 0.0) + slope_[i].dot(d);
+    const double away = (corner_[i] - q).squaredNorm();
+    squared += weight * away;
+    nearest = std::min(nearest, away);
+    farthest = std::max(farthest, away);
+  }
+  const double excess = squared - limits_.safe_spread * limits_.safe_spread;
+  if (std::abs(excess) <= doubt_) return mark::ask;
+  if (excess > 0) {
+    if (!exact_) return mark::ask;
+    const double near = limits_.sparse_distance * limits_.sparse_distance;
+    return nearest < near * (1 - unsure) ? mark::sparse : mark::unset;
+  }
+  const bool encloses = limits_.cell_suffices &&
+                        farthest < limits_.safe_radius * limits_.safe_radius * (1 - unsure) &&
+                        nearest > 4 * limits_.merge * limits_.merge;
+  return encloses ? mark::safe : mark::ask_cone;
+}
+
+void CellRaster::add_row(std::int32_t j, std::int32_t k, double first, double last) {
+  const std::vector<double>& x = voxels_.centre[0];
+  const std::size_t row = voxels_.index(0, j, k);
+  Vec3 q(0, voxels_.centre[1][static_cast<std::size_t>(j)], voxels_.centre[2][static_cast<std::size_t>(k)]);
+  for (std::int32_t i = first_[0]; i < end_[0]; ++i) {
+    q.x() = x[static_cast<std::size_t>(i)];
+    if (q.x() > last) break;
+    if (q.x() >= first) set(row + static_cast<std::size_t>(i), mark_at(q));
+  }
+}
+
+void CellRaster::add(const std::array<Vec3, 4>& corners, bool exact) {
+  const Vec3 a = corners[1] - corners[0], b = corners[2] - corners[0], c = corners[3] - corners[0];
+  const Vec3 bc = b.cross(c);
+  const double volume = a.dot(bc), squared = squared_longest(corners), longest = std::sqrt(squared);
+  if (!(volume > (thin * longest + 64 * grain_) * squared)) return add_flat(corners);
+  corner_ = corners;
+  exact_ = exact;
+  doubt_ = unsure * std::max(squared, limits_.safe_spread * limits_.safe_spread);
+  slope_[1] = bc / volume;
+  slope_[2] = c.cross(a) / volume;
+  slope_[3] = a.cross(b) / volume;
+  slope_[0] = -slope_[1] - slope_[2] - slope_[3];
+  std::array<double, 4> inverse{};
+  for (std::size_t i = 0; i < 4; ++i) inverse[i] = slope_[i].x() != 0 ? 1 / slope_[i].x() : 0;
+  const double slack = grain_ + 1e-9 * longest;
+  for (std::int32_t k = first_[2]; k < end_[2]; ++k)
+    for (std::int32_t j = first_[1]; j < end_[1]; ++j) {
+      const double dy = voxels_.centre[1][static_cast<std::size_t>(j)] - corners[0].y(),
+                   dz = voxels_.centre[2][static_cast<std::size_t>(k)] - corners[0].z();
+      double first = -1e300, last = 1e300;
+      for (std::size_t i = 0; i < 4; ++i) {
+        const double rest = (i == 0 ? 1.0 : 0.0) + slope_[i].y() * dy + slope_[i].z() * dz + beside;
+        const double end = -rest * inverse[i];  // relative to corner 0
+        if (slope_[i].x() > 0)
+          first = std::max(first, end);
+        else if (slope_[i].x() < 0)
+          last = std::min(last, end);
+        else if (rest < 0)
+          last = -1e300;
+      }
+      if (first <= last + 2 * slack)
+        add_row(j, k, corners[0].x() + first - slack, corners[0].x() + last + slack);
+    }
+}
+
+}  // namespace forefeel

@@ -1,0 +1,56 @@
+#pragma once
+// Marks the voxels of a block whose centres q lie in a Delaunay cell with corners v_i. Barycentric weights w_i are
+// affine in q, so each row of voxels meets the cell in one interval, and
+//   pi^2(q) = sum w_i |v_i - q|^2
+// takes a few products for each voxel. A mark is only set where rounding cannot change it; where it could, and where
+// the cell alone does not decide (coverage_query.hpp), the voxel is asked about later.
+//
+//   safe     pi is within the limit, and all corners lie in reach of the cone but not at q: they enclose q
+//   sparse   pi is beyond the limit in a cell whose ball is empty, and a corner is near
+//   ask_cone pi is within the limit, but a corner is out of reach: safe if other states enclose q, else sparse
+//   ask      needs a query
+//   unset    in no cell; or beyond the limit with no corner near
+
+#include <array>
+#include <cstdint>
+#include <vector>
+
+#include "geometry/coverage/coverage_query.hpp"
+#include "geometry/coverage/voxel_labels.hpp"
+
+namespace forefeel {
+
+namespace mark {
+inline constexpr std::uint8_t safe = 0, sparse = 1, ask_cone = 0x40, ask = 0x41, unset = 0xff;
+}
+
+class CellRaster {
+ public:
+  // The block: voxels from low to below high. grain: rounding of the states' coordinates [m].
+  CellRaster(VoxelLabels& voxels, const Thresholds& limits, const Voxel& low, const Voxel& high, double grain)
+      : voxels_(voxels), limits_(limits), low_(low), high_(high), grain_(grain) {}
+
+  // True if a voxel centre of the block may lie in the box around the corners.
+  bool meets(const std::array<Vec3, 4>& corners);
+  // After meets(corners). exact: no state lies in the cell's ball.
+  void add(const std::array<Vec3, 4>& corners, bool exact);
+  std::vector<std::size_t>& asked() { return asked_; }  // indices of the voxels marked ask or ask_cone
+
+ private:
+  void add_flat(const std::array<Vec3, 4>& corners);
+  void add_row(std::int32_t j, std::int32_t k, double first, double last);
+  std::uint8_t mark_at(const Vec3& q) const;
+  void set(std::size_t index, std::uint8_t value);
+
+  VoxelLabels& voxels_;
+  const Thresholds& limits_;
+  Voxel low_, high_, first_{}, end_{};
+  double grain_;
+  // Of the current cell: w_i(q) = at_[i] + slope_[i] . (q - corner 0)
+  std::array<Vec3, 4> corner_, slope_;
+  double doubt_ = 0;  // of pi^2 [m^2]
+  bool exact_ = false;
+  std::vector<std::size_t> asked_;
+};
+
+}  // namespace forefeel

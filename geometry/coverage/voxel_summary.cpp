@@ -1,0 +1,215 @@
+#include "geometry/coverage/voxel_summary.hpp"
+
+#include <algorithm>
+#include <cmath>
+#include <numeric>
+#include <set>
+#include <utility>
+
+#include "geometry/coverage/bridge.hpp"
+#include "geometry/coverage/safe_neighbours.hpp"
+#include "geometry/coverage/voxel_runs.hpp"
+
+namespace forefeel {
+namespace {
+
+constexpr std::size_t most_roots = 1u << 21;
+
+// Cubes of voxels that are searched for leaves one by one, and the order of voxels within and among them.
+struct Roots {
+  int level = 5;
+  std::array<std::int64_t, 3> count{};
+
+  explicit Roots(const VoxelLabels& voxels) {
+    for (;; ++level) {
+      for (std::size_t axis = 0; axis < 3; ++axis) count[axis] = ((voxels.count[axis] - 1) >> level) + 1;
+      if (static_cast<std::size_t>(count[0] * count[1] * count[2]) <= most_roots) return;
+    }
+  }
+  std::size_t size() const { return static_cast<std::size_t>(count[0] * count[1] * count[2]); }
+  Voxel low(std::size_t root) const {
+    const auto r = static_cast<std::int64_t>(root);
+    return {static_cast<std::int32_t>((r % count[0]) << level),
+            static_cast<std::int32_t>((r / count[0] % count[1]) << level),
+            static_cast<std::int32_t>((r / count[0] / count[1]) << level)};
+  }
+  // Increases along the order in which leaves are listed.
+  std::uint64_t key(const Voxel& v) const {
+    auto value = static_cast<std::uint64_t>(((v[2] >> level) * count[1] + (v[1] >> level)) * count[0] +
+                                            (v[0] >> level));
+    for (int bit = level - 1; bit >= 0; --bit)
+      value = value << 3 |
+              static_cast<std::uint64_t>((v[0] >> bit & 1) | (v[1] >> bit & 1) << 1 | (v[2] >> bit & 1) << 2);
+    return value;
+  }
+};
+
+// Of the leaves of a component: their number, and the largest, the first of several.
+struct LeafTally {
+  std::uint32_t leaves = 0;
+  std::int32_t width = 0;
+  std::uint64_t key = 0;
+  Voxel low{};
+
+  void take(const LeafTally& other) {
+    leaves += other.leaves;
+    if (other.width < width || (other.width == width && other.key >= key)) return;
+    width = other.width, key = other.key, low = other.low;
+  }
+};
+
+struct Cube {
+  Voxel low{};
+  std::int32_t width = 1;
+};
+
+class Leaves {
+ public:
+  Leaves(const VoxelLabels& voxels, const VoxelRuns& runs, const Roots& roots)
+      : voxels_(voxels), runs_(runs), roots_(roots), tally(runs.components()) {}
+
+  // Lists the leaves of a root in `cubes`.
+  void find(std::size_t root) {
+    cubes.clear();
+    collect(roots_.low(root), 1 << roots_.level);
+    for (const Cube& cube : cubes)
+      tally[component(cube)].take(
+          {.leaves = 1, .width = cube.width, .key = roots_.key(cube.low), .low = cube.low});
+  }
+  std::uint32_t component(const Cube& cube) const {
+    const auto row = static_cast<std::size_t>(cube.low[2] * voxels_.count[1] + cube.low[1]);
+    return runs_.component(runs_.run_at(row, cube.low[0]));
+  }
+  std::vector<Cube> cubes;
+
+ private:
+  std::uint8_t label(const Voxel& v) const { return voxels_.label[voxels_.index(v[0], v[1], v[2])]; }
+  bool outside(const Voxel& v) const {
+    return v[0] >= voxels_.count[0] || v[1] >= voxels_.count[1] || v[2] >= voxels_.count[2];
+  }
+  // False if the cube holds more than one label.
+  bool collect(const Voxel& low, std::int32_t width) {
+    if (outside(low)) return true;
+    if (width == 1) {
+      cubes.push_back({low, 1});
+      return true;
+    }
+    const std::size_t start = cubes.size();
+    bool whole = true;
+    const std::int32_t half = width / 2;
+    for (int child = 0; child < 8; ++child) {
+      const std::size_t before = cubes.size();
+      whole = collect({low[0] + (child & 1 ? half : 0), low[1] + (child & 2 ? half : 0),
+                       low[2] + (child & 4 ? half : 0)},
+                      half) &&
+              whole;
+      whole = whole && (cubes.size() == before || label(cubes.back().low) == label(low));
+    }
+    if (!whole) return false;
+    cubes.resize(start);
+    cubes.push_back({low, width});
+    return true;
+  }
+
+  const VoxelLabels& voxels_;
+  const VoxelRuns& runs_;
+  const Roots& roots_;
+
+ public:
+  std::vector<LeafTally> tally;  // by component
+};
+
+// Volumes and bounds. first: the key of the first voxel of each component.
+std::vector<RegionComponent> measure(const VoxelLabels& voxels, const VoxelRuns& runs, const Roots& roots,
+                                     std::vector<std::uint64_t>& first) {
+  std::vector<RegionComponent> found(runs.components());
+  first.assign(found.size(), ~std::uint64_t{0});
+  for (std::size_t row = 0; row < runs.rows(); ++row) {
+    const auto j = row % static_cast<std::size_t>(voxels.count[1]),
+               k = row / static_cast<std::size_t>(voxels.count[1]);
+    const double area = (voxels.high[1][j] - voxels.low[1][j]) * (voxels.high[2][k] - voxels.low[2][k]);
+    for (std::uint32_t run = runs.first_run(row); run < runs.end_run(row); ++run) {
+      const auto from = static_cast<std::size_t>(runs.start(run)),
+                 to = static_cast<std::size_t>(runs.end(row, run)) - 1;
+      const std::uint32_t c = runs.component(run);
+      RegionComponent& mine = found[c];
+      const Vec3 low(voxels.low[0][from], voxels.low[1][j], voxels.low[2][k]),
+          high(voxels.high[0][to], voxels.high[1][j], voxels.high[2][k]);
+      if (first[c] == ~std::uint64_t{0}) mine.bounds = {low, high};
+      mine.label = static_cast<Label>(voxels.label[row * static_cast<std::size_t>(voxels.count[0]) + from]);
+      mine.volume += (high.x() - low.x()) * area;
+      mine.bounds = {mine.bounds.low.cwiseMin(low), mine.bounds.high.cwiseMax(high)};
+      first[c] = std::min(first[c], roots.key({static_cast<std::int32_t>(from), static_cast<std::int32_t>(j),
+                                               static_cast<std::int32_t>(k)}));
+    }
+  }
+  return found;
+}
+
+// The leaves of all components, and of each their number and the middle of the largest.
+std::vector<RegionLeaf> find_leaves(const VoxelLabels& voxels, const VoxelRuns& runs, const Roots& roots,
+                                    bool with_leaves, std::vector<RegionComponent>& components) {
+  std::vector<LeafTally> tally(components.size());
+  std::vector<std::vector<RegionLeaf>> of_root(with_leaves ? roots.size() : 0);
+#pragma omp parallel
+  {
+    Leaves leaves(voxels, runs, roots);
+#pragma omp for schedule(dynamic, 8)
+    for (std::size_t root = 0; root < roots.size(); ++root) {
+      leaves.find(root);
+      if (!with_leaves) continue;
+      for (const Cube& cube : leaves.cubes) {
+        const std::uint32_t c = leaves.component(cube);
+        of_root[root].push_back({voxels.grid.cube(cube.low, cube.width), components[c].label, c});
+      }
+    }
+#pragma omp critical(forefeel_voxel_summary)
+    for (std::size_t c = 0; c < tally.size(); ++c) tally[c].take(leaves.tally[c]);
+  }
+  for (std::size_t c = 0; c < components.size(); ++c) {
+    components[c].leaves = tally[c].leaves;
+    components[c].inner = voxels.grid.cube(tally[c].low, tally[c].width).centre();
+  }
+  std::vector<RegionLeaf> all;
+  for (std::vector<RegionLeaf>& some : of_root) {
+    all.insert(all.end(), some.begin(), some.end());
+    std::vector<RegionLeaf>().swap(some);
+  }
+  return all;
+}
+
+}  // namespace
+
+RegionSummary summarise(const VoxelLabels& voxels, double rim, bool with_leaves) {
+  const VoxelRuns runs(voxels);
+  const Roots roots(voxels);
+  std::vector<std::uint64_t> first;
+  std::vector<RegionComponent> found = measure(voxels, runs, roots, first);
+  RegionSummary result;
+  result.leaves = find_leaves(voxels, runs, roots, with_leaves, found);
+  std::vector<std::uint32_t> order(found.size()), rank(found.size());
+  std::iota(order.begin(), order.end(), 0u);
+  std::ranges::sort(order, [&](std::uint32_t a, std::uint32_t b) {
+    if (found[a].label != found[b].label) return found[a].label < found[b].label;
+    if (found[a].volume != found[b].volume) return found[a].volume > found[b].volume;
+    return first[a] < first[b];
+  });
+  for (std::uint32_t i = 0; i < order.size(); ++i) rank[order[i]] = i;
+  std::vector<std::pair<std::uint32_t, std::uint32_t>> beside = safe_neighbours(voxels, runs, rim);
+  for (auto& [component, safe] : beside) component = rank[component], safe = rank[safe];
+  std::ranges::sort(beside);
+  for (const std::uint32_t i : order) result.components.push_back(std::move(found[i]));
+  for (const auto& [component, safe] : beside) {
+    std::vector<std::uint32_t>& known = result.components[component].safe_neighbours;
+    if (known.empty() || known.back() != safe) known.push_back(safe);
+  }
+  for (RegionLeaf& leaf : result.leaves) leaf.component = rank[leaf.component];
+  for (const RegionComponent& c : result.components) {
+    result.volume[static_cast<std::size_t>(c.label)] += c.volume;
+    ++result.component_count[static_cast<std::size_t>(c.label)];
+    result.leaf_count += c.leaves;
+  }
+  return result;
+}
+
+}  // namespace forefeel

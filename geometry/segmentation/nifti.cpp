@@ -1,0 +1,152 @@
+// NIfTI 1 and 2, in one file. libnifti interprets the header; the data are read here, within what the file holds.
+
+#include <fmt/format.h>
+#include <nifti2_io.h>
+
+#include <cmath>
+#include <cstring>
+#include <memory>
+#include <optional>
+
+#include "geometry/common/error.hpp"
+#include "geometry/common/scanner.hpp"
+#include "geometry/segmentation/inflate.hpp"
+#include "geometry/segmentation/raw_image.hpp"
+
+namespace forefeel {
+namespace {
+
+using Image = std::unique_ptr<nifti_image, void (*)(nifti_image*)>;
+
+[[noreturn]] void fail(const std::string& file, const std::string& problem) {
+  throw InputError({.file = file}, problem);
+}
+
+std::optional<Scalar> scalar_of(int type) {
+  switch (type) {
+    case NIFTI_TYPE_INT8:
+      return Scalar::int8;
+    case NIFTI_TYPE_UINT8:
+      return Scalar::uint8;
+    case NIFTI_TYPE_INT16:
+      return Scalar::int16;
+    case NIFTI_TYPE_UINT16:
+      return Scalar::uint16;
+    case NIFTI_TYPE_INT32:
+      return Scalar::int32;
+    case NIFTI_TYPE_UINT32:
+      return Scalar::uint32;
+    case NIFTI_TYPE_INT64:
+      return Scalar::int64;
+    case NIFTI_TYPE_UINT64:
+      return Scalar::uint64;
+    case NIFTI_TYPE_FLOAT32:
+      return Scalar::float32;
+    case NIFTI_TYPE_FLOAT64:
+      return Scalar::float64;
+    default:
+      return {};
+  }
+}
+
+// Checks what libnifti does not check, or refuses with a message of its own: number of dimensions and sizes (of either
+// version), type and place of the data.
+template <class Header>
+void check(Header header, bool swap, const std::string& file) {
+  const auto plain = [&](auto value) { return swap ? byte_swapped(value) : value; };
+  const auto dimensions = plain(header.dim[0]);
+  if (dimensions < 1 || dimensions > 7) fail(file, "the header gives no number of dimensions from 1 to 7");
+  for (int d = 1; d <= dimensions; ++d)
+    if (plain(header.dim[d]) < 1) fail(file, "the header gives a size that is not positive");
+  const int type = plain(header.datatype);
+  if (!scalar_of(type))
+    fail(file, fmt::format("data type {} is not read, expected whole or real numbers", type));
+  const auto offset = static_cast<double>(plain(header.vox_offset));
+  if (!(offset >= 0 && offset < 1e9))
+    fail(file, fmt::format("the data begin at byte {:g}, outside the file", offset));
+}
+
+template <class Header>
+Image image_of(const std::string& start, bool swap, const std::string& file,
+               nifti_image* (*convert)(Header, const char*)) {
+  Header header;
+  if (start.size() < sizeof header) fail(file, "is shorter than its header, the file is cut short");
+  std::memcpy(&header, start.data(), sizeof header);
+  if (std::strncmp(header.magic, "n+", 2) != 0)
+    fail(file, "is no NIfTI file with header and data in one (magic n+1 or n+2)");
+  check(header, swap, file);
+  nifti_set_debug_level(0);  // it would print
+  Image image(convert(header, "labels.nii"), nifti_image_free);
+  if (!image) fail(file, "the header is damaged");
+  return image;
+}
+
+Mat3 axes_of(const nifti_dmat44& m) {
+  Mat3 axes;
+  for (int r = 0; r < 3; ++r)
+    for (int c = 0; c < 3; ++c) axes(r, c) = m.m[r][c];
+  return axes;
+}
+
+void place(const nifti_image& image, ImageHeader& header) {
+  header.axes = Vec3(image.dx, image.dy, image.dz).cwiseAbs().asDiagonal();
+  const bool by_matrix = image.sform_code > 0;
+  if (!by_matrix && image.qform_code <= 0) return;
+  const nifti_dmat44& m = by_matrix ? image.sto_xyz : image.qto_xyz;
+  header.axes = axes_of(m);
+  header.origin = Vec3(m.m[0][3], m.m[1][3], m.m[2][3]);
+}
+
+ImageHeader header_of(const nifti_image& image, bool swap, const std::string& file) {
+  ImageHeader header;
+  if (image.nt > 1 || image.nu > 1 || image.nv > 1 || image.nw > 1)
+    fail(file, "holds more than one volume, expected three dimensions");
+  header.size = {image.nx, image.ny, image.nz};
+  place(image, header);
+  header.type = *scalar_of(image.datatype);  // known, by check()
+  header.swap = swap;
+  header.unit_given = true;
+  switch (image.xyz_units) {
+    case NIFTI_UNITS_METER:
+      header.unit = 1, header.unit_name = "m";
+      break;
+    case NIFTI_UNITS_MICRON:
+      header.unit = 1e-6, header.unit_name = "micrometres";
+      break;
+    case NIFTI_UNITS_MM:
+      break;
+    default:
+      header.unit_given = false;
+  }
+  if (image.scl_slope != 0 && std::isfinite(image.scl_slope) && std::isfinite(image.scl_inter))
+    header.slope = image.scl_slope, header.intercept = image.scl_inter;
+  return header;
+}
+
+}  // namespace
+
+LabelVolume read_nifti(std::string_view content, const std::string& file) {
+  const bool compressed = is_compressed(content);
+  const std::string start = compressed ? inflate(content, 540, file) : std::string(content.substr(0, 540));
+  std::int32_t size = 0;
+  if (start.size() < 4) fail(file, "is shorter than its header, the file is cut short");
+  std::memcpy(&size, start.data(), 4);
+  const bool swap = size != 348 && size != 540;
+  if (swap) size = byte_swapped(size);
+  if (size != 348 && size != 540) fail(file, "is no NIfTI file, expected a header of 348 or 540 bytes");
+  const Image image = size == 348 ? image_of<nifti_1_header>(start, swap, file, nifti_convert_n1hdr2nim)
+                                  : image_of<nifti_2_header>(start, swap, file, nifti_convert_n2hdr2nim);
+  const ImageHeader header = header_of(*image, swap, file);
+  const auto offset = static_cast<std::size_t>(std::max<std::int64_t>(image->iname_offset, size));
+  if (!compressed) {
+    if (offset > content.size()) fail(file, "the data begin behind the end, the file is cut short");
+    return labels_in(header, content.substr(offset), false, file);
+  }
+  const std::size_t bytes =
+      offset + bytes_of(header.type) * checked_voxels(header, file, bytes_of(header.type));
+  if (bytes / 1032 > content.size()) fail(file, "announces more voxels than its data can hold");
+  const std::string plain = inflate(content, bytes, file);
+  return labels_in(header, std::string_view(plain).substr(std::min(offset, plain.size())), false, file);
+}
+
+}  // namespace forefeel

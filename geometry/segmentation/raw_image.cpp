@@ -1,0 +1,201 @@
+#include "geometry/segmentation/raw_image.hpp"
+
+#include <fmt/format.h>
+
+#include <algorithm>
+#include <cmath>
+#include <cstring>
+#include <numeric>
+
+#include "geometry/common/error.hpp"
+#include "geometry/common/memory.hpp"
+#include "geometry/common/scanner.hpp"
+#include "geometry/segmentation/inflate.hpp"
+
+namespace forefeel {
+namespace {
+
+constexpr std::size_t most_labels = 65'535;
+
+void check_axes(const ImageHeader& header, const std::string& file) {
+  const double volume = std::abs(header.axes.determinant());
+  const double steps = header.axes.col(0).norm() * header.axes.col(1).norm() * header.axes.col(2).norm();
+  if (!header.axes.allFinite() || !header.origin.allFinite() || !(volume > 1e-6 * steps) ||
+      !(volume > 1e-30) || !(volume < 1e30))
+    throw InputError({.file = file},
+                     "its spacing and orientation give voxels without a volume, expected three "
+                     "independent axes of positive length");
+}
+
+template <class T>
+void collect(std::string_view data, bool swap, LabelCollector& to) {
+  for (std::size_t v = 0; (v + 1) * sizeof(T) <= data.size(); ++v) {
+    T value;
+    std::memcpy(&value, data.data() + v * sizeof(T), sizeof(T));
+    to.put(v, static_cast<double>(swap ? byte_swapped(value) : value));
+  }
+}
+
+}  // namespace
+
+std::size_t bytes_of(Scalar type) {
+  constexpr std::array<std::size_t, 10> sizes{1, 1, 2, 2, 4, 4, 8, 8, 4, 8};
+  return sizes[static_cast<std::size_t>(type)];
+}
+
+std::size_t checked_voxels(const ImageHeader& header, const std::string& file, std::size_t bytes_each) {
+  double voxels = 1;
+  for (const std::int64_t n : header.size) {
+    if (n < 1)
+      throw InputError({.file = file}, fmt::format("{} x {} x {} voxels, expected three positive sizes",
+                                                   header.size[0], header.size[1], header.size[2]));
+    voxels *= static_cast<double>(n);
+  }
+  const double needed = voxels * static_cast<double>(bytes_each + sizeof(std::uint16_t)),
+               left = available_memory();
+  if (!(voxels < 1e15) || needed > left)
+    throw InputError({.file = file}, fmt::format("{} x {} x {} voxels need {} of memory, {} are left",
+                                                 header.size[0], header.size[1], header.size[2],
+                                                 bytes_in_words(needed), bytes_in_words(left)));
+  return static_cast<std::size_t>(voxels);
+}
+
+LabelCollector::LabelCollector(const ImageHeader& header, std::size_t voxels, const std::string& file)
+    : header_(header), file_(file) {
+  check_axes(header, file);
+  volume_.size = header.size;
+  volume_.axes = header.unit * header.axes;
+  volume_.origin = header.unit * header.origin;
+  volume_.unit = header.unit_name;
+  volume_.metres = header.unit;
+  volume_.unit_given = header.unit_given;
+  volume_.voxels.resize(voxels);
+}
+
+void LabelCollector::put(std::size_t at, double stored) {
+  const double value = header_.slope * stored + header_.intercept;
+  if (!(std::abs(value) < 1e15) || value != std::floor(value))
+    throw InputError({.file = file_},
+                     fmt::format("voxel {} (from 0) is {:g}, expected labels, whole numbers", at, value));
+  const auto label = static_cast<std::int64_t>(value);
+  if (found_.empty() || label != last_) last_position_ = position_of(label), last_ = label;
+  volume_.voxels[at] = last_position_;
+}
+
+std::uint16_t LabelCollector::position_of(std::int64_t label) {
+  const auto [at, is_new] = position_.emplace(label, static_cast<std::uint16_t>(found_.size()));
+  if (is_new) {
+    if (found_.size() == most_labels)
+      throw InputError({.file = file_},
+                       fmt::format("more than {} different values, expected a volume of labels, not "
+                                   "a scan",
+                                   most_labels));
+    found_.push_back(label);
+  }
+  return at->second;
+}
+
+LabelVolume LabelCollector::take() {
+  std::vector<std::size_t> order(found_.size());
+  std::iota(order.begin(), order.end(), std::size_t{0});
+  std::ranges::sort(order, {}, [&](std::size_t k) { return found_[k]; });
+  std::vector<std::uint16_t> position(found_.size());
+  for (std::size_t k = 0; k < order.size(); ++k) {
+    position[order[k]] = static_cast<std::uint16_t>(k);
+    volume_.values.push_back(found_[order[k]]);
+  }
+  for (std::uint16_t& voxel : volume_.voxels) voxel = position[voxel];
+  return std::move(volume_);
+}
+
+LabelVolume labels_of(const ImageHeader& header, std::string_view data, const std::string& file) {
+  LabelCollector to(header, data.size() / bytes_of(header.type), file);
+  switch (header.type) {
+    case Scalar::int8:
+      collect<std::int8_t>(data, false, to);
+      break;
+    case Scalar::uint8:
+      collect<std::uint8_t>(data, false, to);
+      break;
+    case Scalar::int16:
+      collect<std::int16_t>(data, header.swap, to);
+      break;
+    case Scalar::uint16:
+      collect<std::uint16_t>(data, header.swap, to);
+      break;
+    case Scalar::int32:
+      collect<std::int32_t>(data, header.swap, to);
+      break;
+    case Scalar::uint32:
+      collect<std::uint32_t>(data, header.swap, to);
+      break;
+    case Scalar::int64:
+      collect<std::int64_t>(data, header.swap, to);
+      break;
+    case Scalar::uint64:
+      collect<std::uint64_t>(data, header.swap, to);
+      break;
+    case Scalar::float32:
+      collect<float>(data, header.swap, to);
+      break;
+    case Scalar::float64:
+      collect<double>(data, header.swap, to);
+      break;
+  }
+  return to.take();
+}
+
+LabelVolume labels_in(const ImageHeader& header, std::string_view content, bool compressed,
+                      const std::string& file) {
+  const std::size_t each = bytes_of(header.type);
+  const std::size_t bytes = each * checked_voxels(header, file, compressed ? each : 0);
+  // Deflate packs at most 1032 bytes into one.
+  const bool fits = compressed ? bytes / 1032 <= content.size() : bytes <= content.size();
+  const std::string plain = compressed && fits ? inflate(content, bytes, file) : std::string();
+  const std::string_view data = compressed ? std::string_view(plain) : content;
+  if (!fits || data.size() < bytes)
+    throw InputError(
+        {.file = file},
+        fmt::format("{} x {} x {} voxels need {} bytes, and the data are shorter; the file is cut short",
+                    header.size[0], header.size[1], header.size[2], bytes));
+  return labels_of(header, data.substr(0, bytes), file);
+}
+
+std::vector<double> header_numbers(const std::string& text, std::size_t expected, const std::string& file,
+                                   const std::string& key) {
+  Scanner in(text, file + ": " + key);
+  std::vector<double> numbers;
+  while (!in.at_end()) numbers.push_back(in.real("a number"));
+  if (numbers.size() != expected)
+    throw InputError({.file = file},
+                     fmt::format("{} has {} numbers, expected {}", key, numbers.size(), expected));
+  return numbers;
+}
+
+std::string read_beside(const std::filesystem::path& header, const std::string& name) {
+  const std::filesystem::path file = name;
+  if (name.empty() || file.has_parent_path() || file == "..")
+    throw InputError({.file = header.string()},
+                     fmt::format("names its data '{:.60}', expected a file in the same folder", name));
+  return read_file(header.parent_path() / file);
+}
+
+bool is_label_volume_file(const std::filesystem::path& file) {
+  const std::string name = lower_case(file.filename().string());
+  return std::ranges::any_of(std::array{".nii", ".nii.gz", ".mha", ".mhd", ".nrrd", ".nhdr", ".vti"},
+                             [&](const char* extension) { return name.ends_with(extension); });
+}
+
+LabelVolume read_label_volume(const std::filesystem::path& file) {
+  const std::string name = lower_case(file.filename().string());
+  if (!is_label_volume_file(file))
+    throw InputError({.file = file.string()},
+                     fmt::format("unknown kind of label volume, expected {}", label_volume_extensions));
+  std::string content = read_file(file);
+  if (name.ends_with(".vti")) return read_vti(std::move(content), file.string());
+  if (name.ends_with(".mha") || name.ends_with(".mhd")) return read_meta_image(content, file);
+  if (name.ends_with(".nrrd") || name.ends_with(".nhdr")) return read_nrrd(content, file);
+  return read_nifti(content, file.string());
+}
+
+}  // namespace forefeel

@@ -1,0 +1,83 @@
+#pragma once
+// An image as its header describes it, and the conversion of its values to labels. Private to this room.
+
+#include <array>
+#include <cstdint>
+#include <string>
+#include <string_view>
+#include <unordered_map>
+#include <vector>
+
+#include "geometry/segmentation/label_volume.hpp"
+
+namespace forefeel {
+
+enum class Scalar : std::uint8_t {
+  int8,
+  uint8,
+  int16,
+  uint16,
+  int32,
+  uint32,
+  int64,
+  uint64,
+  float32,
+  float64
+};
+std::size_t bytes_of(Scalar type);
+
+struct ImageHeader {
+  std::array<std::int64_t, 3> size{};
+  Mat3 axes = Mat3::Zero();  // in the file's unit
+  Vec3 origin = Vec3::Zero();
+  double unit = 1e-3;  // of the file [m]
+  std::string unit_name = "mm";
+  bool unit_given = false;
+  Scalar type = Scalar::uint8;
+  bool swap = false;                // the byte order is not that of this machine
+  double slope = 1, intercept = 0;  // value = slope * stored + intercept
+};
+
+// Number of voxels. InputError for a size that is not positive or overflows, or if the voxels (`bytes_each` in the
+// file, and the labels made of them) do not fit into the available memory.
+std::size_t checked_voxels(const ImageHeader& header, const std::string& file, std::size_t bytes_each);
+
+// Collects the values of the voxels, one at a time. InputError for more than 65535 different values, or for a value that
+// is not a whole number.
+class LabelCollector {
+ public:
+  LabelCollector(const ImageHeader& header, std::size_t voxels, const std::string& file);
+  void put(std::size_t at, double value);
+  LabelVolume take();  // with values ascending
+
+ private:
+  std::uint16_t position_of(std::int64_t value);
+  const ImageHeader& header_;
+  const std::string& file_;
+  LabelVolume volume_;
+  std::vector<std::int64_t> found_;
+  std::unordered_map<std::int64_t, std::uint16_t> position_;  // in found_
+  std::int64_t last_ = 0;
+  std::uint16_t last_position_ = 0;
+};
+
+// data: exactly the voxels, i fastest.
+LabelVolume labels_of(const ImageHeader& header, std::string_view data, const std::string& file);
+
+// The voxels of a file whose data begin at `content`, plain or compressed; InputError if the data are cut short.
+LabelVolume labels_in(const ImageHeader& header, std::string_view content, bool compressed,
+                      const std::string& file);
+
+LabelVolume read_nifti(std::string_view content, const std::string& file);
+LabelVolume read_meta_image(std::string_view content, const std::filesystem::path& file);
+LabelVolume read_nrrd(std::string_view content, const std::filesystem::path& file);
+LabelVolume read_vti(std::string content, const std::string& file);
+
+// Reads exactly `expected` numbers from the text of a header's key; InputError for any other count.
+std::vector<double> header_numbers(const std::string& text, std::size_t expected, const std::string& file,
+                                   const std::string& key);
+
+// Reads the data file that a header names; it must lie in the header's folder. InputError for a name with a folder.
+std::string read_beside(const std::filesystem::path& header, const std::string& name);
+
+}  // namespace forefeel

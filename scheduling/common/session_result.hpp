@@ -1,0 +1,100 @@
+#pragma once
+// The result of a session, and its progress while it runs. record/run_files.hpp writes the result to files;
+// record/summary.hpp summarises it.
+
+#include <cstddef>
+#include <functional>
+#include <string>
+#include <vector>
+
+#include "scheduling/common/passivity_report.hpp"
+#include "scheduling/common/records.hpp"
+
+namespace forefeel {
+
+struct StateCounts {
+  std::size_t start = 0, solved = 0, failed = 0, preempted = 0;
+  std::size_t set_aside = 0;  // of the failed: solved, but not states of this body (plan/plausible.hpp)
+};
+
+// Interventions of the safety rules, and the work of the hand by the energy observer (render/safety.hpp).
+struct SafetyReport {
+  std::size_t clamped = 0, slewed = 0, stale = 0, non_finite = 0;  // frames
+  double generated = 0;  // largest energy returned beyond that received [J]
+  double work = 0;       // sum of |F . dx| [J]
+  PassivityReport passivity = {};
+  // By frame, under passivity control: the force that the other rules alone would have sent [N].
+  std::vector<Vec3> uncontrolled = {};
+};
+
+// Timing of the frames, and the end of the force (render/frame_pacer.hpp, render/render_loop.hpp).
+struct LoopReport {
+  std::size_t skipped = 0;         // frames that were late by a frame or more; they have no record
+  double longest_pause = 0;        // between the starts of two frames [s]; virtual clock: 0
+  double paused_at = 0;            // when it began [s]
+  double planner_stall = 0;        // longest time between two steps of the planner [s]; virtual clock: 0
+  std::size_t planner_stalls = 0;  // how often it stood still for longer than the watchdog allows
+  std::size_t clock_steps = 0;     // of the clock of the day (render/clock_watch.hpp)
+  std::size_t device_held = 0;     // frames in which the device's position was not finite
+  std::size_t device_jumps = 0;    // frames in which it moved faster than SwitchOptions::jump_speed
+  std::size_t ending_frames = 0;   // of the ramp at the end
+  double last_force = 0;           // |F| sent in the last frame [N]
+};
+
+struct SolverReport {
+  std::vector<double> seconds;  // of each solve, virtual or real; without the first one at rest [s]
+  std::size_t jobs = 0;         // number of jobs of these solves; each job also costs two messages
+  int workers = 0;              // number that took part
+  int lost = 0;                 // of these, how often one failed or was out of reach
+};
+
+struct ProcessReport {             // real clock only
+  bool realtime_priority = false;  // of the loop's thread
+  bool memory_locked = false;
+};
+
+enum class RunEnd {
+  whole,
+  interrupted,  // ended early by the user or a failure, or samples without a reference
+  not_begun     // interrupted during the rehearsals of a clairvoyant session: no frames
+};
+
+struct SessionResult {
+  std::vector<FrameRecord> frames;
+  std::vector<DispatchRecord> dispatch;
+  std::vector<SwitchRecord> switches;
+  std::vector<State> states;  // all known at the end; those known at the start come first
+  StateCounts counts;
+  SafetyReport safety;
+  LoopReport loop;
+  SolverReport solver;
+  ProcessReport process;
+  double guess_softness = unknown;  // of the plan (session/session_plan.hpp)
+  bool viscous = false;             // the elastic force passed a relaxation function
+  double wall_seconds = 0;          // session, labels and references; without file access [s]
+  RunEnd end = RunEnd::whole;
+  std::vector<std::string> notes;     // what the system refused, what failed
+  std::vector<std::string> warnings;  // about input files and the cache, one line each
+  // What ended the session or cost it results: a failing planner or worker, a full disk of the states' file.
+  // One line each; the rest of the result holds.
+  std::vector<std::string> failures;
+  bool interrupted() const { return end != RunEnd::whole; }
+};
+
+enum class SessionPhase { arrivals, session, labels, references };
+std::string_view name(SessionPhase phase);
+
+struct SessionProgress {
+  SessionPhase phase = SessionPhase::session;
+  double t = 0, seconds = 0;  // [s] in phase session; otherwise counts: done, total
+  std::size_t known = 0, solved = 0;
+  Label label = Label::blank;
+  double force = 0;  // [N]
+  // During the rehearsals of a clairvoyant session: number of the schedule, and of all. 0: no rehearsal.
+  std::size_t rehearsal = 0, rehearsals = 0;
+};
+// "labels", or "rehearsal 2 of 7, labels".
+std::string phase_in_words(const SessionProgress& progress);
+using ShowProgress = std::function<void(const SessionProgress&)>;
+
+}  // namespace forefeel

@@ -1,0 +1,75 @@
+#include "scheduling/motion/prediction_score.hpp"
+
+#include <algorithm>
+#include <cmath>
+
+#include "scheduling/motion/predictor.hpp"
+
+namespace forefeel {
+
+PredictionScore::PredictionScore(Predictor& predictor, double step, std::span<const double> horizons)
+    : predictor_(predictor), step_(step) {
+  for (const double horizon : horizons)
+    ahead_.push_back({.horizon = horizon,
+                      .steps = static_cast<std::size_t>(std::llround(horizon / step)),
+                      .made = {},
+                      .errors = {}});
+}
+
+void PredictionScore::add(const Vec3& at) {
+  predictor_.observe({.t = static_cast<double>(seen_) * step_, .at = at, .velocity = Vec3::Zero()});
+  for (Ahead& ahead : ahead_) {
+    ahead.made.push_back(predictor_.predict(ahead.horizon));
+    if (seen_ < ahead.steps) continue;
+    const Prediction& p = ahead.made.front();
+    ahead.errors.push_back((p.at - at).norm());
+    ahead.within += ((p.at - at).cwiseAbs().array() <= 2 * p.deviation).all();
+    ahead.made.pop_front();
+  }
+  ++seen_;
+}
+
+std::vector<PredictionError> PredictionScore::report() const {
+  std::vector<PredictionError> report;
+  for (const Ahead& ahead : ahead_) {
+    PredictionError e{.horizon = ahead.horizon};
+    std::vector<double> errors = ahead.errors;
+    if (!errors.empty()) {
+      std::sort(errors.begin(), errors.end());
+      e.p50 = errors[errors.size() / 2];
+      e.p95 = errors[errors.size() * 95 / 100];
+      e.within_deviation = static_cast<double>(ahead.within) / static_cast<double>(errors.size());
+    }
+    report.push_back(e);
+  }
+  return report;
+}
+
+std::vector<PredictionError> prediction_error(Predictor& predictor, const std::vector<Vec3>& motion,
+                                              double step, std::span<const double> horizons) {
+  PredictionScore score(predictor, step, horizons);
+  for (const Vec3& at : motion) score.add(at);
+  return score.report();
+}
+
+PredictorScores::PredictorScores(double step) : names_(predictor_names()) {
+  constexpr double horizons[] = {0.02, 0.05, 0.1, 0.2, 0.5};  // [s]
+  for (const std::string& name : names_) {
+    predictors_.push_back(make_predictor(name));
+    scores_.emplace_back(*predictors_.back(), step, horizons);
+  }
+}
+
+PredictorScores::~PredictorScores() = default;
+
+void PredictorScores::add(const Vec3& at) {
+  for (PredictionScore& score : scores_) score.add(at);
+}
+
+std::vector<PredictorErrors> PredictorScores::report() const {
+  std::vector<PredictorErrors> report;
+  for (std::size_t i = 0; i < scores_.size(); ++i) report.push_back({names_[i], scores_[i].report()});
+  return report;
+}
+
+}  // namespace forefeel

@@ -1,0 +1,68 @@
+#pragma once
+// The error of a predictor as a function of the horizon.
+
+#include <cstddef>
+#include <deque>
+#include <memory>
+#include <span>
+#include <string>
+#include <vector>
+
+#include "scheduling/motion/hip_sample.hpp"
+
+namespace forefeel {
+
+class Predictor;
+
+// Error at one horizon, over a motion sampled every `step` seconds.
+struct PredictionError {
+  double horizon = 0;           // [s]
+  double p50 = 0, p95 = 0;      // quantiles of |predicted - true| [m]
+  double within_deviation = 0;  // share of true positions within 2 deviations, per axis
+};
+// Accumulates the errors over a motion, one position at a time.
+class PredictionScore {
+ public:
+  // horizons [s]. The predictor must outlive this.
+  PredictionScore(Predictor& predictor, double step, std::span<const double> horizons);
+  void add(const Vec3& at);                     // the next position [m]
+  std::vector<PredictionError> report() const;  // #horizons
+
+ private:
+  struct Ahead {
+    double horizon;
+    std::size_t steps;
+    std::deque<Prediction> made;  // not yet compared with a position
+    std::vector<double> errors;
+    std::size_t within = 0;
+  };
+  Predictor& predictor_;
+  double step_;
+  std::size_t seen_ = 0;
+  std::vector<Ahead> ahead_;
+};
+// The same for a whole motion at once.
+std::vector<PredictionError> prediction_error(Predictor& predictor, const std::vector<Vec3>& motion,
+                                              double step, std::span<const double> horizons);
+
+// The errors of one predictor by horizon.
+struct PredictorErrors {
+  std::string predictor;
+  std::vector<PredictionError> by_horizon;
+};
+// The error that each of predictor_names() would have made on one motion, at the horizons 0.02, 0.05, 0.1,
+// 0.2 and 0.5 s.
+class PredictorScores {
+ public:
+  explicit PredictorScores(double step);  // of the motion [s]
+  ~PredictorScores();
+  void add(const Vec3& at);                     // the next position [m]
+  std::vector<PredictorErrors> report() const;  // in the order of predictor_names()
+
+ private:
+  std::vector<std::string> names_;
+  std::vector<std::unique_ptr<Predictor>> predictors_;
+  std::vector<PredictionScore> scores_;
+};
+
+}  // namespace forefeel

@@ -1,0 +1,36 @@
+#pragma once
+// Reads a recorded motion from a table of numbers, separated by commas, semicolons, tabs or white space, with or
+// without a header. Additional columns are allowed. The file does not have to be edited.
+//
+//   columns   t, x, y and z: names of a header, or numbers of columns counted from 1. Lines before the header
+//             and lines of units below it are skipped. A dash stands for a coordinate that the file lacks; it is
+//             zero, like z of a pen on a tablet. Without `columns`: t,x,y,z (x,y,z with a rate).
+//   rate      samples per second [Hz], for a file without a time column; every row is then a sample
+//   unit      of the positions and of the time: m, cm, mm, s, ms, us, or one of each, as mm/ms
+//   tool      selects one of several tools in a file: its name or number in the column of tool names. If each tool
+//             has its own columns: the text before x, y and z in their names, or a name in a row above them, as in .trc
+//             files and exports of Motive, or in front of them in the header, as in files of NDI (trace_stack.hpp)
+//
+// A time may also be a date and time (trace_time.hpp); its unit is then seconds.
+//
+// Recorded orientation is not read, because the HIP is a point. `ignored` counts the columns that were not read.
+
+#include <filesystem>
+#include <string>
+
+#include "scheduling/motion/trace_format.hpp"
+#include "scheduling/motion/trace_rows.hpp"
+
+namespace forefeel {
+
+// What to do with a row whose position is empty or not a number, as when a marker is out of sight.
+enum class MissingPositions { refuse, leave_out };
+
+// "mm", "ms", "mm/ms" … into format. Returns false for another word.
+bool parse_trace_unit(const std::string& text, TraceFormat& format);
+// InputError with file and line: a missing column, a time that is not a number, no rows, several tools
+// of which none is chosen (the message lists them).
+TraceRows read_trace_rows(const std::filesystem::path& file, const TraceFormat& format,
+                          MissingPositions missing);
+
+}  // namespace forefeel

@@ -1,0 +1,15 @@
+#include "scheduling/session/session_input.hpp"
+
+namespace forefeel {
+
+ReferenceOptions reference_options(const SessionInput& input) {
+  const TouchedBody& touched = input.touched;
+  return {.body = touched.body,
+          .identity = touched.identity,
+          .spacing = touched.space.spacing,
+          .box = touched.space.box,
+          .displacements = touched.displacements,
+          .cache_folder = input.files.cache};
+}
+
+}  // namespace forefeel

@@ -1,0 +1,69 @@
+#pragma once
+// The input of a session besides its options: the body, the known states, files and parts given as objects.
+
+#include <filesystem>
+#include <memory>
+#include <optional>
+#include <string>
+#include <vector>
+
+#include "approx/switch/relaxation.hpp"
+#include "geometry/coverage/state_space.hpp"
+#include "geometry/states/state_file.hpp"
+#include "scheduling/motion/device.hpp"
+#include "scheduling/motion/predictor.hpp"
+#include "scheduling/policy/policy.hpp"
+#include "scheduling/workers/cost.hpp"
+#include "scheduling/workers/generator.hpp"
+#include "scheduling/workers/reference_service.hpp"
+#include "solver/body/body.hpp"
+
+namespace forefeel {
+
+// The touched body, the identity that its files carry, and the space of its states.
+struct TouchedBody {
+  std::shared_ptr<const Body> body = {};
+  BodyIdentity identity = {};    // empty: its states are not cached on disk
+  StateSpaceOptions space = {};  // box and spacing of the states
+  bool displacements = false;    // states hold the displacements of all nodes
+  Vec3 inward = -Vec3::UnitZ();  // from the contact into the body
+  Viscosity viscosity = {};      // of all its tissue; states are elastic and do not depend on it
+};
+
+struct SessionFiles {
+  std::optional<std::filesystem::path> states = {};  // new states are appended here
+  std::optional<std::filesystem::path> inputs = {};  // what came in is recorded here (render/input_log.hpp)
+  std::string program = {};                          // that records it: its version
+  std::filesystem::path cache = {};                  // folder of this body's tight solves; empty: none
+  std::filesystem::path scene = {};                  // folder where relative trace files are looked up
+};
+
+// Parts given as objects. Each replaces the part named in the options. An object serves one session at a
+// time; a predictor or workers object serves one session only.
+struct SessionParts {
+  std::shared_ptr<Device> device = {};
+  std::shared_ptr<Policy> policy = {};
+  std::shared_ptr<Predictor> predictor = {};
+  std::shared_ptr<const CostModel> cost = {};            // virtual clock
+  std::shared_ptr<RealWorkers> workers = {};             // real clock
+  std::shared_ptr<VirtualWorkers> virtual_workers = {};  // virtual clock
+};
+
+struct SessionInput {
+  TouchedBody touched = {};
+  std::vector<State> known = {};  // at the start
+  // The known states are those of another body, or of one that nobody can solve (measured ones). The session
+  // renders them alone: neither states nor references are solved, and no state file is written.
+  bool foreign = false;
+  SessionFiles files = {};
+  SessionParts parts = {};
+  // A service shared by sessions of the same body, spacing and displacements, which may run at the same time.
+  // Sharing is necessary because a cache file has one writer. Null: the session makes its own service in
+  // files.cache.
+  std::shared_ptr<ReferenceService> references = {};
+};
+
+// The options of a reference service for this input.
+ReferenceOptions reference_options(const SessionInput& input);
+
+}  // namespace forefeel

@@ -1,0 +1,73 @@
+#include "scheduling/workers/generate_ranks.hpp"
+
+#include <chrono>
+#include <utility>
+
+#include "solver/lattice/generate_pieces.hpp"
+
+namespace forefeel {
+namespace {
+
+class LatticeWork final : public FarmWork {
+ public:
+  explicit LatticeWork(LatticePieces pieces) : pieces_(std::move(pieces)) {}
+  std::optional<Piece> next(int worker) override {
+    auto piece = pieces_.next(worker);
+    if (!piece) return {};
+    return Piece{piece->id, std::move(piece->content)};
+  }
+  void done(std::uint64_t id, int worker, Unpacker result) override {
+    pieces_.done(id, worker, std::move(result));
+  }
+  void again(std::uint64_t id) override { pieces_.again(id); }
+  void lost(int worker) override { pieces_.forget(worker); }
+  bool finished() const override { return pieces_.finished(); }
+  const GenerateReport& report() const { return pieces_.report(); }
+
+ private:
+  LatticePieces pieces_;
+};
+
+class LatticeRankHand final : public RankHand {
+ public:
+  LatticeRankHand(std::shared_ptr<const Body> body, const GenerateOptions& options,
+                  std::shared_ptr<CoarseNodes> nodes)
+      : hand_(std::move(body), options, std::move(nodes)) {}
+  void run(Unpacker piece, const Give& give, const std::stop_token&) override {
+    if (auto result = hand_.solve(std::move(piece))) give(std::move(*result));
+  }
+
+ private:
+  LatticeHand hand_;
+};
+
+}  // namespace
+
+RankedGenerateReport generate_with_ranks(RankPool& pool, std::shared_ptr<const Body> body,
+                                         const GenerateOptions& options, const std::vector<State>& known,
+                                         const std::function<void(State)>& sink,
+                                         const std::function<void(std::size_t, std::size_t)>& progress,
+                                         const FarmOptions& farm) {
+  const auto start = std::chrono::steady_clock::now();
+  const std::shared_ptr<CoarseNodes> nodes = make_coarse_nodes();
+  LatticeWork work(LatticePieces(options, known, nodes, sink, progress));
+  const LoadHand own = [&](const RankContext& rank) {
+    GenerateOptions its = options;
+    its.stop = rank.ended;
+    return LoadedHand{.hand = std::make_unique<LatticeRankHand>(body, its, nodes), .identity = {}};
+  };
+  RankedGenerateReport report;
+  report.farm = run_farm(pool, work, own, farm);
+  report.states = work.report();
+  report.states.threads = report.farm.ranks;
+  report.states.seconds = std::chrono::duration<double>(std::chrono::steady_clock::now() - start).count();
+  return report;
+}
+
+std::unique_ptr<RankHand> make_lattice_hand(std::shared_ptr<const Body> body, GenerateOptions options,
+                                            const std::stop_token& ended) {
+  options.stop = ended;
+  return std::make_unique<LatticeRankHand>(std::move(body), options, make_coarse_nodes());
+}
+
+}  // namespace forefeel
