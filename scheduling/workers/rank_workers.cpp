@@ -10,7 +10,7 @@
 namespace forefeel {
 namespace {
 
-constexpr auto pause = std::chrono::microseconds(200);
+constexpr auto collect_pause = std::chrono::microseconds(200);
 
 void pack(Packer& message, const Equilibrium* e) {
   message.add(std::uint8_t{e != nullptr});
@@ -106,7 +106,7 @@ class RankWorkers final : public RealWorkers {
     do {
       for (RankEvent& event : pool_.poll()) take(std::move(event), out);
       if (!out.empty()) return;
-      std::this_thread::sleep_for(pause);
+      std::this_thread::sleep_for(collect_pause);
     } while (std::chrono::steady_clock::now() < until);
   }
 
