@@ -192,7 +192,7 @@ void tell(const Globals& globals, const Findings& found) {
 }
 
 // The devices and the verdict come first, because the other values must be read with them in mind.
-nlohmann::ordered_json to_json(const Findings& found) {
+nlohmann::ordered_json document_of(const Findings& found) {
   return {{"attention", attention(found)},
           {"discretisation", found.meshes.others},
           {"verdict", found.verdict ? nlohmann::ordered_json(*found.verdict) : nlohmann::ordered_json()},
@@ -259,7 +259,7 @@ int run_command(const Globals& globals, const StudyArguments& arguments, RankPoo
 
   if (globals.json) {
     nlohmann::ordered_json document = counts(plan, result);
-    document.update(to_json(found));
+    document.update(document_of(found));
     document.update(ranking_json(plan.study, ranked, compared));
     document["notes"] = notes_of(result.cells);
     document["files"] = {(folder / "cells.csv").string(), (folder / "report.html").string()};
