@@ -10,9 +10,12 @@
 
 #include <chrono>
 #include <cmath>
+#include <memory>
 #include <nlohmann/json.hpp>
 #include <optional>
 #include <string>
+#include <utility>
+#include <vector>
 
 #include "apps/bench/bench_one_state.hpp"
 #include "apps/bench/newton_baseline.hpp"
@@ -42,9 +45,11 @@ struct OneState {
 };
 
 struct Problem {
-  std::shared_ptr<const Discretisation> d;
-  LocalField start;  // at `from`
-  Vec3 from, to;
+  std::string scene;
+  std::shared_ptr<const Body> body;
+  std::shared_ptr<const Discretisation> d = {};
+  LocalField start = {};  // at `from`
+  Vec3 from = Vec3::Zero(), to = Vec3::Zero();
   double tolerance = 1e-6;
 };
 
@@ -104,43 +109,77 @@ std::optional<OneState> alone(const Work& work) {
   return result;
 }
 
-}  // namespace
-
-int bench_one_state(const Globals& globals, std::shared_ptr<const Body> body, double spacing,
-                    const std::string& scene) {
-  Problem problem;
-  problem.d = std::make_shared<const Discretisation>(discretise(*body));
-  const Vec3 inward = inward_direction(*body);
-  problem.from = spacing * inward;
+Problem problem_of(std::shared_ptr<const Body> body, double spacing, const std::string& scene) {
+  Problem problem{.scene = scene, .body = std::move(body)};
+  problem.d = std::make_shared<const Discretisation>(discretise(*problem.body));
+  problem.from = spacing * inward_direction(*problem.body);
   problem.to = 2 * problem.from;
-  Progress progress(globals, "bench solver");
-  progress.show(0, "the neighbour");
-  {
-    Continuation path(problem.d);
-    path.begin_at_rest();
-    const NewtonReport report = path.advance(problem.from, 0, 1e-10, 60, {});
-    if (report.status != SolveStatus::converged)
-      throw InputError(scene,
-                       fmt::format("the state one spacing inward ended as {}, expected one that converges",
-                                   name(report.status)));
-    problem.start = path.field();
-  }
-  struct Row {
-    const char* name;
-    std::optional<OneState> result;
-  };
-  Row rows[] = {{"forefeel", {}}, {"CHOLMOD full Newton", {}}, {"Eigen SimplicialLDLT full Newton", {}}};
+  Continuation path(problem.d);
+  path.begin_at_rest();
+  const NewtonReport report = path.advance(problem.from, 0, 1e-10, 60, {});
+  if (report.status != SolveStatus::converged)
+    throw InputError(scene,
+                     fmt::format("the state one spacing inward ended as {}, expected one that converges",
+                                 name(report.status)));
+  problem.start = path.field();
+  return problem;
+}
+
+struct SolverRow {
+  const char* name;
+  std::optional<OneState> result;
+  bool solved() const { return result && result->converged; }
+};
+
+// Our row first, without the memory of a process that solves nothing.
+std::vector<SolverRow> solve_alone(const Problem& problem, Progress& progress) {
+  std::vector<SolverRow> rows{
+      {"forefeel", {}}, {"CHOLMOD full Newton", {}}, {"Eigen SimplicialLDLT full Newton", {}}};
   const std::optional<OneState> nothing = alone([] { return OneState{}; });
   rows[0].result = alone([&] { return solve_ours(problem); });
   progress.show(0.1, "CHOLMOD");
   rows[1].result = alone([&] { return solve_baseline(problem, Baseline::cholmod); });
   progress.show(0.3, "Eigen");
   rows[2].result = alone([&] { return solve_baseline(problem, Baseline::eigen_ldlt); });
-  for (Row& row : rows)
+  for (SolverRow& row : rows)
     if (nothing && row.result) row.result->bytes -= nothing->bytes;
-  for (const Row& row : rows)
-    if (!row.result || !row.result->converged)
-      warn(globals, fmt::format("{} did not solve the state", row.name));
+  return rows;
+}
+
+nlohmann::ordered_json row_json(const Problem& problem, const SolverRow& row, const OneState& ours,
+                                double apart) {
+  const OneState& r = *row.result;
+  return {{"name", "one state"},
+          {"baseline", row.name},
+          {"ratio", number(r.solve / ours.solve)},
+          {"ours_us", number(1e6 * ours.solve)},
+          {"baseline_us", number(1e6 * r.solve)},
+          {"error", {{"p50", number(apart)}, {"p95", number(apart)}, {"max", number(apart)}}},
+          {"n", 1},
+          {"k", nullptr},
+          {"scene", problem.scene},
+          {"law", name(problem.body->material.law)},
+          {"elements", problem.body->mesh.tets.size()},
+          {"threads", 1},
+          {"tolerance", problem.tolerance},
+          {"ours_bytes", number(ours.bytes)},
+          {"baseline_bytes", number(r.bytes)},
+          {"ours_analysis_us", number(1e6 * ours.analysis)},
+          {"baseline_analysis_us", number(1e6 * r.analysis)},
+          {"ours_iterations", ours.iterations},
+          {"baseline_iterations", r.iterations}};
+}
+
+}  // namespace
+
+int bench_one_state(const Globals& globals, std::shared_ptr<const Body> body, double spacing,
+                    const std::string& scene) {
+  Progress progress(globals, "bench solver");
+  progress.show(0, "the neighbour");
+  const Problem problem = problem_of(body, spacing, scene);
+  const std::vector<SolverRow> rows = solve_alone(problem, progress);
+  for (const SolverRow& row : rows)
+    if (!row.solved()) warn(globals, fmt::format("{} did not solve the state", row.name));
   if (!rows[0].result) return 1;
 
   const OneState& ours = *rows[0].result;
@@ -152,34 +191,15 @@ int bench_one_state(const Globals& globals, std::shared_ptr<const Body> body, do
   say(globals, fmt::format("{:<36}{:>14}{:>12}{:>12}{:>10}{:>14}{:>12}", "", "analysis s", "solve s",
                            "iterations", "MB", "force differs", "time ratio"));
   bool all = true;
-  for (const Row& row : rows) {
-    all = all && row.result && row.result->converged;
+  for (const SolverRow& row : rows) {
+    all = all && row.solved();
     if (!row.result) continue;
     const OneState& r = *row.result;
     const double apart = (Vec3(r.force[0], r.force[1], r.force[2]) - force).norm() / force.norm();
     say(globals, fmt::format("{:<36}{:>14.3f}{:>12.3f}{:>12}{:>10.0f}{:>14.1e}{:>12.2f}", row.name,
                              r.analysis, r.solve, r.iterations, 1e-6 * r.bytes, apart, r.solve / ours.solve));
-    if (&row == rows) continue;
-    document["rows"].push_back(
-        {{"name", "one state"},
-         {"baseline", row.name},
-         {"ratio", number(r.solve / ours.solve)},
-         {"ours_us", number(1e6 * ours.solve)},
-         {"baseline_us", number(1e6 * r.solve)},
-         {"error", {{"p50", number(apart)}, {"p95", number(apart)}, {"max", number(apart)}}},
-         {"n", 1},
-         {"k", nullptr},
-         {"scene", scene},
-         {"law", name(body->material.law)},
-         {"elements", body->mesh.tets.size()},
-         {"threads", 1},
-         {"tolerance", problem.tolerance},
-         {"ours_bytes", number(ours.bytes)},
-         {"baseline_bytes", number(r.bytes)},
-         {"ours_analysis_us", number(1e6 * ours.analysis)},
-         {"baseline_analysis_us", number(1e6 * r.analysis)},
-         {"ours_iterations", ours.iterations},
-         {"baseline_iterations", r.iterations}});
+    if (&row == &rows.front()) continue;
+    document["rows"].push_back(row_json(problem, row, ours, apart));
   }
   document["blas"] = cholmod_blas();
   document["instruction_set"] = instruction_set();

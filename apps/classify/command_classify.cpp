@@ -251,6 +251,22 @@ int run_classify(const Globals& globals, const ClassifyArguments& arguments) {
   return 0;
 }
 
+void add_thresholds(Command& sub, CoverageOptions& limits) {
+  const auto threshold = [&](const char* option, double& value, const char* text) {
+    sub.option(option, value, text).check(above_zero).group("Thresholds");
+  };
+  // An empty cone wider than 90 degrees means that all states lie on one side, so the point is not enclosed.
+  const auto angle = [&](const char* option, double& value, const char* text) {
+    sub.option(option, value, text).check(above_zero).check(at_most_90).group("Thresholds");
+  };
+  threshold("--safe-spread", limits.safe_spread, "Safe: spread at most this many h");
+  threshold("--safe-cone-radius", limits.safe_cone_radius, "Safe: enclosed by states within this many h");
+  angle("--safe-angle", limits.safe_angle_deg, "Safe: largest empty cone below this half-angle [deg]");
+  threshold("--sparse-distance", limits.sparse_distance, "Sparse: a state within this many h");
+  threshold("--gap-cone-radius", limits.gap_cone_radius, "Gap: states on both sides within this many h");
+  angle("--gap-angle", limits.gap_angle_deg, "Gap: largest empty cone at most this half-angle [deg]");
+}
+
 }  // namespace
 
 void add_classify(CommandLine& line) {
@@ -304,20 +320,7 @@ void add_classify(CommandLine& line) {
       .shows("SCENE");
   sub.option("--snapshots", arguments->places.snapshots, "Number of times in the series of a run; default 40")
       .between(1, 10000);
-  CoverageOptions& limits = arguments->space.coverage;
-  const auto threshold = [&](const char* option, double& value, const char* text) {
-    sub.option(option, value, text).check(above_zero).group("Thresholds");
-  };
-  // An empty cone wider than 90 degrees means that all states lie on one side, so the point is not enclosed.
-  const auto angle = [&](const char* option, double& value, const char* text) {
-    sub.option(option, value, text).check(above_zero).check(at_most_90).group("Thresholds");
-  };
-  threshold("--safe-spread", limits.safe_spread, "Safe: spread at most this many h");
-  threshold("--safe-cone-radius", limits.safe_cone_radius, "Safe: enclosed by states within this many h");
-  angle("--safe-angle", limits.safe_angle_deg, "Safe: largest empty cone below this half-angle [deg]");
-  threshold("--sparse-distance", limits.sparse_distance, "Sparse: a state within this many h");
-  threshold("--gap-cone-radius", limits.gap_cone_radius, "Gap: states on both sides within this many h");
-  angle("--gap-angle", limits.gap_angle_deg, "Gap: largest empty cone at most this half-angle [deg]");
+  add_thresholds(sub, arguments->space.coverage);
   add_palette(sub, arguments->palette);
 }
 

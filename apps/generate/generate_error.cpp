@@ -89,6 +89,25 @@ void show(Progress& progress, const PlacementProgress& p, double wanted) {
                                           : states);
 }
 
+void tell(const Globals& globals, const PlacementReport& report, const Inverted& inverted,
+          const MeshError& mesh, const std::string& output) {
+  const bool mesh_first = mesh.error > report.estimate.held();
+  if (mesh_first) say(globals, "attention: " + discretisation_line(mesh, report.estimate.held()));
+  say(globals, fmt::format("{}: {} states{}, {} solved in {:.2f} s, {} there before, {} failed{}", output,
+                           report.states, inverted_in_words(inverted.all), report.solved - inverted.now,
+                           report.seconds, report.resumed, report.failed,
+                           report.linear ? "; linear: three solves give the whole state space" : ""));
+  say(globals, fmt::format("error estimated over the box: {}", in_words(report.estimate)));
+  if (report.truth.samples > 0)
+    say(globals,
+        fmt::format(
+            "true error at {} random positions, the largest also at {} on the faces of the box: {}{}{}",
+            report.truth.samples, report.truth.on_surface, in_words(report.truth.error),
+            report.truth.is_fresh ? "" : " (some of them became states)",
+            report.truth.unsolved > 0 ? fmt::format("; {} were left unsolved", report.truth.unsolved) : ""));
+  if (!mesh_first) say(globals, discretisation_line(mesh, report.estimate.held()));
+}
+
 // Why the result is incomplete; empty if it is complete.
 std::string complaint(const PlacementReport& report, double error, const StateSpaceOptions& space) {
   if (report.stopped) return "interrupted; rerun the same command to resume";
@@ -199,22 +218,8 @@ int generate_to_error(const Globals& globals, const Scene& scene, StateFile file
   watch.reset();
   progress.reset();
 
-  const bool mesh_first = mesh.error > report.estimate.held();
   if (globals.json) print_json(to_json(report, inverted, error, mesh));
-  if (mesh_first) say(globals, "attention: " + discretisation_line(mesh, report.estimate.held()));
-  say(globals, fmt::format("{}: {} states{}, {} solved in {:.2f} s, {} there before, {} failed{}", output,
-                           report.states, inverted_in_words(inverted.all), report.solved - inverted.now,
-                           report.seconds, report.resumed, report.failed,
-                           report.linear ? "; linear: three solves give the whole state space" : ""));
-  say(globals, fmt::format("error estimated over the box: {}", in_words(report.estimate)));
-  if (report.truth.samples > 0)
-    say(globals,
-        fmt::format(
-            "true error at {} random positions, the largest also at {} on the faces of the box: {}{}{}",
-            report.truth.samples, report.truth.on_surface, in_words(report.truth.error),
-            report.truth.is_fresh ? "" : " (some of them became states)",
-            report.truth.unsolved > 0 ? fmt::format("; {} were left unsolved", report.truth.unsolved) : ""));
-  if (!mesh_first) say(globals, discretisation_line(mesh, report.estimate.held()));
+  tell(globals, report, inverted, mesh, output);
   const std::string why = kept.failed() ? kept.in_words() : complaint(report, error, scene.space);
   if (why.empty()) return 0;
   warn(globals, why);

@@ -240,9 +240,7 @@ double loop_seconds(const PyModel& self, const Doubles& points) {
   return std::chrono::duration<double>(std::chrono::steady_clock::now() - start).count();
 }
 
-}  // namespace
-
-void bind_models(py::module_& module) {
+void bind_model(py::module_& module) {
   py::class_<PyModel>(module, "Model",
                       "The force around a place, fitted to states near it. Made by StateSpace.model_at().")
       .def(
@@ -289,7 +287,12 @@ void bind_models(py::module_& module) {
       .def_property_readonly(
           "hold_distance", [](const PyModel& self) { return self.model->hold_distance(); },
           "Distance from its states beyond which the force is held constant [m].");
+}
 
+}  // namespace
+
+void bind_models(py::module_& module) {
+  bind_model(module);
   module.def(
       "model_at",
       [](const PySpace& space, const Doubles& hip, const py::kwargs& given) {

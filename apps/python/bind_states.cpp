@@ -169,26 +169,7 @@ void write_states(const std::filesystem::path& file, const py::array_t<StateRow>
   StateFile::open_or_create(file, header).replace(header, states);
 }
 
-}  // namespace
-
-void bind_states(py::module_& module) {
-  module.attr("status_names") = [] {
-    py::list names;
-    for (int i = 0; i <= static_cast<int>(SolveStatus::measured); ++i)
-      names.append(std::string(name(static_cast<SolveStatus>(i))));
-    return py::tuple(names);
-  }();
-  module.attr("label_names") = py::make_tuple("safe", "sparse", "gap", "blank");
-  module.attr("state_dtype") = py::dtype::of<StateRow>();
-  module.def("read_states", &read_states, py::arg("file"));
-  module.def("write_states", &write_states, py::arg("file"), py::arg("states"), py::arg("spacing"));
-  module.def(
-      "measured",
-      [](const Doubles& positions, const Doubles& forces, const std::optional<Doubles>& stiffness) {
-        return array_of(states_of(positions, forces, stiffness));
-      },
-      py::arg("positions"), py::arg("forces"), py::arg("stiffness") = py::none());
-
+void bind_thresholds(py::module_& module) {
   py::class_<CoverageOptions>(
       module, "Thresholds",
       "Thresholds of the labels, as the options of `forefeel classify`; h is the spacing.")
@@ -204,7 +185,9 @@ void bind_states(py::module_& module) {
                      "Gap: states on both sides within this many h")
       .def_readwrite("gap_angle_deg", &CoverageOptions::gap_angle_deg,
                      "Gap: largest empty cone at most this half-angle [deg]");
+}
 
+void bind_space(py::module_& module) {
   py::class_<PySpace>(module, "StateSpace")
       .def(py::init([](const py::array_t<StateRow>& rows, std::optional<double> spacing,
                        const CoverageOptions& thresholds) {
@@ -249,7 +232,29 @@ void bind_states(py::module_& module) {
             return nearest(self, Points(at, "points"), n);
           },
           py::arg("points"), py::arg("n") = 1);
+}
 
+}  // namespace
+
+void bind_states(py::module_& module) {
+  module.attr("status_names") = [] {
+    py::list names;
+    for (int i = 0; i <= static_cast<int>(SolveStatus::measured); ++i)
+      names.append(std::string(name(static_cast<SolveStatus>(i))));
+    return py::tuple(names);
+  }();
+  module.attr("label_names") = py::make_tuple("safe", "sparse", "gap", "blank");
+  module.attr("state_dtype") = py::dtype::of<StateRow>();
+  module.def("read_states", &read_states, py::arg("file"));
+  module.def("write_states", &write_states, py::arg("file"), py::arg("states"), py::arg("spacing"));
+  module.def(
+      "measured",
+      [](const Doubles& positions, const Doubles& forces, const std::optional<Doubles>& stiffness) {
+        return array_of(states_of(positions, forces, stiffness));
+      },
+      py::arg("positions"), py::arg("forces"), py::arg("stiffness") = py::none());
+  bind_thresholds(module);
+  bind_space(module);
   module.def(
       "classify",
       [](const Doubles& positions, const Doubles& points, std::optional<double> spacing) {

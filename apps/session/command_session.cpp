@@ -213,19 +213,74 @@ void gather(const Globals& globals, RankPool& ranks, const Scene& scene) {
   if (ranks.taking_jobs() < ranks.ranks()) warn(globals, why);
 }
 
+// The plan with its ranks, the states known at the start, and the files of the run.
+SessionPlan planned_run(const Globals& globals, const SessionArguments& given, const Scene& scene,
+                        const std::shared_ptr<RankPool>& ranks, bool shapes) {
+  SessionPlan plan = plan_of(globals, given, scene, ranks, shapes);
+  if (ranks) gather(globals, *ranks, scene);
+  end_if_interrupted("the session began");
+  plan = take_states(scene, given, globals, std::move(plan));
+  plan = with_inputs_file(std::move(plan), fs::path(given.output) / inputs_file_name, program_text());
+  keep_replayed(plan.options, given.output);
+  return plan;
+}
+
+// The documents of a run: summary.json, report.html and the figures.
+struct RunDocuments {
+  const Globals& globals;
+  const SessionArguments& given;
+  const Scene& scene;
+  const SessionResult& result;
+  RunView view;
+  SessionSummary summary;
+  std::optional<Tolerance> tolerance = {};
+  nlohmann::ordered_json document = {};
+
+  void begin(const SessionShapes& shapes) {
+    document = document_of(summary, scene);
+    shapes.add_to(document);
+    tolerance = written_tolerance(given.scene, globals.set);
+    if (tolerance) document["tolerance"] = to_json(tolerance_share(result, *tolerance), *tolerance);
+  }
+
+  void write(const fs::path& run, const ReportPictures& pictures, Salvage& salvage) {
+    salvage.attempt("summary.json", [&] {
+      OutputFile file(run / "summary.json");
+      file.write(json_text(document, 2) + "\n");
+      file.commit();
+    });
+    salvage.attempt("report.html", [&] { write_report(run, summary, document, scene, pictures); });
+    if (!given.figures.formats.empty())
+      salvage.attempt("figures", [&] {
+        write_figures(globals, figures_in(run), given.figures.formats,
+                      run_figures(result, scene.space, view));
+      });
+    document["failures"] = salvage.failures();
+  }
+
+  void show(const std::optional<std::string>& shapes, const fs::path& run) const {
+    if (globals.json) return print_json(document);
+    tell(globals, summary, shapes, run);
+    if (tolerance) say(globals, tolerance_in_words(tolerance_share(result, *tolerance), *tolerance));
+  }
+};
+
+// 1 also for an unstable session.
+int ended(const Globals& globals, const SessionSummary& summary, int code) {
+  if (!summary.energy.stability || summary.energy.stability->stable) return code;
+  if (globals.json || globals.quiet) warn(globals, attention(summary).front());
+  flush_warnings();
+  return 1;
+}
+
 int run_session_command(const Globals& globals, const SessionArguments& given,
                         const std::shared_ptr<RankPool>& ranks) {
   take_figures(given.figures);
   const Scene scene = load_scene(given.scene, globals.set, nullptr, {.quiet = globals.quiet});
   const ShapeOptions shape = shape_options(globals, given);
-  SessionPlan plan = plan_of(globals, given, scene, ranks, shape.rate > 0);
-  if (ranks) gather(globals, *ranks, scene);
-  const fs::path run = given.output;
-  end_if_interrupted("the session began");
-  plan = take_states(scene, given, globals, std::move(plan));
-  plan = with_inputs_file(std::move(plan), run / inputs_file_name, program_text());
+  SessionPlan plan = planned_run(globals, given, scene, ranks, shape.rate > 0);
   const SessionOptions& options = plan.options;
-  keep_replayed(options, run);
+  const fs::path run = given.output;
   SessionShapes shapes(shape, plan, given);
   claim_run_folder(globals, given, shapes.files(), run);
   warn_of_replay(globals, scene, given);
@@ -252,45 +307,24 @@ int run_session_command(const Globals& globals, const SessionArguments& given,
   progress.reset();
   for (const std::string& warning : result.warnings) warn(globals, warning);
 
-  const double limit = plan.render.safety.force_limit;
   shapes.begin_files(run);
-  ReportPictures pictures = begin_pictures(result, meanwhile.slices, view_of(scene.space, options, limit));
+  const RunView view = view_of(scene.space, options, plan.render.safety.force_limit);
+  ReportPictures pictures = begin_pictures(result, meanwhile.slices, view);
   pictures.shape = shapes.begin_picture();
   Salvage salvage(result.failures);
   salvage.attempt("the run's tables", [&] { write_run_files(run, result, options); });
   salvage.attempt("states.csv", [&] { meanwhile.states.get(); });
   salvage.attempt("the shapes", [&] { shapes.finish_files(run); });
-  SessionSummary summary = summarise(result, plan);
-  summary.motion.prediction = predictions.report();
+  RunDocuments documents{globals, given, scene, result, view, summarise(result, plan)};
+  documents.summary.motion.prediction = predictions.report();
   const MeshError by_mesh =
       plan.input.foreign ? MeshError{.why = "the states are of another body"} : mesh.get();
-  summary.error.mesh = {by_mesh.error, by_mesh.positions, measured_by(by_mesh)};
-  summary.run.failures = salvage.failures();
-  nlohmann::ordered_json document = document_of(summary, scene);
-  shapes.add_to(document);
-  const std::optional<Tolerance> tolerance = written_tolerance(given.scene, globals.set);
-  if (tolerance) document["tolerance"] = to_json(tolerance_share(result, *tolerance), *tolerance);
-  salvage.attempt("summary.json", [&] {
-    OutputFile file(run / "summary.json");
-    file.write(json_text(document, 2) + "\n");
-    file.commit();
-  });
-  salvage.attempt("report.html", [&] { write_report(run, summary, document, scene, pictures); });
-  if (!given.figures.formats.empty())
-    salvage.attempt("figures", [&] {
-      write_figures(globals, figures_in(run), given.figures.formats,
-                    run_figures(result, scene.space, view_of(scene.space, options, limit)));
-    });
-  document["failures"] = salvage.failures();
-  if (globals.json) print_json(document);
-  if (!globals.json) tell(globals, summary, shapes.in_words(), run);
-  if (!globals.json && tolerance)
-    say(globals, tolerance_in_words(tolerance_share(result, *tolerance), *tolerance));
-  const int code = exit_code(globals, result, plan, salvage.failures());
-  if (!summary.energy.stability || summary.energy.stability->stable) return code;
-  if (globals.json || globals.quiet) warn(globals, attention(summary).front());
-  flush_warnings();
-  return 1;
+  documents.summary.error.mesh = {by_mesh.error, by_mesh.positions, measured_by(by_mesh)};
+  documents.summary.run.failures = salvage.failures();
+  documents.begin(shapes);
+  documents.write(run, pictures, salvage);
+  documents.show(shapes.in_words(), run);
+  return ended(globals, documents.summary, exit_code(globals, result, plan, salvage.failures()));
 }
 
 int run_with_mpi(const Globals& globals, const SessionArguments& given) {

@@ -207,6 +207,30 @@ std::string identity_of(const StudyPlan& plan) {
   return rank_identity(hash.hex());
 }
 
+// Claims the folder of the results, and writes study.json.
+void begin_folder(const Globals& globals, const PlannedStudy& planned, const StudyArguments& arguments) {
+  const fs::path folder = arguments.output;
+  if (fs::exists(folder) && !fs::is_directory(folder))
+    throw InputError(arguments.output, "is a file, expected a folder for the results");
+  if (const auto change = change_since(folder, planned)) warn(globals, *change);
+  claim_folder(folder, {"study.json", "cells.csv", "report.html"});
+  if (!arguments.figures.formats.empty()) figures_in(folder);
+  check_writable(folder / "cells.csv");
+  write_whole(folder / "study.json", json_text(manifest(planned), 1) + "\n");
+}
+
+// Files are written only when all cells are done.
+void tell_interrupted(const Globals& globals, const PlannedStudy& planned, const StudyResult& result) {
+  const std::size_t done = result.resumed + result.ran, all = planned.plan.cells.size();
+  warn(globals, fmt::format("interrupted after {} of {} cells, {} left; the same command resumes", done, all,
+                            all - done));
+  if (!globals.json) return;
+  nlohmann::ordered_json document = counts(planned.plan, result);
+  document["files"] = nlohmann::ordered_json::array();
+  document["provenance"] = provenance(planned.scenes.front().source.hash);
+  print_json(document);
+}
+
 int run_command(const Globals& globals, const StudyArguments& arguments, RankPool* ranks) {
   if (globals.seed != 0) throw InputError("--seed", "a study lists its seeds, expected them in the file");
   if (arguments.output.empty()) throw InputError("--output", "is empty, expected a folder");
@@ -218,25 +242,11 @@ int run_command(const Globals& globals, const StudyArguments& arguments, RankPoo
   if (arguments.gantt > 0) return run_gantt(globals, planned, arguments);
 
   const fs::path folder = arguments.output;
-  if (fs::exists(folder) && !fs::is_directory(folder))
-    throw InputError(arguments.output, "is a file, expected a folder for the results");
-  if (const auto change = change_since(folder, planned)) warn(globals, *change);
-  claim_folder(folder, {"study.json", "cells.csv", "report.html"});
-  if (!arguments.figures.formats.empty()) figures_in(folder);
-  check_writable(folder / "cells.csv");
-  write_whole(folder / "study.json", json_text(manifest(planned), 1) + "\n");
+  begin_folder(globals, planned, arguments);
   if (ranks) ranks->begin(identity_of(plan));
   StudyResult result = run_study_in(folder, plan, globals, ranks);
   if (result.interrupted) {
-    const std::size_t done = result.resumed + result.ran;
-    warn(globals, fmt::format("interrupted after {} of {} cells, {} left; the same command resumes", done,
-                              plan.cells.size(), plan.cells.size() - done));
-    if (globals.json) {
-      nlohmann::ordered_json document = counts(plan, result);
-      document["files"] = nlohmann::ordered_json::array();  // files are written only when all cells are done
-      document["provenance"] = provenance(planned.scenes.front().source.hash);
-      print_json(document);
-    }
+    tell_interrupted(globals, planned, result);
     return 1;
   }
   if (const auto missed = loads_missed(plan, result.cells)) warn(globals, *missed);
