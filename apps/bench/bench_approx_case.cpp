@@ -110,7 +110,7 @@ Case take_case(const Globals& globals, const std::string& file, Progress& progre
       progress.show(0.2 + 0.3 * double(++done) / double(wanted.size()), "reference solves");
     }
   }
-  const auto failed = [](const State& s) { return s.status != SolveStatus::converged; };
+  const auto failed = [](const State& s) { return s.solve.status != SolveStatus::converged; };
   std::size_t unsolved = std::erase_if(bench.inside, failed);
   for (auto& plane : bench.outside) unsolved += std::erase_if(plane.references, failed);
   if (unsolved > 0)

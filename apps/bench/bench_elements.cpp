@@ -50,7 +50,8 @@ Measured measure(const Body& plain, const Variant& variant, double poisson, cons
   body->material.poisson = poisson;
   Solver solver(body);
   const State s = solver.reference(x, spacing).state;
-  return {s.force.norm(), s.seconds, discretise(*body).free_nodes, s.status == SolveStatus::converged};
+  return {s.force.norm(), s.solve.seconds, discretise(*body).free_nodes,
+          s.solve.status == SolveStatus::converged};
 }
 
 }  // namespace

@@ -154,12 +154,12 @@ nlohmann::ordered_json to_json(const HardCase& c) {
   row["poisson"] = c.body->material.poisson;
   row["status"] = name(outcome(s));
   row["converged"] = outcome(s) == SolveStatus::converged;
-  row["iterations"] = s.iterations;
-  row["residual"] = number(s.residual);
-  row["min_jacobian"] = number(s.min_jacobian);
+  row["iterations"] = s.solve.iterations;
+  row["residual"] = number(s.solve.residual);
+  row["min_jacobian"] = number(s.solve.min_jacobian);
   row["force"] = vector3(s.force);
   row["multivalued"] = c.other_branch ? nlohmann::ordered_json(*c.other_branch) : nlohmann::ordered_json();
-  row["seconds"] = number(s.seconds);
+  row["seconds"] = number(s.solve.seconds);
   row["warnings"] = c.outcome.warnings;
   return row;
 }
@@ -174,13 +174,13 @@ std::vector<std::string> cells(const HardCase& c) {
           c.motion,
           std::string(name(c.body->material.law)),
           fmt::format("{}", c.body->material.poisson),
-          has_inverted_elements(s) ? "inverted elements" : std::string(name(s.status)),
-          fmt::format("{}", s.iterations),
-          fmt::format("{:.3f}", s.min_jacobian),
+          has_inverted_elements(s) ? "inverted elements" : std::string(name(s.solve.status)),
+          fmt::format("{}", s.solve.iterations),
+          fmt::format("{:.3f}", s.solve.min_jacobian),
           !c.other_branch   ? "unknown"
           : *c.other_branch ? "yes"
                             : "no",
-          fmt::format("{:.0f}", 1e3 * s.seconds)};
+          fmt::format("{:.0f}", 1e3 * s.solve.seconds)};
 }
 
 // hard_cases.csv and hard_cases.html in the folder.

@@ -79,8 +79,8 @@ OneState solve_baseline(const Problem& problem, Baseline which) {
   const State state = newton.solve(u, problem.to, problem.tolerance);
   result.solve = seconds_since(start);
   for (int i = 0; i < 3; ++i) result.force[i] = state.force[i];
-  result.residual = state.residual;
-  result.iterations = state.iterations;
+  result.residual = state.solve.residual;
+  result.iterations = state.solve.iterations;
   result.converged = state.usable();
   return result;
 }

@@ -178,10 +178,11 @@ BaselineRun run_baseline(Baseline which, const BenchCase& bench, const std::vect
     }
   const double seconds = seconds_since(start);
   run.factor_bytes = solvers.front()->factor_bytes();
-  std::erase_if(run.solved, [](const State& s) { return s.status == SolveStatus::measured; });  // not started
+  std::erase_if(run.solved,
+                [](const State& s) { return s.solve.status == SolveStatus::measured; });  // not started
   for (const State& s : run.solved) {
     run.failed += !s.usable();
-    run.iterations += s.iterations;
+    run.iterations += s.solve.iterations;
   }
   run.states = run.solved.size();
   run.iterations /= static_cast<double>(std::max<std::size_t>(1, run.states));

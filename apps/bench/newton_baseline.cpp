@@ -184,27 +184,27 @@ State BaselineNewton::solve(std::vector<double>& u, const Vec3& x, double tolera
   };
   State s;
   s.at = x;
-  s.status = SolveStatus::stalled;
+  s.solve.status = SolveStatus::stalled;
   Vec3 move = x - Vec3(u[n], u[n + 1], u[n + 2]);
-  for (s.iterations = 0; s.iterations <= max_iterations; ++s.iterations) {
+  for (s.solve.iterations = 0; s.solve.iterations <= max_iterations; ++s.solve.iterations) {
     std::fill(gradient_.begin(), gradient_.end(), 0.0);
     const FieldSummary field = d_->elements.gradient(u.data(), gradient_.data());
     double squares = 0;
     for (std::size_t i = 0; i < n; ++i) squares += gradient_[i] * gradient_[i];
     s.force = -Vec3(gradient_[n], gradient_[n + 1], gradient_[n + 2]);
-    s.residual = std::sqrt(squares) / std::max(s.force.norm(), d_->force_floor);
+    s.solve.residual = std::sqrt(squares) / std::max(s.force.norm(), d_->force_floor);
     s.energy = field.energy;
-    s.min_jacobian = field.min_jacobian;
-    if (!std::isfinite(s.residual) || !std::isfinite(s.energy)) {
-      s.status = SolveStatus::diverged;
+    s.solve.min_jacobian = field.min_jacobian;
+    if (!std::isfinite(s.solve.residual) || !std::isfinite(s.energy)) {
+      s.solve.status = SolveStatus::diverged;
       return s;
     }
-    if (move.isZero(0) && s.residual <= tolerance) {
-      s.status = SolveStatus::converged;
+    if (move.isZero(0) && s.solve.residual <= tolerance) {
+      s.solve.status = SolveStatus::converged;
       break;
     }
     if (!factorise(u)) {
-      s.status = SolveStatus::diverged;
+      s.solve.status = SolveStatus::diverged;
       return s;
     }
     for (std::size_t i = 0; i < n; ++i)
@@ -214,8 +214,8 @@ State BaselineNewton::solve(std::vector<double>& u, const Vec3& x, double tolera
     for (std::size_t c = 0; c < 3; ++c) u[n + c] = x[static_cast<int>(c)];
     move.setZero();
   }
-  if (s.iterations == 0 && !factorise(u)) {  // already in equilibrium: there is no factor yet
-    s.status = SolveStatus::diverged;
+  if (s.solve.iterations == 0 && !factorise(u)) {  // already in equilibrium: there is no factor yet
+    s.solve.status = SolveStatus::diverged;
     return s;
   }
   // Stiffness from the last factor.

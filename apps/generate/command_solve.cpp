@@ -110,8 +110,8 @@ std::vector<SolveOutcome> solve_all(const Scene& scene, const std::vector<Vec3>&
         tally.second(i, leg, share);
         leg += share >= 1;
       });
-      state.multivalued = second_way_differs(solver, state, scene.space.spacing);
-      if (state.multivalued)
+      state.solve.multivalued = second_way_differs(solver, state, scene.space.spacing);
+      if (state.solve.multivalued)
         outcomes[i].warnings.push_back("another path ends in another stable equilibrium here");
       solver.watch({});
       tally.done(i);
@@ -144,7 +144,7 @@ struct SolveResult {
 
   std::size_t failed() const {
     return static_cast<std::size_t>(std::ranges::count_if(
-        outcomes, [](const SolveOutcome& o) { return o.state.status != SolveStatus::converged; }));
+        outcomes, [](const SolveOutcome& o) { return o.state.solve.status != SolveStatus::converged; }));
   }
   std::size_t inverted() const {
     return static_cast<std::size_t>(std::ranges::count_if(
@@ -170,11 +170,11 @@ nlohmann::ordered_json to_json(const SolveOutcome& outcome) {
   entry["energy"] = number(s.energy);
   entry["converged"] = ::forefeel::outcome(s) == SolveStatus::converged;
   entry["status"] = name(::forefeel::outcome(s));
-  entry["iterations"] = s.iterations;
-  entry["residual"] = number(s.residual);
-  entry["seconds"] = number(s.seconds);
-  entry["min_jacobian"] = number(s.min_jacobian);
-  entry["multivalued"] = s.multivalued;
+  entry["iterations"] = s.solve.iterations;
+  entry["residual"] = number(s.solve.residual);
+  entry["seconds"] = number(s.solve.seconds);
+  entry["min_jacobian"] = number(s.solve.min_jacobian);
+  entry["multivalued"] = s.solve.multivalued;
   entry["warnings"] = outcome.warnings;
   return entry;
 }
@@ -193,8 +193,9 @@ std::string line_for(const State& s) {
   return fmt::format(
       "x = ({:.6g}, {:.6g}, {:.6g}) m  f = ({:.9g}, {:.9g}, {:.9g}) N  W = {:.6g} J  {} in {} iterations, "
       "{:.1f} ms, least J {:.3f}{}",
-      s.at[0], s.at[1], s.at[2], s.force[0], s.force[1], s.force[2], s.energy, name(outcome(s)), s.iterations,
-      1e3 * s.seconds, s.min_jacobian, s.multivalued ? ", multivalued" : "");
+      s.at[0], s.at[1], s.at[2], s.force[0], s.force[1], s.force[2], s.energy, name(outcome(s)),
+      s.solve.iterations, 1e3 * s.solve.seconds, s.solve.min_jacobian,
+      s.solve.multivalued ? ", multivalued" : "");
 }
 
 void tell(const Globals& globals, const SolveResult& result) {

@@ -68,9 +68,10 @@ py::array_t<StateRow> array_of(std::span<const State> states) {
     std::copy_n(s.force.data(), 3, row.force);
     for (int i = 0; i < 3; ++i)
       for (int j = 0; j < 3; ++j) row.stiffness[i][j] = s.stiffness(i, j);
-    row.energy = s.energy, row.spacing = s.spacing, row.residual = s.residual, row.seconds = s.seconds;
-    row.min_jacobian = s.min_jacobian, row.iterations = s.iterations;
-    row.status = static_cast<std::uint8_t>(s.status), row.multivalued = s.multivalued;
+    row.energy = s.energy, row.spacing = s.spacing, row.residual = s.solve.residual,
+    row.seconds = s.solve.seconds;
+    row.min_jacobian = s.solve.min_jacobian, row.iterations = s.solve.iterations;
+    row.status = static_cast<std::uint8_t>(s.solve.status), row.multivalued = s.solve.multivalued;
   }
   return out;
 }
@@ -84,9 +85,10 @@ std::vector<State> states_of(const py::array_t<StateRow>& rows) {
     s.force = Vec3(row.force[0], row.force[1], row.force[2]);
     for (int i = 0; i < 3; ++i)
       for (int j = 0; j < 3; ++j) s.stiffness(i, j) = row.stiffness[i][j];
-    s.energy = row.energy, s.spacing = row.spacing, s.residual = row.residual, s.seconds = row.seconds;
-    s.min_jacobian = row.min_jacobian, s.iterations = row.iterations;
-    s.status = static_cast<SolveStatus>(row.status), s.multivalued = row.multivalued;
+    s.energy = row.energy, s.spacing = row.spacing, s.solve.residual = row.residual,
+    s.solve.seconds = row.seconds;
+    s.solve.min_jacobian = row.min_jacobian, s.solve.iterations = row.iterations;
+    s.solve.status = static_cast<SolveStatus>(row.status), s.solve.multivalued = row.multivalued;
   }
   return states;
 }

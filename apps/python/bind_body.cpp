@@ -97,7 +97,7 @@ std::vector<State> solve_all(const std::shared_ptr<const Body>& body, const std:
       for (std::size_t i = 0; i < at.size(); ++i) {
         if (stop.stop_requested()) continue;
         states[i] = solver.reference(at[i], spacing, {.want_displacements = displacements}).state;
-        states[i].multivalued = second_way_differs(solver, states[i], spacing);
+        states[i].solve.multivalued = second_way_differs(solver, states[i], spacing);
         tell(static_cast<double>(++done) / static_cast<double>(at.size()));
       }
     }

@@ -72,7 +72,7 @@ void take_dispatch(const fs::path& file, std::vector<ShownState>& states) {
     if (row.status != "failed" || !row.at.allFinite()) continue;
     ShownState failed;
     failed.state.at = row.at;
-    failed.state.status = SolveStatus::diverged;
+    failed.state.solve.status = SolveStatus::diverged;
     failed.known = row.finished;
     states.push_back(failed);
   }

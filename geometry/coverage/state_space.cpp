@@ -77,7 +77,7 @@ namespace {
 
 void check(const State& state) {
   if (!state.usable())
-    throw InputError("state", "its solve ended as " + std::string(name(state.status)) +
+    throw InputError("state", "its solve ended as " + std::string(name(state.solve.status)) +
                                   ", expected one that converged or was measured");
   if (!state.at.allFinite()) throw InputError("state", "its position is not finite, expected metres");
   if (!state.force.allFinite() && !state.force.array().isNaN().all())

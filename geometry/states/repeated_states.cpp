@@ -59,7 +59,7 @@ class Mean {
     state_.stiffness.setZero();
     state_.energy = 0;
     state_.displacements.reset();
-    state_.status = SolveStatus::measured;
+    state_.solve.status = SolveStatus::measured;
   }
   void add(const State& s) {
     state_.force += s.force, ++forces_;

@@ -31,12 +31,8 @@ std::optional<SolveStatus> solve_status(std::string_view name);  // the inverse 
 inline constexpr double largest_number = 1e100;  // of a value in a state; squares must not overflow
 inline constexpr double unknown = std::numeric_limits<double>::quiet_NaN();
 
-struct State {
-  Vec3 at = Vec3::Zero();                    // [m]
-  Vec3 force = Vec3::Constant(unknown);      // [N]
-  Mat3 stiffness = Mat3::Constant(unknown);  // [N/m]
-  double energy = unknown;                   // [J]
-  double spacing = unknown;                  // target spacing of an adaptive lattice here [m]
+// How a state was found; of a measured one nothing but the status is known.
+struct SolveNote {
   SolveStatus status = SolveStatus::measured;
   bool multivalued = false;  // another path leads to another stable equilibrium here
   int iterations = 0;
@@ -44,9 +40,20 @@ struct State {
   double seconds = unknown;               // time of the solve [s]
   double min_jacobian = unknown;          // least det F over the elements
   Vec3 parent = Vec3::Constant(unknown);  // position whose solution the solve started from [m]
-  std::shared_ptr<const std::vector<double>> displacements;  // #V x 3, row by row [m]; null unless wanted
+};
 
-  bool usable() const { return status == SolveStatus::converged || status == SolveStatus::measured; }
+struct State {
+  Vec3 at = Vec3::Zero();                                    // [m]
+  Vec3 force = Vec3::Constant(unknown);                      // [N]
+  Mat3 stiffness = Mat3::Constant(unknown);                  // [N/m]
+  double energy = unknown;                                   // [J]
+  double spacing = unknown;                                  // target spacing of an adaptive lattice here [m]
+  std::shared_ptr<const std::vector<double>> displacements;  // #V x 3, row by row [m]; null unless wanted
+  SolveNote solve;
+
+  bool usable() const {
+    return solve.status == SolveStatus::converged || solve.status == SolveStatus::measured;
+  }
   bool has_stiffness() const { return stiffness.allFinite(); }
 };
 

@@ -155,7 +155,7 @@ std::vector<State> read_states_csv(const std::filesystem::path& file) {
   while (in.next()) {
     State state;
     state.at = in.vector("x", "y", "z");
-    state.status = read_status(in);
+    state.solve.status = read_status(in);
     if (state.usable())
       state.force = in.vector("fx", "fy", "fz");
     else

@@ -3,12 +3,13 @@
 namespace forefeel {
 
 void pack(Packer& message, const State& s) {
-  message.add(s.status);
-  for (const Vec3& v : {s.at, s.force, s.parent}) message.add(v);
+  message.add(s.solve.status);
+  for (const Vec3& v : {s.at, s.force, s.solve.parent}) message.add(v);
   for (int i = 0; i < 3; ++i) message.add(Vec3(s.stiffness.row(i)));
-  for (const double v : {s.energy, s.spacing, s.residual, s.seconds, s.min_jacobian}) message.add(v);
-  message.add(std::int32_t{s.iterations});
-  message.add(std::uint8_t{s.multivalued});
+  for (const double v : {s.energy, s.spacing, s.solve.residual, s.solve.seconds, s.solve.min_jacobian})
+    message.add(v);
+  message.add(std::int32_t{s.solve.iterations});
+  message.add(std::uint8_t{s.solve.multivalued});
   message.add(std::uint8_t{s.displacements != nullptr});
   if (s.displacements) message.add(*s.displacements);
 }
@@ -18,13 +19,13 @@ State unpack_state(Unpacker& message) {
   const auto status = message.number<std::uint8_t>();
   if (status > static_cast<std::uint8_t>(SolveStatus::measured))
     throw MalformedMessage("a state has an unknown status");
-  s.status = static_cast<SolveStatus>(status);
-  for (Vec3* v : {&s.at, &s.force, &s.parent}) *v = message.vector();
+  s.solve.status = static_cast<SolveStatus>(status);
+  for (Vec3* v : {&s.at, &s.force, &s.solve.parent}) *v = message.vector();
   for (int i = 0; i < 3; ++i) s.stiffness.row(i) = message.vector();
-  for (double* v : {&s.energy, &s.spacing, &s.residual, &s.seconds, &s.min_jacobian})
+  for (double* v : {&s.energy, &s.spacing, &s.solve.residual, &s.solve.seconds, &s.solve.min_jacobian})
     *v = message.number<double>();
-  s.iterations = message.number<std::int32_t>();
-  s.multivalued = message.number<std::uint8_t>() != 0;
+  s.solve.iterations = message.number<std::int32_t>();
+  s.solve.multivalued = message.number<std::uint8_t>() != 0;
   if (message.number<std::uint8_t>() != 0)
     s.displacements = std::make_shared<const std::vector<double>>(message.values());
   return s;

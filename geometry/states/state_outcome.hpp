@@ -13,10 +13,10 @@ namespace forefeel {
 
 // False if det F is unknown, as for measured states and states of other programs.
 inline bool has_inverted_elements(const State& state) {
-  return state.status == SolveStatus::converged && state.min_jacobian <= 0;
+  return state.solve.status == SolveStatus::converged && state.solve.min_jacobian <= 0;
 }
 inline SolveStatus outcome(const State& state) {
-  return has_inverted_elements(state) ? SolveStatus::inverted : state.status;
+  return has_inverted_elements(state) ? SolveStatus::inverted : state.solve.status;
 }
 
 // ", 28 of them with inverted elements", or nothing.

@@ -55,16 +55,16 @@ State read_row(Statement& row, const std::string& where) {
   if (!status)
     throw InputError({.file = where},
                      fmt::format("a state has the unknown status '{:.20}'", row.text(i - 1)));
-  state.status = *status;
-  state.multivalued = row.integer(i++) != 0;
-  state.iterations = static_cast<int>(row.integer(i++));
-  state.residual = row.real(i++);
-  state.seconds = row.real(i++);
-  state.min_jacobian = row.real(i++);
-  for (int k = 0; k < 3; ++k) state.parent[k] = row.real(i++);
+  state.solve.status = *status;
+  state.solve.multivalued = row.integer(i++) != 0;
+  state.solve.iterations = static_cast<int>(row.integer(i++));
+  state.solve.residual = row.real(i++);
+  state.solve.seconds = row.real(i++);
+  state.solve.min_jacobian = row.real(i++);
+  for (int k = 0; k < 3; ++k) state.solve.parent[k] = row.real(i++);
   // With a force it is an equilibrium (state_outcome.hpp), without one the solve failed there.
-  if (state.status == SolveStatus::inverted && state.force.allFinite() && state.min_jacobian <= 0)
-    state.status = SolveStatus::converged;
+  if (state.solve.status == SolveStatus::inverted && state.force.allFinite() && state.solve.min_jacobian <= 0)
+    state.solve.status = SolveStatus::converged;
   if (const std::string_view bytes = row.bytes(i); !bytes.empty()) {
     if (bytes.size() % (3 * sizeof(double)) != 0)
       throw InputError({.file = where}, "a state's displacements are cut short");
@@ -101,12 +101,13 @@ std::int64_t checksum_of(const State& state, std::string_view status) {
   for (int k = 0; k < 3; ++k) number(state.force[k]);
   for (int r = 0; r < 3; ++r)
     for (int c = 0; c < 3; ++c) number(state.stiffness(r, c));
-  for (const double value : {state.energy, state.spacing, state.residual, state.seconds, state.min_jacobian})
+  for (const double value :
+       {state.energy, state.spacing, state.solve.residual, state.solve.seconds, state.solve.min_jacobian})
     number(value);
-  for (int k = 0; k < 3; ++k) number(state.parent[k]);
+  for (int k = 0; k < 3; ++k) number(state.solve.parent[k]);
   for (const char letter : status) take(static_cast<unsigned char>(letter));
-  take(state.multivalued ? 2 : 1);
-  take(static_cast<std::uint64_t>(state.iterations));
+  take(state.solve.multivalued ? 2 : 1);
+  take(static_cast<std::uint64_t>(state.solve.iterations));
   if (state.displacements && !state.displacements->empty()) {
     take(state.displacements->size());
     for (const double value : *state.displacements) take(std::bit_cast<std::uint64_t>(value));
@@ -123,12 +124,12 @@ void bind_row(Statement& insert, const State& state) {
   insert.bind(i++, state.energy);
   insert.bind(i++, state.spacing);
   insert.bind(i++, name(outcome(state)));
-  insert.bind(i++, state.multivalued ? 1 : 0);
-  insert.bind(i++, state.iterations);
-  insert.bind(i++, state.residual);
-  insert.bind(i++, state.seconds);
-  insert.bind(i++, state.min_jacobian);
-  for (int k = 0; k < 3; ++k) insert.bind(i++, state.parent[k]);
+  insert.bind(i++, state.solve.multivalued ? 1 : 0);
+  insert.bind(i++, state.solve.iterations);
+  insert.bind(i++, state.solve.residual);
+  insert.bind(i++, state.solve.seconds);
+  insert.bind(i++, state.solve.min_jacobian);
+  for (int k = 0; k < 3; ++k) insert.bind(i++, state.solve.parent[k]);
   if (state.displacements)
     insert.bind_bytes(i, state.displacements->data(), state.displacements->size() * sizeof(double));
   else

@@ -14,9 +14,9 @@ StateSetSummary summarise(std::span<const State> states) {
   for (const State& s : states) {
     sum.extent.low = sum.extent.low.cwiseMin(s.at), sum.extent.high = sum.extent.high.cwiseMax(s.at);
     ++sum.by_status[std::string(name(outcome(s)))];
-    sum.multivalued += s.multivalued;
+    sum.multivalued += s.solve.multivalued;
     sum.inverted += has_inverted_elements(s);
-    if (std::isfinite(s.seconds)) sum.solve_seconds += s.seconds;
+    if (std::isfinite(s.solve.seconds)) sum.solve_seconds += s.solve.seconds;
     if (!s.usable()) continue;
     ++sum.usable;
     sum.with_stiffness += s.has_stiffness();

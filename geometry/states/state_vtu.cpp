@@ -101,15 +101,16 @@ void write_states_vtu(const std::filesystem::path& file, std::span<const State> 
   out.known("stiffness", 9, states, [](const State& s, int k) { return s.stiffness(k / 3, k % 3); });
   out.known("energy", 1, states, [](const State& s, int) { return s.energy; });
   out.known("spacing", 1, states, [](const State& s, int) { return s.spacing; });
-  out.known("residual", 1, states, [](const State& s, int) { return s.residual; });
-  out.known("seconds", 1, states, [](const State& s, int) { return s.seconds; });
-  out.known("min_jacobian", 1, states, [](const State& s, int) { return s.min_jacobian; });
-  out.known("parent", 3, states, [](const State& s, int k) { return s.parent[k]; });
-  out.array<std::int32_t>("Int32", "iterations", 1, states, [](const State& s, int) { return s.iterations; });
+  out.known("residual", 1, states, [](const State& s, int) { return s.solve.residual; });
+  out.known("seconds", 1, states, [](const State& s, int) { return s.solve.seconds; });
+  out.known("min_jacobian", 1, states, [](const State& s, int) { return s.solve.min_jacobian; });
+  out.known("parent", 3, states, [](const State& s, int k) { return s.solve.parent[k]; });
+  out.array<std::int32_t>("Int32", "iterations", 1, states,
+                          [](const State& s, int) { return s.solve.iterations; });
   out.array<std::uint8_t>("UInt8", "status", 1, states,
                           [](const State& s, int) { return static_cast<int>(outcome(s)); });
   out.array<std::uint8_t>("UInt8", "multivalued", 1, states,
-                          [](const State& s, int) { return s.multivalued; });
+                          [](const State& s, int) { return s.solve.multivalued; });
   out.text("</PointData>\n<Points>\n");
   out.array<double>("Float64", "position", 3, states, [](const State& s, int k) { return s.at[k]; });
   out.text("</Points>\n<Cells>\n");

@@ -60,7 +60,7 @@ State solve_unless_stopped(Solver& solver, const Vec3& x, const PlacementOptions
   } catch (const Stopped&) {
     State state;
     state.at = x;
-    state.status = SolveStatus::cancelled;
+    state.solve.status = SolveStatus::cancelled;
     return state;
   }
 }
@@ -78,7 +78,7 @@ std::vector<State> solve_all(const std::shared_ptr<const Body>& body, std::span<
     for (std::size_t i = 0; i < at.size(); ++i) {
       if (options.stop.stop_requested()) {
         states[i].at = at[i];
-        states[i].status = SolveStatus::cancelled;
+        states[i].solve.status = SolveStatus::cancelled;
         continue;
       }
       states[i] = solve_unless_stopped(solver, at[i], options);
@@ -153,7 +153,7 @@ class Placement {
 
   // Into the space and out to the file.
   void keep(State state) {
-    if (state.status == SolveStatus::cancelled) return;
+    if (state.solve.status == SolveStatus::cancelled) return;
     if (state.usable()) {
       space_.insert(state);
       ++report_.solved;
@@ -288,15 +288,15 @@ class Placement {
                    .truth_done = done,
                    .truth_total = at.size()});
       });
-      report_.truth.solved += static_cast<std::size_t>(
-          std::ranges::count_if(truth, [](const State& s) { return s.status != SolveStatus::cancelled; }));
+      report_.truth.solved += static_cast<std::size_t>(std::ranges::count_if(
+          truth, [](const State& s) { return s.solve.status != SolveStatus::cancelled; }));
     }
     const auto usable = [](const State& state) { return state.usable(); };
     const auto within = truth.begin() + static_cast<std::ptrdiff_t>(options_.truth_samples);
     report_.truth.samples = static_cast<std::size_t>(std::count_if(truth.begin(), within, usable));
     report_.truth.on_surface = static_cast<std::size_t>(std::count_if(within, truth.end(), usable));
-    report_.truth.unsolved =
-        static_cast<std::size_t>(std::ranges::count(truth, SolveStatus::cancelled, &State::status));
+    report_.truth.unsolved = static_cast<std::size_t>(std::ranges::count_if(
+        truth, [](const State& s) { return s.solve.status == SolveStatus::cancelled; }));
     report_.truth.failed =
         truth.size() - report_.truth.samples - report_.truth.on_surface - report_.truth.unsolved;
     report_.truth.error = true_error(estimator_, truth, options_.estimate.floor, options_.truth_samples);

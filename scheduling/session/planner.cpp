@@ -22,7 +22,7 @@ std::vector<State> failed_of(std::span<const State> states) {
 // A state that its neighbours contradict counts as a failed solve, in the states' file too.
 bool set_aside(State& state, const StateSpace& space, const Mat3& stiffest) {
   if (!state.usable() || !is_far_too_strong(state, space, stiffest)) return false;
-  state.status = SolveStatus::diverged;
+  state.solve.status = SolveStatus::diverged;
   return true;
 }
 
@@ -31,7 +31,7 @@ std::string failure_of(const State& state, bool was_set_aside) {
                      was_set_aside ? fmt::format("set aside, over {:g} times as strong as known states "
                                                  "beside it or as this body can be, or not a number",
                                                  implausible_factor)
-                                   : std::string(name(state.status)));
+                                   : std::string(name(state.solve.status)));
 }
 
 }  // namespace
@@ -95,10 +95,10 @@ void Planner::receive(JobResult result, double now) {
     return;
   }
   const Vec3& asked = dispatches_[result.dispatch].at;
-  if (result.state.status != SolveStatus::cancelled && !((result.state.at - asked).norm() <= 1e-9)) {
+  if (result.state.solve.status != SolveStatus::cancelled && !((result.state.at - asked).norm() <= 1e-9)) {
     ++elsewhere_;
     result.state.at = asked;
-    result.state.status = SolveStatus::diverged;
+    result.state.solve.status = SolveStatus::diverged;
   }
   DispatchRecord& record = dispatches_[result.dispatch];
   Slot& slot = slots_[static_cast<std::size_t>(result.worker)];
@@ -106,10 +106,10 @@ void Planner::receive(JobResult result, double now) {
   const Candidate candidate = member->candidate;
   slot.members.erase(member);
   slot.cancelling = slot.cancelling && slot.busy();
-  const bool began = result.state.status != SolveStatus::cancelled || result.finished > result.started;
+  const bool began = result.state.solve.status != SolveStatus::cancelled || result.finished > result.started;
   record.started = began ? result.started : unknown;
   record.finished = result.finished;
-  if (result.state.status == SolveStatus::cancelled) {
+  if (result.state.solve.status == SolveStatus::cancelled) {
     record.status = began ? DispatchStatus::preempted : DispatchStatus::withdrawn;
     counts_.preempted += began ? 1 : 0;
     ++preemptions_[candidate.order];
@@ -125,7 +125,7 @@ void Planner::receive(JobResult result, double now) {
   jobs_ += slot.counted || slot.rest ? 0 : 1;
   slot.counted = true;
   note_cost(result.finished - result.started, setup_.rest_first && result.state.at.isZero(0));
-  if (record.parent >= 0) result.state.parent = dispatches_[static_cast<std::size_t>(record.parent)].at;
+  if (record.parent >= 0) result.state.solve.parent = dispatches_[static_cast<std::size_t>(record.parent)].at;
   const bool aside = set_aside(result.state, space_, setup_.stiffest);
   if (hooks_.on_state) hooks_.on_state(result.state);
   if (!result.state.usable()) {

@@ -204,7 +204,7 @@ struct PlannerRun {
     std::vector<JobResult> results;
     workers.collect(results, 0);
     for (JobResult& result : results)
-      if (result.state.status != SolveStatus::cancelled) planner.receive(std::move(result), now());
+      if (result.state.solve.status != SolveStatus::cancelled) planner.receive(std::move(result), now());
   }
 };
 

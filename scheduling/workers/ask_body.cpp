@@ -21,7 +21,7 @@ auto place(const State& s) {
 std::vector<const State*> choose(std::span<const State> states) {
   std::vector<const State*> all;
   for (const State& s : states)
-    if (s.usable() && !s.multivalued && s.at.allFinite() && s.force.allFinite()) all.push_back(&s);
+    if (s.usable() && !s.solve.multivalued && s.at.allFinite() && s.force.allFinite()) all.push_back(&s);
   const auto pressed = [](const State* s) { return !s->at.isZero(0); };
   if (std::ranges::any_of(all, pressed)) std::erase_if(all, std::not_fn(pressed));  // rest fits any body
   std::ranges::sort(all, [](const State* a, const State* b) { return place(*a) < place(*b); });

@@ -155,7 +155,7 @@ class RankWorkers final : public RealWorkers {
       result.worker = worker;
       result.started = result.finished = now_();
       result.state.at = given.at;
-      result.state.status = SolveStatus::cancelled;
+      result.state.solve.status = SolveStatus::cancelled;
       late_.push_back(std::move(result));
     }
   }

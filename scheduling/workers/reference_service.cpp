@@ -273,7 +273,7 @@ void ReferenceService::work(std::stop_token stop) {
       lock.unlock();
       SolveOutcome outcome = solver.reference(x);
       outcome.state.at = x;
-      outcome.state.parent = Vec3::Zero();
+      outcome.state.solve.parent = Vec3::Zero();
       outcome.state.force.array() += 0.0;  // the cache does not keep -0
       outcome.state.stiffness.array() += 0.0;
       lock.lock();

@@ -83,7 +83,7 @@ class SimulatedWorkers final : public VirtualWorkers {
       result.started = seconds_of(solve.started);
       result.finished = seconds_of(solve.finished);
       if (solve.cancelled)
-        result.state.status = SolveStatus::cancelled;
+        result.state.solve.status = SolveStatus::cancelled;
       else
         result.state = references_.get(solve.at);
     }

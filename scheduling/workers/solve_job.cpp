@@ -27,8 +27,8 @@ void solve_job(StateSolver& solver, const Job& job, const std::stop_token& stop,
   std::vector<SolveOutcome> outcomes = solver.beside(near.get(), xs, stop);
   for (std::size_t i = 0; i < xs.size(); ++i) {
     JobResult result = result_of(job.beside[i].dispatch, xs[i], later, std::move(outcomes[i]));
-    if (result.state.status != SolveStatus::cancelled)
-      result.finished = result.started + result.state.seconds;  // the state's share of the common time
+    if (result.state.solve.status != SolveStatus::cancelled)
+      result.finished = result.started + result.state.solve.seconds;  // the state's share of the common time
     give(std::move(result));
   }
 }

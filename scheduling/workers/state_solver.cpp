@@ -39,8 +39,8 @@ SolveOptions StateSolver::quick() const {
 void StateSolver::settle(SolveOutcome& outcome, const Vec3& x, const std::stop_token& stop) {
   if (outcome.state.usable()) return;
   if (stop.stop_requested())
-    outcome.state.status = SolveStatus::cancelled;  // a solve that was stopped has not failed
-  if (outcome.state.status != SolveStatus::cancelled) outcome = reference(x);
+    outcome.state.solve.status = SolveStatus::cancelled;  // a solve that was stopped has not failed
+  if (outcome.state.solve.status != SolveStatus::cancelled) outcome = reference(x);
 }
 
 SolveOutcome StateSolver::from(const Equilibrium* start, const Vec3& x, std::stop_token stop) {

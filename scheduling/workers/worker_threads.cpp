@@ -88,7 +88,7 @@ void WorkerThreads::give_back(int worker, SolveStatus first) {
     result.worker = worker;
     result.started = result.finished = now;
     result.state.at = state.at;
-    result.state.status = std::exchange(first, SolveStatus::cancelled);
+    result.state.solve.status = std::exchange(first, SolveStatus::cancelled);
     results_.push_back(std::move(result));
   }
 }

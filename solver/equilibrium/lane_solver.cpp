@@ -277,13 +277,13 @@ bool detail::condense_alone(NewtonSolver& newton, LocalField& field, LaneResult&
 }
 
 void detail::copy_result(const LaneResult& result, State& state) {
-  state.status = SolveStatus::converged;
+  state.solve.status = SolveStatus::converged;
   state.force = result.force;
   state.stiffness = result.stiffness;
   state.energy = result.energy;
-  state.iterations = result.iterations;
-  state.residual = result.residual;
-  state.min_jacobian = result.min_jacobian;
+  state.solve.iterations = result.iterations;
+  state.solve.residual = result.residual;
+  state.solve.min_jacobian = result.min_jacobian;
 }
 
 }  // namespace forefeel

@@ -19,23 +19,23 @@ LinearBody::LinearBody(const Discretisation& d, NewtonSolver& newton) : d_(d) {
 State LinearBody::state(const Vec3& x, LocalField& field) const {
   State s;
   s.at = x;
-  s.status = SolveStatus::diverged;
+  s.solve.status = SolveStatus::diverged;
   if (!solvable_) return s;
   field.u.assign(static_cast<std::size_t>(d_.local_size()), 0.0);
   field.tangent = tangent_;
   const LocalField rest = field;
   detail::predict(d_, rest, x, x, field.u);
   std::vector<double> gradient(field.u.size(), 0.0);
-  s.min_jacobian = d_.elements.gradient(field.u.data(), gradient.data()).min_jacobian;
+  s.solve.min_jacobian = d_.elements.gradient(field.u.data(), gradient.data()).min_jacobian;
   double squares = 0;
   for (std::size_t i = 0; i < static_cast<std::size_t>(3 * d_.free_nodes); ++i)
     squares += gradient[i] * gradient[i];
   s.force = -stiffness_ * x;
   s.stiffness = stiffness_;
   s.energy = 0.5 * x.dot(stiffness_ * x);
-  s.residual = std::sqrt(squares) / std::max(s.force.norm(), d_.force_floor);
-  s.iterations = 1;
-  s.status = s.residual < 1e-8 ? SolveStatus::converged : SolveStatus::diverged;
+  s.solve.residual = std::sqrt(squares) / std::max(s.force.norm(), d_.force_floor);
+  s.solve.iterations = 1;
+  s.solve.status = s.solve.residual < 1e-8 ? SolveStatus::converged : SolveStatus::diverged;
   return s;
 }
 
@@ -50,7 +50,7 @@ void LinearBasis::solve() {
   for (int axis = 0; axis < 3; ++axis) {
     const State state = linear.state(spacing_ * Vec3::Unit(axis), field);
     if (!state.usable()) {
-      status_ = state.status;
+      status_ = state.solve.status;
       return;
     }
     stiffness_.col(axis) = -state.force / spacing_;
@@ -60,7 +60,7 @@ void LinearBasis::solve() {
     u = d_->to_nodes(field.u.data());
     u.resize(3 * body_->mesh.nodes.size());  // mid-edge nodes are not reported
     for (double& component : u) component /= spacing_;
-    residual_ = std::max(residual_, state.residual);
+    residual_ = std::max(residual_, state.solve.residual);
   }
   stiffness_ = 0.5 * (stiffness_ + stiffness_.transpose()).eval();  // symmetric but for round-off
   status_ = SolveStatus::converged;
@@ -77,16 +77,16 @@ State LinearBasis::at(const Vec3& x, bool want_displacements) {
   std::call_once(once_, [this] { solve(); });
   State state;
   state.at = x;
-  state.status = status_;
+  state.solve.status = status_;
   if (status_ != SolveStatus::converged) return state;
   state.force = -stiffness_ * x;
   state.stiffness = stiffness_;
   state.energy = 0.5 * x.dot(stiffness_ * x);
-  state.residual = residual_;
-  state.min_jacobian = min_jacobian(x);
-  state.seconds = 0;
-  state.iterations = 0;
-  state.parent = Vec3::Zero();
+  state.solve.residual = residual_;
+  state.solve.min_jacobian = min_jacobian(x);
+  state.solve.seconds = 0;
+  state.solve.iterations = 0;
+  state.solve.parent = Vec3::Zero();
   if (want_displacements) {
     std::vector<double> u(displacements_[0].size());
     for (std::size_t i = 0; i < u.size(); ++i)

@@ -110,7 +110,7 @@ MeshStudyRow study_row(const std::shared_ptr<const Body>& body, const Vec3& x) {
                    .nodes = d->nodes,
                    .work = cost_of_factor(*d).flops};
   const State rest = Solver(basis).reference(Vec3::Zero(), 1).state;
-  row.seconds = rest.seconds;
+  row.seconds = rest.solve.seconds;
   if (rest.usable()) row.force = (rest.stiffness * x).norm();
   return row;
 }

@@ -63,7 +63,7 @@ struct Solver::Impl {
           equilibrium->displacements.begin(),
           equilibrium->displacements.begin() + static_cast<std::ptrdiff_t>(3 * body->mesh.nodes.size()));
     out.equilibrium = std::move(equilibrium);
-    if (out.state.min_jacobian <= 0) out.warnings.push_back("some elements are inverted: det F <= 0");
+    if (out.state.solve.min_jacobian <= 0) out.warnings.push_back("some elements are inverted: det F <= 0");
   }
 
   void keep_partial(SolveOutcome& out) const {
@@ -98,7 +98,7 @@ struct Solver::Impl {
       if (!done[i]) continue;
       State& s = out[i].state;
       s.at = xs[i];
-      s.parent = path.at();
+      s.solve.parent = path.at();
       detail::copy_result(result, s);
       keep(fields[i], options, out[i]);
     }
@@ -116,11 +116,11 @@ struct Solver::Impl {
     SolveOutcome out;
     State& s = out.state;
     s.at = x;
-    s.parent = parent;
-    s.status = report.status;
-    s.iterations = path.iterations();
-    s.residual = report.residual;
-    s.min_jacobian = report.min_jacobian;
+    s.solve.parent = parent;
+    s.solve.status = report.status;
+    s.solve.iterations = path.iterations();
+    s.solve.residual = report.residual;
+    s.solve.min_jacobian = report.min_jacobian;
     if (report.status != SolveStatus::converged) {
       out.warnings.push_back(fmt::format("not converged: {}, held at {:.4g} of {:.4g} m", name(report.status),
                                          (path.at() - parent).norm(), (x - parent).norm()));
@@ -139,7 +139,7 @@ struct Solver::Impl {
     SolveOutcome out;
     LocalField field;
     out.state = linear->state(x, field);
-    out.state.parent = parent;
+    out.state.solve.parent = parent;
     if (out.state.usable()) keep(field, options, out);
     return out;
   }
@@ -196,13 +196,13 @@ SolveOutcome Solver::reference(const Vec3& x, double spacing, const SolveOptions
         impl_->path.advance(x, spacing, options.tolerance, options.max_iterations, {});
     out = impl_->outcome(report, x, Vec3::Zero(), options);
   }
-  out.state.seconds = seconds_since(start);
+  out.state.solve.seconds = seconds_since(start);
   return out;
 }
 
 std::optional<bool> second_way(Solver& solver, const State& state, double spacing,
                                const SolveOptions& options) {
-  if (state.status != SolveStatus::converged) return std::nullopt;
+  if (state.solve.status != SolveStatus::converged) return std::nullopt;
   if (is_linear(solver.body())) return false;
   std::array<int, 3> axes{0, 1, 2};  // the longest part last
   std::stable_sort(axes.begin(), axes.end(),
@@ -240,7 +240,7 @@ SolveOutcome Solver::from(const Equilibrium& start, const Vec3& x, const SolveOp
                             options.keep_factor ? options.tolerance : 0);
     out = impl_->outcome(report, x, start.at, options);
   }
-  out.state.seconds = seconds_since(begun);
+  out.state.solve.seconds = seconds_since(begun);
   return out;
 }
 
@@ -264,7 +264,7 @@ std::vector<SolveOutcome> Solver::beside(const Equilibrium& near, const std::vec
       solved += done[i];
     }
     for (std::size_t i = 0; i < xs.size(); ++i)
-      if (done[i]) out[i].state.seconds = seconds_since(begun) / static_cast<double>(solved);
+      if (done[i]) out[i].state.solve.seconds = seconds_since(begun) / static_cast<double>(solved);
   }
   for (std::size_t i = 0; i < xs.size(); ++i)
     if (!done[i]) out[i] = from(near, xs[i], options, stop);

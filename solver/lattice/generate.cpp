@@ -45,8 +45,9 @@ class Sweep {
       SweepNode node;
       const auto start = std::chrono::steady_clock::now();
       node.state = linear.state(position_of(k, options_.spacing), node.field);
-      node.state.parent = Vec3::Zero();
-      node.state.seconds = std::chrono::duration<double>(std::chrono::steady_clock::now() - start).count();
+      node.state.solve.parent = Vec3::Zero();
+      node.state.solve.seconds =
+          std::chrono::duration<double>(std::chrono::steady_clock::now() - start).count();
       emit(node);
     }
   }
@@ -110,7 +111,7 @@ class Sweep {
   }
 
   void emit(const SweepNode& node) {
-    if (node.state.status == SolveStatus::cancelled) return;
+    if (node.state.solve.status == SolveStatus::cancelled) return;
     State state = state_of(node, *d_, *body_, options_.want_displacements);
     std::exception_ptr thrown;
 #pragma omp critical(forefeel_generate)

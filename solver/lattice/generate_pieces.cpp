@@ -275,7 +275,7 @@ std::optional<Bytes> LatticeHand::solve(Unpacker piece) {
   Packer result;
   result.add(std::uint32_t(found.size()));
   for (SweepNode& node : found) {
-    if (node.state.status == SolveStatus::cancelled || impl_->options.stop.stop_requested()) return {};
+    if (node.state.solve.status == SolveStatus::cancelled || impl_->options.stop.stop_requested()) return {};
     node.state = state_of(node, *impl_->d, *impl_->body, impl_->options.want_displacements);
     if (kind == PieceKind::cell) node.field = {};  // only coarse nodes are looked at by others
     pack_node(result, node);

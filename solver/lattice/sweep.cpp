@@ -43,14 +43,14 @@ void SweepWorker::correct_alone(SweepNode& node) {
 void SweepWorker::fall_back(SweepNode& node, const std::vector<const SweepNode*>& starts) {
   State& s = node.state;
   node.field = {};
-  if (starts.empty() || s.status == SolveStatus::cancelled) return;
+  if (starts.empty() || s.solve.status == SolveStatus::cancelled) return;
   const SweepNode& start = *starts.front();
   path_.begin_at(start.state.at, start.field);
   const NewtonReport report = path_.advance(s.at, 0, fallback_tolerance, fallback_iterations, options_.stop);
   if (report.status != SolveStatus::converged)
     return;  // keeps the status of the straight path: it is the reason
-  s.parent = start.state.at;
-  s.multivalued = true;
+  s.solve.parent = start.state.at;
+  s.solve.multivalued = true;
   take(node, report);
 }
 
@@ -62,7 +62,7 @@ void SweepWorker::fall_back(SweepNode& node, const std::vector<const SweepNode*>
 bool SweepWorker::doubtful(const SweepNode& node, const std::vector<const SweepNode*>& neighbours,
                            bool coarse) const {
   const State& s = node.state;
-  const bool inverted = s.min_jacobian <= 0;
+  const bool inverted = s.solve.min_jacobian <= 0;
   if (inverted && (coarse || neighbours.empty())) return true;
   Vec3 mean = Vec3::Zero();
   for (const SweepNode* other : neighbours) {
@@ -95,13 +95,13 @@ bool SweepWorker::bends(const SweepNode& node, const std::vector<const SweepNode
 
 void SweepWorker::take(SweepNode& node, const NewtonReport& report) {
   State& s = node.state;
-  s.status = report.status;
+  s.solve.status = report.status;
   s.force = report.force;
   s.energy = report.energy;
   s.stiffness = path_.stiffness();
-  s.residual = report.residual;
-  s.min_jacobian = report.min_jacobian;
-  s.iterations += path_.iterations();
+  s.solve.residual = report.residual;
+  s.solve.min_jacobian = report.min_jacobian;
+  s.solve.iterations += path_.iterations();
   node.field = path_.field();
 }
 
@@ -139,19 +139,19 @@ void SweepWorker::run_lanes(std::vector<SweepNode*> nodes) {
 void SweepWorker::solve_coarse(SweepNode& node, const std::vector<const SweepNode*>& parents,
                                const SweepNode* beyond) {
   const auto start = SteadyClock::now();
-  node.state.status = SolveStatus::stalled;
+  node.state.solve.status = SolveStatus::stalled;
   // next to a state with an inverted element a prediction is unreliable
-  if (!parents.empty() && parents.front()->state.min_jacobian > 0) {
-    node.state.parent = parents.front()->state.at;
+  if (!parents.empty() && parents.front()->state.solve.min_jacobian > 0) {
+    node.state.solve.parent = parents.front()->state.at;
     predict_coarse(node, parents, beyond);
     correct_alone(node);
   }
   if (!node.solved() || doubtful(node, parents, true)) {
     walk({&node});
     if (!node.solved()) fall_back(node, parents);
-    if (node.solved() && jumps(node, parents)) node.state.multivalued = true;
+    if (node.solved() && jumps(node, parents)) node.state.solve.multivalued = true;
   }
-  node.state.seconds = std::chrono::duration<double>(SteadyClock::now() - start).count();
+  node.state.solve.seconds = std::chrono::duration<double>(SteadyClock::now() - start).count();
 }
 
 void SweepWorker::solve_cell(std::vector<SweepNode>& nodes,
@@ -159,9 +159,9 @@ void SweepWorker::solve_cell(std::vector<SweepNode>& nodes,
   const auto start = SteadyClock::now();
   std::vector<SweepNode*> together;
   for (std::size_t i = 0; i < nodes.size(); ++i) {
-    nodes[i].state.status = SolveStatus::stalled;
+    nodes[i].state.solve.status = SolveStatus::stalled;
     if (corners[i].empty()) continue;
-    nodes[i].state.parent = corners[i].front()->state.at;
+    nodes[i].state.solve.parent = corners[i].front()->state.at;
     predict_fine(nodes[i], corners[i]);
     together.push_back(&nodes[i]);
   }
@@ -176,14 +176,14 @@ void SweepWorker::solve_cell(std::vector<SweepNode>& nodes,
     if (!nodes[i].solved() || doubtful(nodes[i], corners[i], false)) walking.push_back(&nodes[i]);
   if (!walking.empty()) walk(walking);
   for (std::size_t i = 0; i < nodes.size(); ++i) {
-    nodes[i].state.seconds = each;
+    nodes[i].state.solve.seconds = each;
     if (std::find(walking.begin(), walking.end(), &nodes[i]) == walking.end()) continue;
     if (!nodes[i].solved()) fall_back(nodes[i], corners[i]);
-    if (nodes[i].solved() && jumps(nodes[i], corners[i])) nodes[i].state.multivalued = true;
+    if (nodes[i].solved() && jumps(nodes[i], corners[i])) nodes[i].state.solve.multivalued = true;
   }
   for (SweepNode* node : walking)
-    node->state.seconds += std::chrono::duration<double>(SteadyClock::now() - later).count() /
-                           static_cast<double>(walking.size());
+    node->state.solve.seconds += std::chrono::duration<double>(SteadyClock::now() - later).count() /
+                                 static_cast<double>(walking.size());
 }
 
 }  // namespace forefeel

@@ -27,7 +27,7 @@ struct SweepNode {
   LatticeIndex index{};
   State state;
   LocalField field;  // empty unless converged
-  bool solved() const { return state.status == SolveStatus::converged; }
+  bool solved() const { return state.solve.status == SolveStatus::converged; }
 };
 
 struct SweepOptions {

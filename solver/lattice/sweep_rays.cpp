@@ -62,7 +62,7 @@ std::optional<double> SweepWorker::predict_between(const SweepNode& node, const 
       return std::nullopt;  // itself
     const SweepNode* known = options_.coarse ? options_.coarse(c) : nullptr;
     if (!known) return std::nullopt;
-    least = std::min(least, known->state.min_jacobian);
+    least = std::min(least, known->state.solve.min_jacobian);
     const Vec3 half = 0.5 * (x - known->state.at);
     const double *u = known->field.u.data(), *v = known->field.tangent.data();
     for (std::size_t i = 0; i < size; ++i)
@@ -163,7 +163,7 @@ void SweepWorker::walk(const std::vector<SweepNode*>& nodes) {
     const double step = x.norm() / anchor.steps;
     settle(*nodes[i],
            path_.advance(x, step, arrival_tolerance, most_iterations, options_.stop, between_tolerance));
-    if (path_.kink() > snap) nodes[i]->state.multivalued = true;
+    if (path_.kink() > snap) nodes[i]->state.solve.multivalued = true;
   }
 }
 
@@ -174,18 +174,18 @@ void SweepWorker::settle(SweepNode& node, const NewtonReport& report) {
   const bool arrived = report.status == SolveStatus::converged;
   if (node.solved()) {
     if (arrived && (report.force - s.force).norm() <= other_branch * report.force.norm()) return;
-    s.multivalued = true;
+    s.solve.multivalued = true;
     if (!arrived) return;
   }
-  s.parent = Vec3::Zero();
+  s.solve.parent = Vec3::Zero();
   if (arrived) {
     take(node, report);
     return;
   }
-  s.status = report.status;
-  s.iterations += path_.iterations();
-  s.residual = report.residual;
-  s.min_jacobian = report.min_jacobian;
+  s.solve.status = report.status;
+  s.solve.iterations += path_.iterations();
+  s.solve.residual = report.residual;
+  s.solve.min_jacobian = report.min_jacobian;
 }
 
 }  // namespace forefeel

@@ -24,7 +24,7 @@ inline State field_state(const Vec3& at) {
   state.force = -(a * u + b * at.squaredNorm() * at + 0.6 * s * coupling.row(0).transpose());
   state.stiffness = a * coupling + b * (at.squaredNorm() * Mat3::Identity() + 2 * at * at.transpose()) +
                     18 * c * coupling.row(0).transpose() * coupling.row(0);
-  state.status = SolveStatus::converged;
+  state.solve.status = SolveStatus::converged;
   return state;
 }
 

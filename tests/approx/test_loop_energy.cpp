@@ -20,7 +20,7 @@ std::vector<State> linear_states(const Mat3& k) {
     s.at = x;
     s.force = -k * x;
     s.stiffness = k;
-    s.status = SolveStatus::converged;
+    s.solve.status = SolveStatus::converged;
     states.push_back(s);
   }
   return states;

@@ -22,7 +22,7 @@ ElasticLine stiffening(double a, double b) {
     state.at = Vec3(0, 0, -s);
     state.force = Vec3(0.1, 0, a * s + b * s * s * s);
     state.stiffness = (a + 3 * b * s * s) * Mat3::Identity();
-    state.status = SolveStatus::converged;
+    state.solve.status = SolveStatus::converged;
     states.push_back(state);
   }
   return {states, -Vec3::UnitZ()};

@@ -22,7 +22,7 @@ State field_state(const Vec3& x) {
   s.at = x;
   s.force = -(40 + 2e4 * x.squaredNorm()) * x;
   s.stiffness = (40 + 2e4 * x.squaredNorm()) * Mat3::Identity() + 4e4 * x * x.transpose();
-  s.status = SolveStatus::converged;
+  s.solve.status = SolveStatus::converged;
   return s;
 }
 

@@ -27,10 +27,10 @@ inline State state(int i, bool full = true) {
   s.force = {uniform(random), uniform(random), uniform(random)};
   if (!full) return s;
   for (int k = 0; k < 9; ++k) s.stiffness(k / 3, k % 3) = 100 * uniform(random);
-  s.energy = uniform(random), s.spacing = 0.012, s.status = SolveStatus::converged,
-  s.multivalued = i % 2 == 1;
-  s.iterations = i, s.residual = 1e-11, s.seconds = 0.004, s.min_jacobian = 0.7;
-  s.parent = {0.1, 0.2, uniform(random)};
+  s.energy = uniform(random), s.spacing = 0.012, s.solve.status = SolveStatus::converged,
+  s.solve.multivalued = i % 2 == 1;
+  s.solve.iterations = i, s.solve.residual = 1e-11, s.solve.seconds = 0.004, s.solve.min_jacobian = 0.7;
+  s.solve.parent = {0.1, 0.2, uniform(random)};
   if (i % 3 == 0)
     s.displacements =
         std::make_shared<const std::vector<double>>(std::vector<double>{1, 2, 3, uniform(random), 5, 6});
@@ -50,9 +50,11 @@ inline bool same(const State& a, const State& b) {
   const bool displaced =
       a.displacements ? b.displacements && *a.displacements == *b.displacements : !b.displacements;
   return same(a.at, b.at) && same(a.force, b.force) && same(a.energy, b.energy) &&
-         same(a.spacing, b.spacing) && a.status == b.status && a.multivalued == b.multivalued &&
-         a.iterations == b.iterations && same(a.residual, b.residual) && same(a.seconds, b.seconds) &&
-         same(a.min_jacobian, b.min_jacobian) && same(a.parent, b.parent) && displaced;
+         same(a.spacing, b.spacing) && a.solve.status == b.solve.status &&
+         a.solve.multivalued == b.solve.multivalued && a.solve.iterations == b.solve.iterations &&
+         same(a.solve.residual, b.solve.residual) && same(a.solve.seconds, b.solve.seconds) &&
+         same(a.solve.min_jacobian, b.solve.min_jacobian) && same(a.solve.parent, b.solve.parent) &&
+         displaced;
 }
 
 inline std::vector<State> states(int n) {

@@ -16,7 +16,7 @@ TEST_CASE("check solves are kept beside the states, and replaced as a whole") {
   a.at = {0.1, -1.0 / 3, 2e-9};
   a.force = {1.0 / 7, -2, 3};
   State failed = a;
-  failed.status = SolveStatus::diverged;
+  failed.solve.status = SolveStatus::diverged;
   {
     StateFile open =
         StateFile::open_or_create(file, {.identity = {}, .spacing = 0.006, .box = {}, .notes = {}});

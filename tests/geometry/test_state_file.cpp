@@ -32,7 +32,7 @@ std::string content_of(const std::filesystem::path& file) {
 TEST_CASE("states come back bit for bit, in order, with header") {
   const TemporaryFolder folder;
   std::vector<State> all = states(50);
-  all[7].status = SolveStatus::stalled;
+  all[7].solve.status = SolveStatus::stalled;
   all[7].force = Vec3::Constant(unknown);
   {
     StateFile file = StateFile::open_or_create(folder / "s.states", header());

@@ -42,12 +42,12 @@ TEST_CASE("states survive the way through CSV bit for bit") {
     CHECK(again[i].at == all[i].at);
     CHECK(again[i].force == all[i].force);
     CHECK(again[i].has_stiffness() == (i == 1));
-    CHECK(again[i].status == SolveStatus::measured);
+    CHECK(again[i].solve.status == SolveStatus::measured);
   }
   CHECK(again[1].stiffness == all[1].stiffness);
   CHECK(again[1].energy == 0.25);
   CHECK(again[2].spacing == 0.006);
-  all[0].status = SolveStatus::diverged;
+  all[0].solve.status = SolveStatus::diverged;
   write_states_csv(folder / "s.csv", all);
   CHECK(read_states_csv(folder / "s.csv").size() == 2);  // failed states have no force to give
   CHECK(load_states(folder / "s.csv").header.spacing == 0.006);
@@ -62,7 +62,7 @@ TEST_CASE("CSV columns by name, in any order, with comments and line ends of eit
   REQUIRE(states.size() == 2);
   CHECK(states[0].at == Vec3(6, 5, 4));
   CHECK(states[0].force == Vec3(3, 2, 1));
-  CHECK(states[0].status == SolveStatus::converged);
+  CHECK(states[0].solve.status == SolveStatus::converged);
   CHECK(!states[1].usable());
   CHECK(read_points_csv(folder.write("p.csv", "x,y,z\n1,2,3\n-1e-3,+2,.5\n")) ==
         std::vector<Vec3>{{1, 2, 3}, {-1e-3, 2, 0.5}});

@@ -23,12 +23,12 @@ State plain(double min_jacobian) {
   s.force = {1, 2, 3};
   s.stiffness = 100 * Mat3::Identity();
   s.energy = 0.5;
-  s.status = SolveStatus::converged;
-  s.iterations = 3;
-  s.residual = 1e-11;
-  s.seconds = 0.004;
-  s.min_jacobian = min_jacobian;
-  s.parent = Vec3::Zero();
+  s.solve.status = SolveStatus::converged;
+  s.solve.iterations = 3;
+  s.solve.residual = 1e-11;
+  s.solve.seconds = 0.004;
+  s.solve.min_jacobian = min_jacobian;
+  s.solve.parent = Vec3::Zero();
   return s;
 }
 
@@ -53,7 +53,7 @@ TEST_CASE("an equilibrium with an inverted element has an outcome of its own, in
   CHECK(outcome(plain(unknown)) == SolveStatus::converged);  // not known to be inverted
   CHECK(outcome(plain(0)) == SolveStatus::inverted);
   State measured = plain(-1);
-  measured.status = SolveStatus::measured;
+  measured.solve.status = SolveStatus::measured;
   CHECK(outcome(measured) == SolveStatus::measured);
 
   const TemporaryFolder folder;
@@ -84,12 +84,12 @@ TEST_CASE("older files, which call such a state converged, read as before") {
 TEST_CASE("a solve that failed among inverted elements has no force and stays unusable") {
   const TemporaryFolder folder;
   State failed = plain(-0.25);
-  failed.status = SolveStatus::inverted;
+  failed.solve.status = SolveStatus::inverted;
   failed.force = Vec3::Constant(unknown);
   StateFile::open_or_create(folder / "s.states", header()).append(std::vector{failed});
   const std::vector<State> again = StateFile::open_read_only(folder / "s.states").read_all();
   REQUIRE(again.size() == 1);
-  CHECK(again[0].status == SolveStatus::inverted);
+  CHECK(again[0].solve.status == SolveStatus::inverted);
   CHECK_FALSE(again[0].usable());
   CHECK_FALSE(has_inverted_elements(again[0]));
 }

@@ -35,7 +35,7 @@ TEST_CASE("a state space refuses what is not usable or not finite, and stays as 
   StateSpace space({.spacing = 0.006, .box = {Vec3::Constant(-0.02), Vec3::Constant(0.02)}});
   REQUIRE(space.insert(measured({0, 0, 0}, {1, 0, 0})).is_new);
   State failed = measured({0.006, 0, 0}, {1, 0, 0});
-  failed.status = SolveStatus::diverged;
+  failed.solve.status = SolveStatus::diverged;
   CHECK_THAT(refusal(space, failed), Catch::Contains("ended as diverged"));
   CHECK_THAT(refusal(space, measured({unknown, 0, 0}, {1, 0, 0})), Catch::Contains("position is not finite"));
   CHECK_THAT(refusal(space, measured({0, infinite, 0}, {1, 0, 0})),

@@ -125,8 +125,8 @@ TEST_CASE("states with inverted elements do not count as solved, and are said") 
   result.counts = {.start = 1, .solved = 3};
   for (const double jacobian : {-0.5, 0.5, -0.1, 0.2}) {
     State state;
-    state.status = SolveStatus::converged;
-    state.min_jacobian = jacobian;
+    state.solve.status = SolveStatus::converged;
+    state.solve.min_jacobian = jacobian;
     result.states.push_back(state);
   }
   CHECK(outcome(result.states[0]) == SolveStatus::inverted);

@@ -41,7 +41,7 @@ JobResult result_of(std::uint32_t dispatch, int worker, const Vec3& at, SolveSta
   result.worker = worker;
   result.started = result.finished = 0;
   result.state.at = at;
-  result.state.status = status;
+  result.state.solve.status = status;
   result.state.force = -100 * at;
   result.state.stiffness = 100 * Mat3::Identity();
   return result;
@@ -226,5 +226,6 @@ TEST_CASE("worker threads: a job's neighbours come after it, all of them right; 
   workers.stop();
   thread.join();
   workers.collect(results, 0);
-  for (const JobResult& r : results) CHECK((r.state.usable() || r.state.status == SolveStatus::cancelled));
+  for (const JobResult& r : results)
+    CHECK((r.state.usable() || r.state.solve.status == SolveStatus::cancelled));
 }

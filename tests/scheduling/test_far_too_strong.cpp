@@ -25,7 +25,7 @@ State spring(const Vec3& x, double strength = 1) {
   state.at = x;
   state.force = -strength * 100 * x;
   state.stiffness = strength * 100 * Mat3::Identity();
-  state.status = SolveStatus::converged;
+  state.solve.status = SolveStatus::converged;
   return state;
 }
 

@@ -77,7 +77,7 @@ TEST_CASE("the energy interpolant reproduces a quartic energy and meets its data
     s.stiffness << 12 * x * x / (a * a) + 2 * z / a, 6 * y * z / (a * a), 3 * y * y / (a * a) + 2 * x / a,
         6 * y * z / (a * a), 6 * x * z / (a * a), 6 * x * y / (a * a), 3 * y * y / (a * a) + 2 * x / a,
         6 * x * y / (a * a), 2;
-    s.status = SolveStatus::converged;
+    s.solve.status = SolveStatus::converged;
     return s;
   };
   std::vector<State> states;
@@ -274,7 +274,7 @@ TEST_CASE("a stop ends placement within a solve that takes many steps, and its s
   const Placed placed = place(input, options);
   CHECK(placed.report.stopped);
   CHECK(placed.report.solved <= 1);  // rest
-  for (const State& s : placed.states) CHECK(s.status != SolveStatus::cancelled);
+  for (const State& s : placed.states) CHECK(s.solve.status != SolveStatus::cancelled);
 }
 
 }  // namespace forefeel

@@ -17,7 +17,7 @@ State spring(const Vec3& x) {
   state.at = x;
   state.force = -100 * x;
   state.stiffness = 100 * Mat3::Identity();
-  state.status = SolveStatus::converged;
+  state.solve.status = SolveStatus::converged;
   return state;
 }
 
@@ -38,7 +38,7 @@ class ManualWorkers final : public Generator {
                      .finished = now,
                      .state = spring(jobs.at(worker).at),
                      .equilibrium = nullptr};
-    result.state.status = status;
+    result.state.solve.status = status;
     jobs.erase(worker);
     cancelled.erase(worker);
     return result;
@@ -188,7 +188,7 @@ TEST_CASE("planner: a failed solve is recorded and not tried again") {
   b.planner.receive(b.generator.end(0, 0.01, SolveStatus::diverged), 0.01);
   CHECK(b.planner.space().size() == 0);
   REQUIRE(b.told.size() == 1);
-  CHECK(b.told[0].status == SolveStatus::diverged);
+  CHECK(b.told[0].solve.status == SolveStatus::diverged);
   for (int i = 0; i < 200; ++i) {
     b.planner.plan(0.02 + 0.01 * i);
     if (b.generator.jobs.empty()) break;

@@ -315,7 +315,7 @@ TEST_CASE("candidates are the unknown lattice points, each once") {
   StateSpace space(testing::small_input().touched.space);
   space.insert(spring(Vec3::Zero()));
   State failed = spring(Vec3(0.006, 0, 0));
-  failed.status = SolveStatus::diverged;
+  failed.solve.status = SolveStatus::diverged;
   Candidates candidates(space, std::vector<State>{failed});
   CHECK(candidates.open().size() == 123);
   for (const Candidate& c : candidates.open()) {

@@ -50,7 +50,7 @@ struct Collected {
       std::memcpy(v.data(), s.force.data(), sizeof(Vec3));
       std::memcpy(v.data() + 3, s.stiffness.data(), sizeof(Mat3));
       v[12] = s.energy;
-      v[13] = static_cast<double>(s.status) + 10 * s.multivalued;
+      v[13] = static_cast<double>(s.solve.status) + 10 * s.solve.multivalued;
       states.push_back(std::move(s));
     };
   }
@@ -341,7 +341,7 @@ TEST_CASE(
     workers->collect(results, 0);
   }
   REQUIRE(results.size() == 2);
-  CHECK(results[0].state.status == SolveStatus::cancelled);
+  CHECK(results[0].state.solve.status == SolveStatus::cancelled);
   CHECK(results[1].dispatch == 5);
   CHECK(results[1].state.at == b);
   CHECK_FALSE(workers->takes_jobs(0));
@@ -353,7 +353,7 @@ TEST_CASE(
   late.add(0.1);
   State state;
   state.at = a;
-  state.status = SolveStatus::converged;
+  state.solve.status = SolveStatus::converged;
   pack(late, state);
   late.add(std::uint8_t{0});
   late.add(std::uint8_t{0});
@@ -373,6 +373,6 @@ TEST_CASE(
   workers->collect(results, 0);
   workers->collect(results, 0);
   REQUIRE(results.size() == 1);
-  CHECK(results[0].state.status == SolveStatus::cancelled);
+  CHECK(results[0].state.solve.status == SolveStatus::cancelled);
   CHECK_FALSE(workers->takes_jobs(1));
 }

@@ -30,7 +30,7 @@ TEST_CASE("an interrupted rehearsal leaves a session that was not begun") {
   input.files.states = folder / "session.states";
   State rest;
   rest.at = rest.force = Vec3::Zero();
-  rest.status = SolveStatus::converged;
+  rest.solve.status = SolveStatus::converged;
   input.known = {rest};
   std::size_t handed_over = 0, positions = 0;
   const SessionResult result =

@@ -96,7 +96,7 @@ TEST_CASE("a state at another position than asked for has failed") {
   bool first = true;
   const SessionResult result = run([&](std::vector<JobResult>& results) {
     for (JobResult& done : results)
-      if (done.state.status != SolveStatus::cancelled && !done.state.at.isZero(0) &&
+      if (done.state.solve.status != SolveStatus::cancelled && !done.state.at.isZero(0) &&
           std::exchange(first, false))
         done.state.at.x() += 0.003;
   });

@@ -100,7 +100,7 @@ TEST_CASE(
   directory.asked(3, Unpacker(question(0, 0, x)));
   State state;
   state.at = x;
-  state.status = SolveStatus::converged;
+  state.solve.status = SolveStatus::converged;
   Packer told;
   told.add(std::uint8_t{1});
   told.add(std::uint32_t{0});

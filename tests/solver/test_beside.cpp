@@ -39,7 +39,7 @@ TEST_CASE("states beside a known one equal tight solves along the straight path,
       for (std::size_t i = 0; i < xs.size(); ++i) {
         const State state = judge.reference(xs[i], h).state;
         CAPTURE(i);
-        REQUIRE(found[i].state.status == SolveStatus::converged);
+        REQUIRE(found[i].state.solve.status == SolveStatus::converged);
         REQUIRE(found[i].equilibrium);
         CHECK(found[i].state.at == xs[i]);
         CHECK((found[i].state.force - state.force).norm() <= 5e-6 * state.force.norm());
@@ -48,7 +48,7 @@ TEST_CASE("states beside a known one equal tight solves along the straight path,
         options.tolerance = 1e-10;
         const SolveOutcome again = judge.from(*found[i].equilibrium, xs[i], options);
         options.tolerance = 1e-6;
-        CHECK(again.state.iterations <= 2);
+        CHECK(again.state.solve.iterations <= 2);
         CHECK((again.state.force - state.force).norm() <= 1e-8 * state.force.norm());
       }
     }
@@ -72,7 +72,7 @@ TEST_CASE("states beside one whose factor was lost, beside rest, none, and after
   std::stop_source stop;
   stop.request_stop();
   for (const SolveOutcome& outcome : solver.beside(*near.equilibrium, xs, options, stop.get_token()))
-    CHECK(outcome.state.status == SolveStatus::cancelled);
+    CHECK(outcome.state.solve.status == SolveStatus::cancelled);
 }
 
 TEST_CASE("a cancelled solve keeps its last iterate; a solve from there reaches the same equilibrium") {
@@ -86,19 +86,19 @@ TEST_CASE("a cancelled solve keeps its last iterate; a solve from there reaches 
     std::stop_source stop;
     std::thread stopper([&] {
       std::this_thread::sleep_for(
-          std::chrono::duration<double>(whole.seconds * (0.1 + 0.8 * (attempt % 10) / 10.0)));
+          std::chrono::duration<double>(whole.solve.seconds * (0.1 + 0.8 * (attempt % 10) / 10.0)));
       stop.request_stop();
     });
     const SolveOutcome outcome = solver.from(*solver.rest(), x, options, stop.get_token());
     stopper.join();
-    if (outcome.state.status != SolveStatus::cancelled) continue;  // too late
+    if (outcome.state.solve.status != SolveStatus::cancelled) continue;  // too late
     CHECK_FALSE(outcome.equilibrium);
     if (!outcome.partial) continue;  // before the first iteration
     ++broken_off;
     const SolveOutcome rest = solver.from(*outcome.partial, x, options);
     REQUIRE(rest.state.usable());
     CHECK((rest.state.force - whole.force).norm() <= 1e-8 * whole.force.norm());
-    CHECK(rest.state.iterations < whole.iterations);
+    CHECK(rest.state.solve.iterations < whole.solve.iterations);
   }
   CHECK(broken_off > 0);
 }

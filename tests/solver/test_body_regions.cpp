@@ -115,7 +115,7 @@ TEST_CASE("several materials: force and stiffness are derivatives of energy and 
       INFO(pair.what << ", " << name(element));
       Solver solver(body);
       const State state = solver.reference(there, 0.006, {.tolerance = 1e-12}).state;
-      REQUIRE(state.status == SolveStatus::converged);
+      REQUIRE(state.solve.status == SolveStatus::converged);
       constexpr double step = 1e-5;
       for (int axis = 0; axis < 3; ++axis) {
         const State up = solver.reference(there + step * Vec3::Unit(axis), 0.006, {.tolerance = 1e-12}).state;
@@ -141,11 +141,11 @@ TEST_CASE("a sweep over several materials is within 1e-6 of tight solves, whatev
     double worst = 0;
     for (std::size_t i = 0; i < states.size(); ++i) {
       const State& state = states[i];
-      REQUIRE(state.status == SolveStatus::converged);
+      REQUIRE(state.solve.status == SolveStatus::converged);
       REQUIRE(same_bits(state, alone.at({state.at[0], state.at[1], state.at[2]})));
       if (i % 23 != 0 || state.at.norm() == 0) continue;
       const State tight = solver.reference(state.at, 0.006).state;
-      REQUIRE(tight.status == SolveStatus::converged);
+      REQUIRE(tight.solve.status == SolveStatus::converged);
       worst = std::max(worst, (state.force - tight.force).norm() / tight.force.norm());
     }
     INFO("worst " << worst);

@@ -74,7 +74,7 @@ TEST_CASE("FEniCSx: two and three materials, factors of 10 and 1000, forces with
       const Vec3 force(theirs[b][i][0], theirs[b][i][1], theirs[b][i][2]);
       const State ours =
           solver.reference(at[i], at[i].norm() / steps * (1 + 1e-9), {.tolerance = 1e-12}).state;
-      REQUIRE(ours.status == SolveStatus::converged);
+      REQUIRE(ours.solve.status == SolveStatus::converged);
       INFO("body " << b << ": " << ours.force.transpose() << ", FEniCSx " << force.transpose() << ", off by "
                    << (ours.force - force).norm() / force.norm());
       CHECK((ours.force - force).norm() < 1e-9 * force.norm());

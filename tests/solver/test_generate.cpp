@@ -37,7 +37,7 @@ std::map<std::array<long, 3>, State> generate(const std::shared_ptr<const Body>&
 bool same_bits(const State& a, const State& b) {
   return std::memcmp(a.force.data(), b.force.data(), sizeof(Vec3)) == 0 &&
          std::memcmp(a.stiffness.data(), b.stiffness.data(), sizeof(Mat3)) == 0 && a.energy == b.energy &&
-         a.status == b.status && a.at == b.at;
+         a.solve.status == b.solve.status && a.at == b.at;
 }
 
 }  // namespace
@@ -54,7 +54,7 @@ TEST_CASE("fast states are within 1e-6 of tight ones, all laws; stiffness and en
     for (const auto& [k, state] : states) {
       if (++i % 23 != 0 || state.at.norm() == 0) continue;
       const State tight = solver.reference(state.at, 0.006).state;
-      REQUIRE(tight.status == SolveStatus::converged);
+      REQUIRE(tight.solve.status == SolveStatus::converged);
       INFO(name(law) << " at " << state.at.transpose());
       const double tolerance = law == Law::st_venant_kirchhoff ? 5e-6 : 1e-6;
       CHECK((state.force - tight.force).norm() < tolerance * tight.force.norm());
@@ -73,13 +73,15 @@ TEST_CASE("St. Venant-Kirchhoff with inverted elements: states that are not mark
   Solver solver(body);
   std::size_t inverted = 0, marked = 0, checked = 0;
   for (const auto& [k, state] : states) {
-    REQUIRE(state.status == SolveStatus::converged);
-    inverted += state.min_jacobian <= 0;
-    marked += state.multivalued;
-    if (state.multivalued || state.at.norm() == 0 || (state.min_jacobian > 0 && ++checked % 5 != 0)) continue;
+    REQUIRE(state.solve.status == SolveStatus::converged);
+    inverted += state.solve.min_jacobian <= 0;
+    marked += state.solve.multivalued;
+    if (state.solve.multivalued || state.at.norm() == 0 ||
+        (state.solve.min_jacobian > 0 && ++checked % 5 != 0))
+      continue;
     const State tight = solver.reference(state.at, options.spacing).state;
-    REQUIRE(tight.status == SolveStatus::converged);
-    INFO("at " << state.at.transpose() << ", least det F " << state.min_jacobian);
+    REQUIRE(tight.solve.status == SolveStatus::converged);
+    INFO("at " << state.at.transpose() << ", least det F " << state.solve.min_jacobian);
     CHECK((state.force - tight.force).norm() < 5e-6 * tight.force.norm());
     CHECK((state.stiffness - tight.stiffness).norm() < 2e-4 * tight.stiffness.norm());
   }
@@ -105,9 +107,9 @@ TEST_CASE(
     for (const State& state : states) {
       const Vec3 k = state.at / options.spacing;
       const bool outside = k.cwiseAbs().maxCoeff() > 2.5;
-      if (state.multivalued || state.at.norm() == 0 || (!outside && ++checked % 7 != 0)) continue;
+      if (state.solve.multivalued || state.at.norm() == 0 || (!outside && ++checked % 7 != 0)) continue;
       const State tight = solver.reference(state.at, options.spacing).state;
-      REQUIRE(tight.status == SolveStatus::converged);
+      REQUIRE(tight.solve.status == SolveStatus::converged);
       INFO("at " << k.transpose() << ", nu " << poisson);
       CHECK((state.force - tight.force).norm() < 1e-6 * tight.force.norm());
       CHECK((state.stiffness - tight.stiffness).norm() < 1e-4 * tight.stiffness.norm());
@@ -134,7 +136,7 @@ TEST_CASE(
   std::size_t i = 0;
   for (const auto& [k, state] : whole)
     if (i++ % 3 != 0) known.push_back(state);
-  known[5].status = SolveStatus::diverged;
+  known[5].solve.status = SolveStatus::diverged;
   GenerateReport report;
   const auto rest = generate(body, small_box(2), known, &report);
   CHECK(report.resumed == known.size());
@@ -157,7 +159,7 @@ TEST_CASE("a stopped lattice hands over only finished states, which are kept") {
   CHECK(kept.size() >= 20);
   CHECK(kept.size() < lattice(options.box, 0.006).size());
   CHECK(report.solved == kept.size());
-  for (const State& s : kept) CHECK(s.status == SolveStatus::converged);
+  for (const State& s : kept) CHECK(s.solve.status == SolveStatus::converged);
 }
 
 TEST_CASE("an exception in the sink comes out of generate_lattice") {

@@ -46,7 +46,7 @@ TEST_CASE("FEniCSx's beam: force within 1e-9, energy within 1e-9, every law") {
       const Vec3 x(state["at"][0], state["at"][1], state["at"][2]);
       const Vec3 force(state["force"][0], state["force"][1], state["force"][2]);
       const SolveOutcome outcome = solver.reference(x, 0.006);
-      REQUIRE(outcome.state.status == SolveStatus::converged);
+      REQUIRE(outcome.state.solve.status == SolveStatus::converged);
       INFO(x.transpose() << ": " << outcome.state.force.transpose() << ", theirs " << force.transpose());
       CHECK((outcome.state.force - force).norm() < 1e-9 * force.norm());
       const double energy = state["energy"].get<double>() - rest_energy;

@@ -26,8 +26,8 @@ TEST_CASE(
       const Vec3 x(-0.012, 0.008, 0.005);
       const SolveOutcome at = solver.reference(x, 0.006);
       INFO(name(law) << " " << name(element));
-      REQUIRE(at.state.status == SolveStatus::converged);
-      CHECK(at.state.residual < 1e-10);
+      REQUIRE(at.state.solve.status == SolveStatus::converged);
+      CHECK(at.state.solve.residual < 1e-10);
       const double h = 1e-5;
       Mat3 stiffness;
       Vec3 force;
@@ -55,7 +55,7 @@ TEST_CASE(
     Solver solver(body);
     const Vec3 x(0.002, -0.001, -0.003);
     const State state = solver.reference(x, 0.006).state;
-    REQUIRE(state.status == SolveStatus::converged);
+    REQUIRE(state.solve.status == SolveStatus::converged);
     Mat3 f = Mat3::Identity();
     f.col(2) += x / 0.01;
     const LawValue value = evaluate_law(law, law_constants(body->material), f);
@@ -82,7 +82,7 @@ TEST_CASE("at rest nothing pulls, and from() reaches what reference() does") {
   const auto body = block_body(Law::mooney_rivlin);
   Solver solver(body);
   const State rest = solver.reference(Vec3::Zero(), 0.006).state;
-  CHECK(rest.status == SolveStatus::converged);
+  CHECK(rest.solve.status == SolveStatus::converged);
   CHECK(rest.force.norm() < 1e-12);
   CHECK(rest.energy == Approx(0).margin(1e-15));
   const SolveOutcome near = solver.reference(Vec3(0.006, -0.006, 0), 0.006);
@@ -103,7 +103,7 @@ TEST_CASE("a linear body is linear: f = -K x whatever the way, W = x K x / 2") {
   const Mat3 k = solver.reference(Vec3(0.001, 0, 0), 0.006).state.stiffness;
   const Vec3 x(0.03, -0.05, 0.02);
   const State state = solver.reference(x, 0.006).state;
-  CHECK(state.status == SolveStatus::converged);
+  CHECK(state.solve.status == SolveStatus::converged);
   CHECK((state.force + k * x).norm() < 1e-13 * state.force.norm());
   CHECK(state.energy == Approx(0.5 * x.dot(k * x)).epsilon(1e-12));
 }
@@ -113,9 +113,9 @@ TEST_CASE("a cancelled solve says so and leaves the solver fit") {
   std::stop_source stop;
   stop.request_stop();
   const SolveOutcome cancelled = solver.from(*solver.rest(), Vec3(0.01, 0, 0), {}, stop.get_token());
-  CHECK(cancelled.state.status == SolveStatus::cancelled);
+  CHECK(cancelled.state.solve.status == SolveStatus::cancelled);
   CHECK_FALSE(cancelled.equilibrium);
-  CHECK(solver.from(*solver.rest(), Vec3(0.01, 0, 0), {}).state.status == SolveStatus::converged);
+  CHECK(solver.from(*solver.rest(), Vec3(0.01, 0, 0), {}).state.solve.status == SolveStatus::converged);
 }
 
 TEST_CASE("what cannot be reached ends with a status, finite or unknown values, never 'converged'") {
@@ -123,8 +123,8 @@ TEST_CASE("what cannot be reached ends with a status, finite or unknown values, 
     Solver solver(block_body(law, 0.45));
     const SolveOutcome outcome =
         solver.reference(Vec3(-0.12, 0, 0), 0.02, {.max_iterations = 15});  // through the clamp
-    if (outcome.state.status == SolveStatus::converged) {
-      CHECK(outcome.state.residual < 1e-7);
+    if (outcome.state.solve.status == SolveStatus::converged) {
+      CHECK(outcome.state.solve.residual < 1e-7);
       CHECK(outcome.state.force.allFinite());
     } else {
       CHECK_FALSE(outcome.equilibrium);
@@ -143,7 +143,7 @@ TEST_CASE("forces scale with the body: E, size") {
       for (Vec3& node : other->mesh.nodes) node *= scale;
       other->material.young = young;
       const State state = Solver(other).reference(scale * x, scale * 0.006).state;
-      REQUIRE(state.status == SolveStatus::converged);
+      REQUIRE(state.solve.status == SolveStatus::converged);
       const double factor = young / 5000 * scale * scale;
       CHECK((state.force - factor * plain.force).norm() < 1e-8 * factor * plain.force.norm());
     }
