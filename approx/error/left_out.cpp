@@ -33,9 +33,9 @@ struct Division {
 };
 
 // Unit vectors to the faces, edges and corners of a cube.
-const std::array<Vec3, Onlooker::directions>& all_directions() {
-  static const std::array<Vec3, Onlooker::directions> all = [] {
-    std::array<Vec3, Onlooker::directions> made;
+const std::array<Vec3, PlaceLocator::directions>& all_directions() {
+  static const std::array<Vec3, PlaceLocator::directions> all = [] {
+    std::array<Vec3, PlaceLocator::directions> made;
     std::size_t count = 0;
     for (int x = -1; x <= 1; ++x)
       for (int y = -1; y <= 1; ++y)
@@ -86,8 +86,8 @@ Division best_division(std::span<const Vec3> at, std::span<const double> wanted)
 
 void add_trial(Trial trial, Trials& trials) {
   if (trial.held.empty() || trial.known->empty()) return;
-  const Onlooker see(*trial.known);
-  for (const State& held : trial.held) trial.seen.push_back(see(held.at));
+  const PlaceLocator locate(*trial.known);
+  for (const State& held : trial.held) trial.seen.push_back(locate(held.at));
   trials.positions += trial.held.size();
   trials.each.push_back(std::move(trial));
 }
@@ -151,7 +151,7 @@ void add_patches(std::span<const State> states, std::span<const double> wanted, 
 
 // The directions in which places outside are wanted.
 std::vector<Vec3> directions_of(std::span<const SeenPlace> outside) {
-  std::array<std::size_t, Onlooker::directions> count{};
+  std::array<std::size_t, PlaceLocator::directions> count{};
   for (const SeenPlace& place : outside) ++count[place.direction];
   std::vector<Vec3> found;
   for (std::size_t i = 0; i < count.size(); ++i)
@@ -228,14 +228,14 @@ void add_caps(std::span<const State> states, std::span<const SeenPlace> wanted, 
 
 }  // namespace
 
-Onlooker::Onlooker(const StateSpace& space) : space_(&space) {
+PlaceLocator::PlaceLocator(const StateSpace& space) : space_(&space) {
   farthest_.fill(-infinite);
   for (std::uint32_t id = 0; id < space.size(); ++id)
     for (std::size_t k = 0; k < directions; ++k)
       farthest_[k] = std::max(farthest_[k], all_directions()[k].dot(space[StateId{id}].at));
 }
 
-SeenPlace Onlooker::operator()(const Vec3& x) const {
+SeenPlace PlaceLocator::operator()(const Vec3& x) const {
   std::vector<StateId> nearest;
   space_->nearest(x, 1, nearest);
   SeenPlace place{.away = (x - (*space_)[nearest.front()].at).norm(), .beyond = -infinite};

@@ -39,11 +39,11 @@ struct SeenPlace {
   bool outside = false;
 };
 
-// Sees places from the states of a space, at least one. The space must stay as it is.
-class Onlooker {
+// Locates places relative to the states of a space, at least one. The space must stay as it is.
+class PlaceLocator {
  public:
   static constexpr std::size_t directions = 26;
-  explicit Onlooker(const StateSpace& space);
+  explicit PlaceLocator(const StateSpace& space);
   SeenPlace operator()(const Vec3& x) const;
 
  private:

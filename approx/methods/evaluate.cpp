@@ -190,8 +190,8 @@ Evaluation evaluate(std::span<const State> states, std::span<const Vec3> points,
   const bool moving = result.method == Method::rbf;
   std::vector<SeenPlace> wanted;
   if (moving) {
-    const Onlooker see(space);
-    for (const Vec3& x : points) wanted.push_back(see(x));
+    const PlaceLocator locate(space);
+    for (const Vec3& x : points) wanted.push_back(locate(x));
   }
   if (moving && is_chosen(options, stiffness)) {
     result.chosen = choose_model(mean.states, {.kernel = options.kernel,

@@ -233,7 +233,7 @@ int run_generate(const Globals& globals, const GenerateArguments& arguments, Ran
     return std::max(code, held ? 0 : 1);
   }
 
-  if (ranks) ranks->begin(rank_identity(scene.source.hash), said_spacing(scene.space.spacing));
+  if (ranks) ranks->begin(rank_identity(scene.source.hash), pack_spacing(scene.space.spacing));
   const GenerateResult result = fill_lattice(globals, scene, std::move(file), known, arguments.output, ranks);
   if (globals.json) print_json(to_json(result, scene));
   tell(globals, result, arguments.output);
@@ -274,9 +274,9 @@ int run_with_mpi(const Globals& globals, const GenerateArguments& arguments) {
   const auto load = [&](const RankContext& rank) {
     const Scene scene = load_scene(arguments.scene, globals.set, nullptr, {.spacing = false});
     GenerateOptions options = options_of(scene);
-    options.spacing = heard_spacing(scene, rank);
-    return LoadedHand{.hand = make_lattice_hand(scene.body, options, rank.ended),
-                      .identity = rank_identity(scene.source.hash)};
+    options.spacing = received_spacing(scene, rank);
+    return LoadedWorker{.worker = make_lattice_worker(scene.body, options, rank.ended),
+                        .identity = rank_identity(scene.source.hash)};
   };
   return run_ranked(globals, arguments.mpi, {.lead = lead, .load = load});
 }

@@ -12,13 +12,13 @@ constexpr double step = 1.0 / 60;  // of the path, in spacings (0.1 mm at 6 mm)
 constexpr int steps_per_reference = 20;
 
 // The force of the method along the path, one neighbour set after the other.
-std::vector<PathPoint> walk(const PaperGround& ground, const StateSpace& space, const PathMethod& method,
+std::vector<PathPoint> walk(const PaperStates& paper, const StateSpace& space, const PathMethod& method,
                             const std::vector<double>& stations) {
   ModelUpdater updater(space, method.model);
   Model now, before;
   std::vector<PathPoint> points;
   for (const double s : stations) {
-    const Vec3 x = ground.at(s);
+    const Vec3 x = paper.at(s);
     UpdateReport report;
     if (!method.ours) updater.forget();  // the paper's rule does not depend on the earlier set
     updater.update(x, now, &report);
@@ -26,7 +26,7 @@ std::vector<PathPoint> walk(const PaperGround& ground, const StateSpace& space, 
     point.label = report.label;
     if (!points.empty()) point.jump = (point.force - before.force(x)).norm();
     for (const StateId id : now.states())
-      ++(ground.along(space[id].at) > 0.5 * ground.far_side() ? point.far_side : point.near_side);
+      ++(paper.along(space[id].at) > 0.5 * paper.far_side() ? point.far_side : point.near_side);
     points.push_back(point);
     std::swap(now, before);
   }
@@ -40,20 +40,20 @@ Jump jump_at(const Curve& curve, std::size_t i, const Judge& judge) {
 
 }  // namespace
 
-Fig2 run_all(Laboratory& laboratory, const PaperGround& ground, const Judge& judge, const ShowShare& show) {
+Fig2 run_all(Laboratory& laboratory, const PaperStates& paper, const Judge& judge, const ShowShare& show) {
   std::vector<double> stations;
-  const auto last = static_cast<int>(std::lround(ground.depth() / ground.spacing() / step));
-  for (int i = 0; i <= last; ++i) stations.push_back(ground.depth() * i / last);
+  const auto last = static_cast<int>(std::lround(paper.depth() / paper.spacing() / step));
+  for (int i = 0; i <= last; ++i) stations.push_back(paper.depth() * i / last);
   Fig2 fig;
   std::vector<Vec3> wanted;
   std::vector<std::size_t> station_of;
   for (std::size_t i = 0; i < stations.size(); i += steps_per_reference) {
-    wanted.push_back(ground.at(stations[i]));
+    wanted.push_back(paper.at(stations[i]));
     station_of.push_back(i);
   }
   const std::vector<State> references =
       laboratory.references(wanted, [&](double share, const std::string& text) { show(0.5 * share, text); });
-  const StateSpace complete = ground.space(ground.complete());
+  const StateSpace complete = paper.space(paper.complete());
   double walked = 0;
   const auto next_walk = [&](const PathMethod& method, const char* setup) {
     show(0.5 + 0.5 * walked++ / double(4 * paper_methods().size()),
@@ -61,11 +61,11 @@ Fig2 run_all(Laboratory& laboratory, const PaperGround& ground, const Judge& jud
   };
   for (const PathMethod& method : paper_methods()) {
     next_walk(method, "all states known");
-    const std::vector<PathPoint> full = walk(ground, complete, method, stations);
+    const std::vector<PathPoint> full = walk(paper, complete, method, stations);
     for (const char* setup : {"blank", "gap", "sparse"}) {
       next_walk(method, setup);
-      const StateSpace space = ground.space(ground.known(setup));
-      Curve curve{setup, method, walk(ground, space, method, stations)};
+      const StateSpace space = paper.space(paper.known(setup));
+      Curve curve{setup, method, walk(paper, space, method, stations)};
       for (std::size_t i = 0; i < stations.size(); ++i) {
         curve.points[i].complete = full[i].force;
         curve.points[i].error_complete = judge.relative(curve.points[i].force, full[i].force);
@@ -80,7 +80,7 @@ Fig2 run_all(Laboratory& laboratory, const PaperGround& ground, const Judge& jud
   fig.asked = references.size();
   for (const State& state : references)
     if (state.usable()) {
-      fig.tight_s.push_back(ground.along(state.at));
+      fig.tight_s.push_back(paper.along(state.at));
       fig.tight.push_back(state.force);
     }
   return fig;

@@ -11,7 +11,7 @@
 #include <string>
 #include <vector>
 
-#include "apps/laboratory/paper_ground.hpp"
+#include "apps/laboratory/paper_states.hpp"
 
 namespace forefeel::fig2 {
 
@@ -48,7 +48,7 @@ struct Fig2 {
 };
 
 // Runs every method in every situation.
-Fig2 run_all(Laboratory& laboratory, const PaperGround& ground, const Judge& judge, const ShowShare& show);
+Fig2 run_all(Laboratory& laboratory, const PaperStates& paper, const Judge& judge, const ShowShare& show);
 
 struct Jump {
   double s = unknown, size = 0, jnd = 0;  // [m], [N], in JND

@@ -11,7 +11,7 @@
 #include <nlohmann/json.hpp>
 
 #include "apps/console/json.hpp"
-#include "apps/laboratory/paper_ground.hpp"
+#include "apps/laboratory/paper_states.hpp"
 #include "apps/laboratory/reproduce.hpp"
 #include "apps/picture/figure.hpp"
 #include "apps/picture/plot.hpp"
@@ -44,17 +44,17 @@ struct Script {
 };
 
 // Groups of equal size, divided by distance from the HIP.
-Script write_script(const PaperGround& ground, const ReproduceOptions& options) {
+Script write_script(const PaperStates& paper, const ReproduceOptions& options) {
   Script script;
-  script.held_at = 0.775 * ground.depth();  // not a lattice point
+  script.held_at = 0.775 * paper.depth();  // not a lattice point
   script.interval = options.interval;
   script.first = std::max(options.interval, script.held_at / approach_speed + 0.5);
   script.seconds = script.first + static_cast<double>(groups) * options.interval;
-  script.known = ground.known("blank");
+  script.known = paper.known("blank");
   std::vector<Vec3> rest;
-  for (const State& state : ground.complete())
-    if (ground.along(state.at) > 0.5 * ground.spacing()) rest.push_back(state.at);
-  const Vec3 hip = ground.at(script.held_at);
+  for (const State& state : paper.complete())
+    if (paper.along(state.at) > 0.5 * paper.spacing()) rest.push_back(state.at);
+  const Vec3 hip = paper.at(script.held_at);
   std::ranges::stable_sort(
       rest, [&](const Vec3& a, const Vec3& b) { return (a - hip).norm() > (b - hip).norm() + 1e-9; });
   script.arriving.resize(groups);
@@ -62,7 +62,7 @@ Script write_script(const PaperGround& ground, const ReproduceOptions& options) 
   return script;
 }
 
-void write_inputs(const Script& script, const PaperGround& ground, const std::filesystem::path& folder) {
+void write_inputs(const Script& script, const PaperStates& paper, const std::filesystem::path& folder) {
   std::string arrivals = "t,x,y,z\n", trace = "t,x,y,z\n";
   for (std::size_t g = 0; g < groups; ++g)
     for (const Vec3& x : script.arriving[g])
@@ -71,7 +71,7 @@ void write_inputs(const Script& script, const PaperGround& ground, const std::fi
   const double arrived = script.held_at / approach_speed;
   for (int i = 0; i <= 20; ++i) {  // speed is zero at both ends
     const double u = i / 20.0;
-    const Vec3 x = ground.at(script.held_at * u * u * (3 - 2 * u));
+    const Vec3 x = paper.at(script.held_at * u * u * (3 - 2 * u));
     trace += fmt::format("{:.6g},{:.9g},{:.9g},{:.9g}\n", arrived * u, x[0], x[1], x[2]);
   }
   write_text(folder / "damping-arrivals.csv", arrivals);
@@ -83,12 +83,12 @@ struct Run {
   std::vector<FrameRecord> frames;
 };
 
-std::vector<Run> run_ways(Laboratory& laboratory, const PaperGround& ground, const Script& script,
+std::vector<Run> run_ways(Laboratory& laboratory, const PaperStates& paper, const Script& script,
                           const std::filesystem::path& folder, const ShowShare& show) {
-  laboratory.service()->learn(ground.complete());
+  laboratory.service()->learn(paper.complete());
   SessionInput input = laboratory.session_input();
   input.known = script.known;
-  input.touched.space = ground.space({}).options();
+  input.touched.space = paper.space({}).options();
   std::vector<Run> runs;
   for (const Way& way : ways()) {
     SessionOptions options = laboratory.scene().session;
@@ -352,15 +352,15 @@ std::string what_we_found(const std::vector<Run>& runs, const std::vector<Readin
 
 Findings reproduce_damping(Laboratory& laboratory, const ReproduceOptions& options,
                            const std::filesystem::path& folder, const ShowShare& show) {
-  const PaperGround ground(laboratory, options.depth,
-                           [&](double share, const std::string& text) { show(0.4 * share, text); });
-  const Script script = write_script(ground, options);
-  write_inputs(script, ground, folder);
+  const PaperStates paper(laboratory, options.depth,
+                          [&](double share, const std::string& text) { show(0.4 * share, text); });
+  const Script script = write_script(paper, options);
+  write_inputs(script, paper, folder);
   const SessionOptions& session = laboratory.scene().session;
   const Threshold judge{session.switching.jnd_share, session.switching.jnd_floor};
-  const State tight = laboratory.references(std::array{ground.at(script.held_at)}).front();
+  const State tight = laboratory.references(std::array{paper.at(script.held_at)}).front();
   const std::vector<Run> runs =
-      run_ways(laboratory, ground, script, folder,
+      run_ways(laboratory, paper, script, folder,
                [&](double share, const std::string& text) { show(0.4 + 0.6 * share, text); });
   std::vector<Reading> readings;
   for (const Run& run : runs)
@@ -371,7 +371,7 @@ Findings reproduce_damping(Laboratory& laboratory, const ReproduceOptions& optio
   findings.summary["held_at"] = script.held_at;
   findings.summary["interval"] = script.interval;
   findings.summary["groups"] = groups;
-  findings.summary["states"] = ground.complete().size();
+  findings.summary["states"] = paper.complete().size();
   findings.summary["runs"] = nlohmann::ordered_json::array();
   for (std::size_t r = 0; r < runs.size(); ++r)
     findings.summary["runs"].push_back(to_json(runs[r], readings[r]));

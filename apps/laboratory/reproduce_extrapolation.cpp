@@ -62,7 +62,7 @@ std::string csv(const Fig2& fig, const Judge& judge) {
 }
 
 // One situation: the force along the path, or the error against the complete state space.
-std::string panel(const Fig2& fig, const PaperGround& ground, std::size_t row, bool force, double most) {
+std::string panel(const Fig2& fig, const PaperStates& paper, std::size_t row, bool force, double most) {
   const std::array<const char*, 3> setups{"blank", "gap", "sparse"};
   const double top = 0.965 - 0.315 * static_cast<double>(row), bottom = top - 0.235;
   std::string script = fmt::format("set size 0.405,0.235\nset origin {},{}\n", force ? 0.075 : 0.58, bottom);
@@ -83,7 +83,7 @@ std::string panel(const Fig2& fig, const PaperGround& ground, std::size_t row, b
   if (setups[row] == std::string_view("gap"))
     script += fmt::format(
         "set arrow from first {0:.6g}, graph 0 to first {0:.6g}, graph 1 nohead lw 1 dt 3 lc rgb '#8a8a8a'\n",
-        1e3 * ground.far_side());
+        1e3 * paper.far_side());
   std::string plot = "plot ";
   if (force)
     plot += "$tight using 1:2 with points pt 6 ps 0.6 lw 1.2 lc rgb '#1b1b1b' title 'tight solves', ";
@@ -97,7 +97,7 @@ std::string panel(const Fig2& fig, const PaperGround& ground, std::size_t row, b
 }
 
 // Three situations as rows; force and error as columns, as in the paper.
-Figure picture(const Fig2& fig, const PaperGround& ground) {
+Figure picture(const Fig2& fig, const PaperStates& paper) {
   std::string script;
   double most = 0;
   std::string tight;
@@ -116,9 +116,9 @@ Figure picture(const Fig2& fig, const PaperGround& ground) {
   script += plot_style;
   script += fmt::format(
       "set multiplot\nset xrange [0:{:.6g}]\nset lmargin 0\nset rmargin 0\nset tmargin 0\nset bmargin 0\n",
-      1e3 * ground.depth());
+      1e3 * paper.depth());
   for (std::size_t row = 0; row < 3; ++row)
-    for (const bool force : {true, false}) script += panel(fig, ground, row, force, most);
+    for (const bool force : {true, false}) script += panel(fig, paper, row, force, most);
   script += "unset multiplot\n";
   return {"extrapolation",
           "After the paper's Fig. 2. Left: force along the path; circles are tight solves. Right: error "
@@ -139,7 +139,7 @@ std::string shown(const Largest& most) {
   return fmt::format("{} by force and {} by JND", shown(most.newton), shown(most.jnd));
 }
 
-std::string table(const Fig2& fig, const Judge& judge, const PaperGround& ground) {
+std::string table(const Fig2& fig, const Judge& judge, const PaperStates& paper) {
   std::vector<std::vector<std::string>> rows{{"situation", "method", "error against tight solves: at the end",
                                               "p50", "p95", "max", "against the complete space: p50", "p95",
                                               "max", "largest jump", "in the gap alone", "far side enters",
@@ -152,7 +152,7 @@ std::string table(const Fig2& fig, const Judge& judge, const PaperGround& ground
          percent(quantile_of(errors(curve, true), 0.5)), percent(quantile_of(errors(curve, true), 0.95)),
          percent(quantile_of(errors(curve, true), 1)), percent(quantile_of(errors(curve, false), 0.5)),
          percent(quantile_of(errors(curve, false), 0.95)), percent(quantile_of(errors(curve, false), 1)),
-         shown(largest(curve, judge)), gap ? shown(largest(curve, judge, 0, ground.far_side())) : "",
+         shown(largest(curve, judge)), gap ? shown(largest(curve, judge, 0, paper.far_side())) : "",
          gap ? shown(enters) : "", gap ? shown(leaves) : ""});
   }
   return html_table(rows);
@@ -181,14 +181,14 @@ std::string crossing_in_words(const Curve& gap, const Judge& judge) {
   return in + (for_good && at_once && std::isfinite(leaves.s) ? ", the force jumps " : ", ") + out;
 }
 
-std::string what_we_found(const Fig2& fig, const Judge& judge, const PaperGround& ground) {
+std::string what_we_found(const Fig2& fig, const Judge& judge, const PaperStates& paper) {
   std::string text = fmt::format(
       "Path of {:.3g} mm along {}, {} states in the complete space{}; the gap ends at {:.3g} mm. Errors are "
       "against tight "
       "solves, as p50, p95 and max of the path{}.",
-      1e3 * ground.depth(), ground.axis(), ground.complete().size(),
-      ground.unsolved() > 0 ? fmt::format(" ({} positions have no solution)", ground.unsolved()) : "",
-      1e3 * ground.far_side(),
+      1e3 * paper.depth(), paper.axis(), paper.complete().size(),
+      paper.unsolved() > 0 ? fmt::format(" ({} positions have no solution)", paper.unsolved()) : "",
+      1e3 * paper.far_side(),
       fig.tight.size() < fig.asked
           ? fmt::format(", at the {} of {} positions that have a solution, the last at {:.3g} mm",
                         fig.tight.size(), fig.asked, fig.tight_s.empty() ? 0 : 1e3 * fig.tight_s.back())
@@ -201,14 +201,14 @@ std::string what_we_found(const Fig2& fig, const Judge& judge, const PaperGround
         "{}; the largest jump in the gap is {}.",
         m.in_words, p50_p95_max(errors(blank, true)), percent(at_end(errors(blank, true))),
         p50_p95_max(errors(sparse, true)), percent(at_end(errors(sparse, true))),
-        p50_p95_max(errors(gap, true)), p50_p95_max(errors(gap, true, ground.far_side())),
-        crossing_in_words(gap, judge), shown(largest(gap, judge, 0, ground.far_side())));
+        p50_p95_max(errors(gap, true)), p50_p95_max(errors(gap, true, paper.far_side())),
+        crossing_in_words(gap, judge), shown(largest(gap, judge, 0, paper.far_side())));
   }
   return text + " No switch is used: a jump is the difference of two consecutive models.";
 }
 
 // Our results that are worse than those of a kernel of the paper by more than rounding.
-std::string where_worse(const Fig2& fig, const PaperGround& ground) {
+std::string where_worse(const Fig2& fig, const PaperStates& paper) {
   std::vector<std::string> cases;
   const auto compare = [&](const std::string& what, double ours, double theirs, const std::string& kernel) {
     if (ours > 1.005 * theirs)
@@ -216,7 +216,7 @@ std::string where_worse(const Fig2& fig, const PaperGround& ground) {
   };
   for (const PathMethod& m : {linear_of_100(), cubic_of_100()})
     for (const char* area : {"blank", "sparse", "gap"}) {
-      const double end = std::string_view(area) == "gap" ? ground.far_side() : INFINITY;
+      const double end = std::string_view(area) == "gap" ? paper.far_side() : INFINITY;
       const std::vector<double> ours = errors(curve_of(fig, area, our_default()), true, end),
                                 theirs = errors(curve_of(fig, area, m), true, end);
       for (const auto& [name, share] : {std::pair{"p50", 0.5}, std::pair{"p95", 0.95}, std::pair{"max", 1.0}})
@@ -233,26 +233,26 @@ std::string where_worse(const Fig2& fig, const PaperGround& ground) {
 
 Findings reproduce_extrapolation(Laboratory& laboratory, const ReproduceOptions& options,
                                  const std::filesystem::path& folder, const ShowShare& show) {
-  const PaperGround ground(
+  const PaperStates paper(
       laboratory, options.depth, [&](double share, const std::string& text) { show(0.6 * share, text); },
       options.gap);
   const SessionOptions& session = laboratory.scene().session;
   const Judge judge{session.judging.error_floor, session.switching.jnd_share, session.switching.jnd_floor};
-  const Fig2 fig = run_all(laboratory, ground, judge,
+  const Fig2 fig = run_all(laboratory, paper, judge,
                            [&](double share, const std::string& text) { show(0.6 + 0.4 * share, text); });
   write_text(folder / "extrapolation.csv", csv(fig, judge));
 
   Findings findings;
   findings.summary["path"] = {
-      {"length", ground.depth()}, {"axis", ground.axis()}, {"spacing", ground.spacing()}};
-  findings.summary["gap"] = ground.far_side();
-  findings.summary["states"] = ground.complete().size();
-  findings.summary["unsolved"] = ground.unsolved();
+      {"length", paper.depth()}, {"axis", paper.axis()}, {"spacing", paper.spacing()}};
+  findings.summary["gap"] = paper.far_side();
+  findings.summary["states"] = paper.complete().size();
+  findings.summary["unsolved"] = paper.unsolved();
   findings.summary["tight_solves"] = {{"asked", fig.asked}, {"solved", fig.tight.size()}};
   findings.summary["curves"] = nlohmann::ordered_json::array();
   for (const Curve& curve : fig.curves)
-    findings.summary["curves"].push_back(to_json(curve, judge, ground.far_side()));
-  const std::string found = what_we_found(fig, judge, ground), worse = where_worse(fig, ground);
+    findings.summary["curves"].push_back(to_json(curve, judge, paper.far_side()));
+  const std::string found = what_we_found(fig, judge, paper), worse = where_worse(fig, paper);
   findings.html = paragraph("The paper found",
                             "With the 100 nearest known states the error of extrapolation into a blank area "
                             "grows rapidly with the length of the "
@@ -262,7 +262,7 @@ Findings reproduce_extrapolation(Laboratory& laboratory, const ReproduceOptions&
                             "the last points of the "
                             "starting side leave it.") +
                   paragraph("We found", found) + paragraph("Where ours is worse", worse) +
-                  draw_into(folder, picture(fig, ground)) + table(fig, judge, ground);
+                  draw_into(folder, picture(fig, paper)) + table(fig, judge, paper);
   findings.lines = {found, worse};
   for (const Curve& curve : fig.curves)
     if (const Jump most = largest(curve, judge).jnd; curve.method.ours && !(most.jnd <= 1))

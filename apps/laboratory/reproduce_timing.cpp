@@ -20,7 +20,7 @@
 #include "approx/model/neighbours.hpp"
 #include "apps/bench/fit_baseline.hpp"
 #include "apps/console/json.hpp"
-#include "apps/laboratory/paper_ground.hpp"
+#include "apps/laboratory/paper_states.hpp"
 #include "apps/laboratory/reproduce.hpp"
 #include "apps/picture/figure.hpp"
 #include "apps/picture/plot.hpp"

@@ -186,18 +186,18 @@ py::array_t<double> error_bars(const PyModel& self, const Points& points, double
   const StateSpace& space = *self.space.space;
   std::call_once(self.bars->once, [&] {
     const double h = space.options().spacing;
-    std::vector<SeenPlace> outside(Onlooker::directions);  // one spacing outside, in all directions
+    std::vector<SeenPlace> outside(PlaceLocator::directions);  // one spacing outside, in all directions
     for (std::size_t k = 0; k < outside.size(); ++k)
       outside[k] = {.away = h, .beyond = h, .direction = k, .outside = true};
     self.bars->made =
         measure_bars(self.space.states(), {.model = self.options, .spacing = h, .wanted = outside});
   });
   const OfflineBars& bars = self.bars->made;
-  const Onlooker see(space);
+  const PlaceLocator locate(space);
 #pragma omp parallel for schedule(dynamic, 256)
   for (std::size_t i = 0; i < points.size(); ++i) {
     const Vec3 at = points[i];
-    to[i] = bars.at(space.label(at), see(at).outside, scale_at(space, at, self.model->force(at)))[which];
+    to[i] = bars.at(space.label(at), locate(at).outside, scale_at(space, at, self.model->force(at)))[which];
   }
   return out;
 }

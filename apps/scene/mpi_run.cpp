@@ -63,7 +63,7 @@ int run_ranked(const Globals& globals, const MpiArguments& arguments, const Rank
   if (!pool.all_left())
     end_with_hanging(globals, *group, pool, failure ? std::nullopt : std::optional(code));
   else
-    group->end_within(arguments.patience + 5, [code] {  // everything is written and said
+    group->end_within(arguments.patience + 5, [code] {  // everything is written and reported
       std::cerr << "forefeel: warning: a rank hangs at the end of MPI; mpirun ends it\n";
       std::_Exit(code);
     });
@@ -71,17 +71,17 @@ int run_ranked(const Globals& globals, const MpiArguments& arguments, const Rank
   return code;
 }
 
-Bytes said_spacing(double spacing) {
-  Packer said;
-  said.add(spacing);
-  return said.take();
+Bytes pack_spacing(double spacing) {
+  Packer message;
+  message.add(spacing);
+  return message.take();
 }
 
-double heard_spacing(const Scene& scene, const RankContext& rank) {
+double received_spacing(const Scene& scene, const RankContext& rank) {
   if (!scene.spacing.automatic) return scene.space.spacing;
-  std::optional<Bytes> said = rank.begun();
-  if (!said) throw std::runtime_error("the run ended before it began");
-  return Unpacker(std::move(*said)).number<double>();
+  std::optional<Bytes> message = rank.begun();
+  if (!message) throw std::runtime_error("the run ended before it began");
+  return Unpacker(std::move(*message)).number<double>();
 }
 
 std::string rank_identity(const std::string& content_hash) {

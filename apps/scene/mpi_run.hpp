@@ -21,17 +21,17 @@ void add_mpi_options(Command& command, MpiArguments& arguments, const std::strin
 
 struct RankedCommand {
   std::function<int(RankPool&)> lead;  // rank 0; returns the exit code
-  LoadHand load;                       // the other ranks
+  LoadWorker load;                     // the other ranks
   bool load_at_once = false;           // the other ranks do not wait for rank 0 to check the input
 };
 // Rethrows exceptions of lead(). If ranks hang at the end, it does not wait for them: mpirun ends them.
 int run_ranked(const Globals& globals, const MpiArguments& arguments, const RankedCommand& command);
 
 // Measuring a spacing takes hundreds of solves, so only rank 0 measures it and sends it when the work begins.
-// said_spacing() packs that message. heard_spacing() returns the scene's spacing or, if that is "auto", the one from
+// pack_spacing() packs that message. received_spacing() returns the scene's spacing or, if that is "auto", the one from
 // rank 0; it throws if the run ends before.
-Bytes said_spacing(double spacing);
-double heard_spacing(const Scene& scene, const RankContext& rank);
+Bytes pack_spacing(double spacing);
+double received_spacing(const Scene& scene, const RankContext& rank);
 
 // Identity that all ranks of one run must share: of the build and of the content of the input.
 std::string rank_identity(const std::string& content_hash);

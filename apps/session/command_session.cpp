@@ -165,9 +165,9 @@ nlohmann::ordered_json document_of(const SessionSummary& summary, const Scene& s
 }
 
 // Writes one file after the other. If one file cannot be written, the others still are.
-class Salvage {
+class WriteAttempts {
  public:
-  explicit Salvage(std::vector<std::string> failures) : failures_(std::move(failures)) {}
+  explicit WriteAttempts(std::vector<std::string> failures) : failures_(std::move(failures)) {}
   template <class Write>
   void attempt(const std::string& what, Write write) {
     try {
@@ -206,7 +206,7 @@ int exit_code(const Globals& globals, const SessionResult& result, const Session
 // Waits until the other ranks have the scene.
 void gather(const Globals& globals, RankPool& ranks, const Scene& scene) {
   constexpr double longest = 600;  // [s], of loading
-  ranks.begin(rank_identity(scene.source.hash), said_spacing(scene.space.spacing));
+  ranks.begin(rank_identity(scene.source.hash), pack_spacing(scene.space.spacing));
   ranks.wait_until_loaded(longest);
   const std::string why = ranks.notes().empty() ? "they still load the scene" : ranks.notes().back();
   if (ranks.taking_jobs() == 0) throw InputError("--mpi", "none of the other ranks can solve: " + why);
@@ -243,19 +243,19 @@ struct RunDocuments {
     if (tolerance) document["tolerance"] = to_json(tolerance_share(result, *tolerance), *tolerance);
   }
 
-  void write(const fs::path& run, const ReportPictures& pictures, Salvage& salvage) {
-    salvage.attempt("summary.json", [&] {
+  void write(const fs::path& run, const ReportPictures& pictures, WriteAttempts& files) {
+    files.attempt("summary.json", [&] {
       OutputFile file(run / "summary.json");
       file.write(json_text(document, 2) + "\n");
       file.commit();
     });
-    salvage.attempt("report.html", [&] { write_report(run, summary, document, scene, pictures); });
+    files.attempt("report.html", [&] { write_report(run, summary, document, scene, pictures); });
     if (!given.figures.formats.empty())
-      salvage.attempt("figures", [&] {
+      files.attempt("figures", [&] {
         write_figures(globals, figures_in(run), given.figures.formats,
                       run_figures(result, scene.space, view));
       });
-    document["failures"] = salvage.failures();
+    document["failures"] = files.failures();
   }
 
   void show(const std::optional<std::string>& shapes, const fs::path& run) const {
@@ -311,20 +311,20 @@ int run_session_command(const Globals& globals, const SessionArguments& given,
   const RunView view = view_of(scene.space, options, plan.render.safety.force_limit);
   ReportPictures pictures = begin_pictures(result, meanwhile.slices, view);
   pictures.shape = shapes.begin_picture();
-  Salvage salvage(result.failures);
-  salvage.attempt("the run's tables", [&] { write_run_files(run, result, options); });
-  salvage.attempt("states.csv", [&] { meanwhile.states.get(); });
-  salvage.attempt("the shapes", [&] { shapes.finish_files(run); });
+  WriteAttempts files(result.failures);
+  files.attempt("the run's tables", [&] { write_run_files(run, result, options); });
+  files.attempt("states.csv", [&] { meanwhile.states.get(); });
+  files.attempt("the shapes", [&] { shapes.finish_files(run); });
   RunDocuments documents{globals, given, scene, result, view, summarise(result, plan)};
   documents.summary.motion.prediction = predictions.report();
   const MeshError by_mesh =
       plan.input.foreign ? MeshError{.why = "the states are of another body"} : mesh.get();
   documents.summary.error.mesh = {by_mesh.error, by_mesh.positions, measured_by(by_mesh)};
-  documents.summary.run.failures = salvage.failures();
+  documents.summary.run.failures = files.failures();
   documents.begin(shapes);
-  documents.write(run, pictures, salvage);
+  documents.write(run, pictures, files);
   documents.show(shapes.in_words(), run);
-  return ended(globals, documents.summary, exit_code(globals, result, plan, salvage.failures()));
+  return ended(globals, documents.summary, exit_code(globals, result, plan, files.failures()));
 }
 
 int run_with_mpi(const Globals& globals, const SessionArguments& given) {
@@ -338,11 +338,11 @@ int run_with_mpi(const Globals& globals, const SessionArguments& given) {
   const auto load = [&](const RankContext& rank) {
     const Scene scene = load_scene(given.scene, globals.set, nullptr, {.spacing = false});
     const StateSolverOptions solving{
-        .spacing = heard_spacing(scene, rank),
+        .spacing = received_spacing(scene, rank),
         .tolerance = 1e-6,
         .displacements = scene.displacements || shape_options(globals, given).rate > 0};
-    return LoadedHand{.hand = make_state_hand(scene.body, solving),
-                      .identity = rank_identity(scene.source.hash)};
+    return LoadedWorker{.worker = make_state_worker(scene.body, solving),
+                        .identity = rank_identity(scene.source.hash)};
   };
   return run_ranked(globals, given.mpi, {.lead = lead, .load = load, .load_at_once = true});
 }

@@ -300,7 +300,7 @@ int run_with_mpi(const Globals& globals, const StudyArguments& arguments) {
   const auto load = [&](const RankContext& rank) {
     auto planned = std::make_shared<const PlannedStudy>(plan_study(read_study(arguments.study, globals.set)));
     const std::string identity = identity_of(planned->plan);
-    return LoadedHand{.hand = make_cell_hand({planned, &planned->plan}, rank), .identity = identity};
+    return LoadedWorker{.worker = make_cell_worker({planned, &planned->plan}, rank), .identity = identity};
   };
   return run_ranked(globals, arguments.mpi, {.lead = lead, .load = load});
 }

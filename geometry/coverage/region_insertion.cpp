@@ -56,7 +56,7 @@ bool RegionTree::reaches(const RegionNode& node, const Vec3& at) const {
   return beyond.squaredNorm() <= reached * reached;
 }
 
-void RegionTree::hand(std::int32_t index, const Vec3& at) {
+void RegionTree::pass_to(std::int32_t index, const Vec3& at) {
   RegionNode& here = pool_.nodes[static_cast<std::size_t>(index)];
   if (!reaches(here, at)) return;
   if (here.kind == RegionNode::Kind::leaf) {
@@ -84,7 +84,7 @@ void RegionTree::pass_on(std::int32_t index) {
   for (std::int32_t link = node(index).waiting; link >= 0;) {
     const Insertion here = waiting_.all[static_cast<std::size_t>(link)];
     waiting_.free.push_back(link);
-    for (std::int32_t child = 0; child < 8; ++child) hand(node(index).children + child, here.at);
+    for (std::int32_t child = 0; child < 8; ++child) pass_to(node(index).children + child, here.at);
     link = here.next;
   }
   pool_.nodes[static_cast<std::size_t>(index)].waiting = -1;
@@ -127,7 +127,7 @@ void RegionTree::inserted(const Vec3& at, std::span<const std::uint32_t> disturb
       for (std::int32_t i = first[0]; i <= last[0]; ++i) {
         const std::int32_t root = (k * frame_.root_grid[1] + j) * frame_.root_grid[0] + i;
         const bool waited = node(root).waits;
-        hand(root, at);
+        pass_to(root, at);
         if (node(root).waits && !waited) waiting_.roots.push_back(root);
       }
   if (waiting_.all.size() - waiting_.free.size() > most_waiting) {

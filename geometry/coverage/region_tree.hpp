@@ -53,7 +53,7 @@ struct RegionNode {
   std::uint8_t level = 0;             // 2^level voxels wide
   Kind kind = Kind::unresolved;
   bool waits = false;          // an insertion may be stored here or below
-  std::int32_t waiting = -1;   // of a branch: head of the list of insertions not yet handed to its children
+  std::int32_t waiting = -1;   // of a branch: head of the list of insertions not yet passed to its children
   Label label = Label::blank;  // while unresolved: the last known label; it can only become better
   std::uint8_t below = anything;  // of a branch: bits of what is below; may hold extra bits, never too few
   std::array<float, 3> axis{};    // of the empty cone that proves a blank or sparse leaf; 0: none
@@ -96,7 +96,7 @@ class RegionTree {
       visit_safe_near(static_cast<std::int32_t>(root), around, reach * reach, visit);
   }
   double link_deg() const { return link_deg_; }
-  // Leaves marked and insertions not yet handed on, since the last settle().
+  // Leaves marked and insertions not yet passed on, since the last settle().
   std::size_t pending() const { return progress_.pending + waiting_.all.size() - waiting_.free.size(); }
 
  private:
@@ -144,8 +144,8 @@ class RegionTree {
   bool settle_marked(std::size_t budget);
   void refresh_above(std::int32_t index);
   bool reaches(const RegionNode& node, const Vec3& at) const;
-  void hand(std::int32_t index,
-            const Vec3& at);             // an insertion to a node: marks a leaf, is stored with a branch
+  void pass_to(std::int32_t index,
+               const Vec3& at);          // an insertion to a node: marks a leaf, is stored with a branch
   void pass_on(std::int32_t index);      // what a branch has stored, to its children
   void pass_on_all(std::int32_t index);  // and from them to all below
   bool breaks(const RegionNode& leaf, const Vec3& at) const;

@@ -98,9 +98,9 @@ class CellWork final : public FarmWork {
 };
 
 // Runs cells until its rank must end; then the running one is dropped.
-class CellHand final : public RankHand {
+class CellWorker final : public RankWorker {
  public:
-  CellHand(CellRunner& runner, std::atomic<bool>& interrupted, const RankContext& rank, std::size_t bodies)
+  CellWorker(CellRunner& runner, std::atomic<bool>& interrupted, const RankContext& rank, std::size_t bodies)
       : runner_(runner),
         interrupted_(interrupted),
         rank_(rank),
@@ -110,7 +110,7 @@ class CellHand final : public RankHand {
                   [&](std::size_t body) { return runner.references(body); });
     });
   }
-  ~CellHand() override { rank_.listen(nullptr); }
+  ~CellWorker() override { rank_.listen(nullptr); }
 
   void run(Unpacker piece, const Give& give, const std::stop_token&) override {
     const auto cell = piece.number<std::uint64_t>();
@@ -135,10 +135,10 @@ class CellHand final : public RankHand {
   std::stop_callback<End> on_end_;
 };
 
-// A hand with all that it needs.
-class OwningCellHand final : public RankHand {
+// A worker with all that it needs.
+class OwningCellWorker final : public RankWorker {
  public:
-  OwningCellHand(std::shared_ptr<const StudyPlan> plan, const RankContext& rank)
+  OwningCellWorker(std::shared_ptr<const StudyPlan> plan, const RankContext& rank)
       : plan_(std::move(plan)),
         runner_(
             *plan_,
@@ -147,34 +147,34 @@ class OwningCellHand final : public RankHand {
              .hurried = &interrupted_,
              .read_only_cache = true,
              .exchange = [ask = rank.ask](std::size_t body) { return make_reference_exchange(body, ask); }}),
-        hand_(runner_, interrupted_, rank, plan_->inputs.size()) {}
+        worker_(runner_, interrupted_, rank, plan_->inputs.size()) {}
   void run(Unpacker piece, const Give& give, const std::stop_token& cancelled) override {
-    hand_.run(std::move(piece), give, cancelled);
+    worker_.run(std::move(piece), give, cancelled);
   }
 
  private:
   std::shared_ptr<const StudyPlan> plan_;
   std::atomic<bool> interrupted_ = false;
   CellRunner runner_;
-  CellHand hand_;
+  CellWorker worker_;
 };
 
-// The hand of rank 0, whose reference services also serve the directory.
-class OwnCellHand final : public RankHand {
+// The worker of rank 0, whose reference services also serve the directory.
+class RootCellWorker final : public RankWorker {
  public:
-  OwnCellHand(CellRunner& runner, std::atomic<bool>& interrupted, const RankContext& rank, std::size_t bodies,
-              RankListener& asking)
-      : asking_(asking), hand_(runner, interrupted, rank, bodies) {
+  RootCellWorker(CellRunner& runner, std::atomic<bool>& interrupted, const RankContext& rank,
+                 std::size_t bodies, RankListener& asking)
+      : asking_(asking), worker_(runner, interrupted, rank, bodies) {
     asking_.set(rank.ask);
   }
-  ~OwnCellHand() override { asking_.set(nullptr); }
+  ~RootCellWorker() override { asking_.set(nullptr); }
   void run(Unpacker piece, const Give& give, const std::stop_token& cancelled) override {
-    hand_.run(std::move(piece), give, cancelled);
+    worker_.run(std::move(piece), give, cancelled);
   }
 
  private:
   RankListener& asking_;
-  CellHand hand_;
+  CellWorker worker_;
 };
 
 // Measured costs are kept beside the cache: rank 0 measures them before others look there.
@@ -192,7 +192,7 @@ void measure_costs(const StudyPlan& plan, const std::vector<std::size_t>& cells,
 
 FarmReport run_cells_with_ranks(RankPool& pool, const StudyPlan& plan, const std::vector<std::size_t>& cells,
                                 const StudyRunOptions::Take& take, const StudyRankOptions& options) {
-  RankListener asking;  // to the own hand's rank, while there is one
+  RankListener asking;  // to the rank of this process, while there is one
   std::atomic<bool> interrupted = false;
   CellRunner runner(plan, {.threads = 1,
                            .interrupted = &interrupted,
@@ -200,12 +200,12 @@ FarmReport run_cells_with_ranks(RankPool& pool, const StudyPlan& plan, const std
                            .warn = options.warn,
                            .exchange = [&asking](std::size_t body) {
                              return make_reference_exchange(
-                                 body, [&asking](Bytes question) { asking.hear(std::move(question)); });
+                                 body, [&asking](Bytes question) { asking.receive(std::move(question)); });
                            }});
   measure_costs(plan, cells, runner);
-  const LoadHand own = [&](const RankContext& rank) {
-    return LoadedHand{
-        .hand = std::make_unique<OwnCellHand>(runner, interrupted, rank, plan.inputs.size(), asking),
+  const LoadWorker own = [&](const RankContext& rank) {
+    return LoadedWorker{
+        .worker = std::make_unique<RootCellWorker>(runner, interrupted, rank, plan.inputs.size(), asking),
         .identity = {}};
   };
   CellWork work(cells, take, ReferenceDirectory(plan.inputs.size(), [&](std::size_t body) {
@@ -214,8 +214,8 @@ FarmReport run_cells_with_ranks(RankPool& pool, const StudyPlan& plan, const std
   return run_farm(pool, work, own, options.farm);
 }
 
-std::unique_ptr<RankHand> make_cell_hand(std::shared_ptr<const StudyPlan> plan, const RankContext& rank) {
-  return std::make_unique<OwningCellHand>(std::move(plan), rank);
+std::unique_ptr<RankWorker> make_cell_worker(std::shared_ptr<const StudyPlan> plan, const RankContext& rank) {
+  return std::make_unique<OwningCellWorker>(std::move(plan), rank);
 }
 
 }  // namespace forefeel

@@ -24,6 +24,6 @@ FarmReport run_cells_with_ranks(RankPool& pool, const StudyPlan& plan, const std
                                 const StudyRunOptions::Take& take, const StudyRankOptions& options);
 
 // The other ranks. They write nothing.
-std::unique_ptr<RankHand> make_cell_hand(std::shared_ptr<const StudyPlan> plan, const RankContext& rank);
+std::unique_ptr<RankWorker> make_cell_worker(std::shared_ptr<const StudyPlan> plan, const RankContext& rank);
 
 }  // namespace forefeel

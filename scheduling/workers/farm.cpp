@@ -26,7 +26,7 @@ class OwnThread {
     Bytes content;
   };
 
-  explicit OwnThread(const LoadHand& load)
+  explicit OwnThread(const LoadWorker& load)
       : thread_([this, &load](const std::stop_token& stop) { run(load, stop); }) {}
   ~OwnThread() { end(); }
   OwnThread(const OwnThread&) = delete;
@@ -46,7 +46,7 @@ class OwnThread {
     const std::lock_guard lock(mutex_);
     return std::exchange(questions_, {});
   }
-  void hear(Bytes answer) { listener_.hear(std::move(answer)); }
+  void receive(Bytes answer) { listener_.receive(std::move(answer)); }
   // Waits a little for a result of this thread.
   void rest() {
     std::unique_lock lock(mutex_);
@@ -58,14 +58,14 @@ class OwnThread {
   }
 
  private:
-  void run(const LoadHand& load, const std::stop_token& stop) {
+  void run(const LoadWorker& load, const std::stop_token& stop) {
     try {
-      const LoadedHand loaded =
+      const LoadedWorker loaded =
           load({.ended = stop,
                 .ask = [this](Bytes question) { add_question(std::move(question)); },
-                .listen = [this](RankListener::Hear hear) { listener_.set(std::move(hear)); }});
+                .listen = [this](RankListener::Receive receive) { listener_.set(std::move(receive)); }});
       while (auto piece = next(stop)) {
-        loaded.hand->run(
+        loaded.worker->run(
             Unpacker(std::move(piece->content)), [&](Bytes content) { give(piece->id, std::move(content)); },
             stop);
       }
@@ -107,7 +107,7 @@ class OwnThread {
 
 class Farm {
  public:
-  Farm(RankPool& pool, FarmWork& work, const LoadHand& own, const FarmOptions& options)
+  Farm(RankPool& pool, FarmWork& work, const LoadWorker& own, const FarmOptions& options)
       : pool_(pool),
         work_(work),
         options_(options),
@@ -149,7 +149,7 @@ class Farm {
     }
     for (FarmWork::Answer& answer : work_.answers())
       if (answer.worker == 0)
-        own_.hear(std::move(answer.content));
+        own_.receive(std::move(answer.content));
       else
         pool_.answer(answer.worker, std::move(answer.content));
     return news;
@@ -238,7 +238,7 @@ class Farm {
 
 }  // namespace
 
-FarmReport run_farm(RankPool& pool, FarmWork& work, const LoadHand& own, const FarmOptions& options) {
+FarmReport run_farm(RankPool& pool, FarmWork& work, const LoadWorker& own, const FarmOptions& options) {
   return Farm(pool, work, own, options).run();
 }
 

@@ -51,8 +51,8 @@ struct FarmReport {
   int lost = 0;   // of them, and not back at the end
 };
 
-// Runs on rank 0, after pool.begin(). `own` makes the hand of rank 0's solving thread. At the end all ranks
+// Runs on rank 0, after pool.begin(). `own` makes the worker of rank 0's solving thread. At the end all ranks
 // are told to stop. Throws what the solving thread throws; an exception in another rank loses that rank.
-FarmReport run_farm(RankPool& pool, FarmWork& work, const LoadHand& own, const FarmOptions& options);
+FarmReport run_farm(RankPool& pool, FarmWork& work, const LoadWorker& own, const FarmOptions& options);
 
 }  // namespace forefeel

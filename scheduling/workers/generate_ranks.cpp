@@ -28,17 +28,17 @@ class LatticeWork final : public FarmWork {
   LatticePieces pieces_;
 };
 
-class LatticeRankHand final : public RankHand {
+class LatticeRankWorker final : public RankWorker {
  public:
-  LatticeRankHand(std::shared_ptr<const Body> body, const GenerateOptions& options,
-                  std::shared_ptr<CoarseNodes> nodes)
-      : hand_(std::move(body), options, std::move(nodes)) {}
+  LatticeRankWorker(std::shared_ptr<const Body> body, const GenerateOptions& options,
+                    std::shared_ptr<CoarseNodes> nodes)
+      : worker_(std::move(body), options, std::move(nodes)) {}
   void run(Unpacker piece, const Give& give, const std::stop_token&) override {
-    if (auto result = hand_.solve(std::move(piece))) give(std::move(*result));
+    if (auto result = worker_.solve(std::move(piece))) give(std::move(*result));
   }
 
  private:
-  LatticeHand hand_;
+  LatticeWorker worker_;
 };
 
 }  // namespace
@@ -51,10 +51,10 @@ RankedGenerateReport generate_with_ranks(RankPool& pool, std::shared_ptr<const B
   const auto start = std::chrono::steady_clock::now();
   const std::shared_ptr<CoarseNodes> nodes = make_coarse_nodes();
   LatticeWork work(LatticePieces(options, known, nodes, sink, progress));
-  const LoadHand own = [&](const RankContext& rank) {
+  const LoadWorker own = [&](const RankContext& rank) {
     GenerateOptions its = options;
     its.stop = rank.ended;
-    return LoadedHand{.hand = std::make_unique<LatticeRankHand>(body, its, nodes), .identity = {}};
+    return LoadedWorker{.worker = std::make_unique<LatticeRankWorker>(body, its, nodes), .identity = {}};
   };
   RankedGenerateReport report;
   report.farm = run_farm(pool, work, own, farm);
@@ -64,10 +64,10 @@ RankedGenerateReport generate_with_ranks(RankPool& pool, std::shared_ptr<const B
   return report;
 }
 
-std::unique_ptr<RankHand> make_lattice_hand(std::shared_ptr<const Body> body, GenerateOptions options,
-                                            const std::stop_token& ended) {
+std::unique_ptr<RankWorker> make_lattice_worker(std::shared_ptr<const Body> body, GenerateOptions options,
+                                                const std::stop_token& ended) {
   options.stop = ended;
-  return std::make_unique<LatticeRankHand>(std::move(body), options, make_coarse_nodes());
+  return std::make_unique<LatticeRankWorker>(std::move(body), options, make_coarse_nodes());
 }
 
 }  // namespace forefeel

@@ -23,7 +23,7 @@ RankedGenerateReport generate_with_ranks(RankPool& pool, std::shared_ptr<const B
                                          const FarmOptions& farm);
 
 // The other ranks.
-std::unique_ptr<RankHand> make_lattice_hand(std::shared_ptr<const Body> body, GenerateOptions options,
-                                            const std::stop_token& ended);
+std::unique_ptr<RankWorker> make_lattice_worker(std::shared_ptr<const Body> body, GenerateOptions options,
+                                                const std::stop_token& ended);
 
 }  // namespace forefeel

@@ -11,19 +11,19 @@ namespace forefeel {
 
 class RankListener {
  public:
-  using Hear = std::function<void(Bytes)>;
-  void set(Hear hear) {
+  using Receive = std::function<void(Bytes)>;
+  void set(Receive receive) {
     const std::lock_guard lock(mutex_);
-    hear_ = std::move(hear);
+    receive_ = std::move(receive);
   }
-  void hear(Bytes answer) {
+  void receive(Bytes answer) {
     const std::lock_guard lock(mutex_);
-    if (hear_) hear_(std::move(answer));
+    if (receive_) receive_(std::move(answer));
   }
 
  private:
   std::mutex mutex_;
-  Hear hear_;
+  Receive receive_;
 };
 
 }  // namespace forefeel

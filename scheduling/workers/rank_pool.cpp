@@ -94,7 +94,7 @@ std::vector<RankEvent> RankPool::poll() {
   std::vector<RankEvent> events = std::exchange(later_, {});
   while (auto message = transport_.receive()) take(std::move(*message), events);
   const double now = clock_();
-  listen_for_silence(std::min(now - polled_, longest_step), events);
+  check_silence(std::min(now - polled_, longest_step), events);
   polled_ = now;
   beat(now);
   return events;
@@ -158,11 +158,11 @@ void RankPool::take(Message message, std::vector<RankEvent>& events) {
   } catch (const MalformedMessage&) {
     distrust(rank);
   }
-  hear(rank, events);
+  receive(rank, events);
 }
 
 // Any message shows that the rank lives.
-void RankPool::hear(int rank, std::vector<RankEvent>& events) {
+void RankPool::receive(int rank, std::vector<RankEvent>& events) {
   Rank& its = of(rank);
   its.silence = 0;
   if (!its.silent) return;
@@ -192,7 +192,7 @@ void RankPool::fail(int rank, const std::string& why, std::vector<RankEvent>& ev
   if (!its.silent) events.push_back({.kind = RankEvent::Kind::lost, .rank = rank});
 }
 
-void RankPool::listen_for_silence(double passed, std::vector<RankEvent>& events) {
+void RankPool::check_silence(double passed, std::vector<RankEvent>& events) {
   for (int rank = 1; rank <= ranks(); ++rank) {
     Rank& its = of(rank);
     if (its.silent || its.life == Life::left) continue;

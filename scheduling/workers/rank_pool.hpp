@@ -66,10 +66,10 @@ class RankPool {
   const Rank& of(int rank) const { return ranks_[static_cast<std::size_t>(rank - 1)]; }
   void send(int rank, RankTag tag, Bytes bytes = {});
   void take(Message message, std::vector<RankEvent>& events);
-  void hear(int rank, std::vector<RankEvent>& events);
+  void receive(int rank, std::vector<RankEvent>& events);
   void take_ready(int rank, Unpacker message, std::vector<RankEvent>& events);
   void fail(int rank, const std::string& why, std::vector<RankEvent>& events);
-  void listen_for_silence(double passed, std::vector<RankEvent>& events);
+  void check_silence(double passed, std::vector<RankEvent>& events);
   void beat(double now);
 
   Transport& transport_;

@@ -25,12 +25,12 @@ struct Outgoing {
 // The thread that loads and solves. The thread keeps this object alive. If it does not end, it is not joined.
 class SolvingThread : public std::enable_shared_from_this<SolvingThread> {
  public:
-  explicit SolvingThread(LoadHand load) : load_(std::move(load)) {}
+  explicit SolvingThread(LoadWorker load) : load_(std::move(load)) {}
 
   // Receives the data that rank 0 sends when the work begins.
-  void hear_begin(Bytes said) {
+  void receive_begin(Bytes message) {
     const std::lock_guard lock(mutex_);
-    if (!std::exchange(heard_begin_, true)) said_at_begin_ = std::move(said);
+    if (!std::exchange(begin_received_, true)) begin_message_ = std::move(message);
     wake_.notify_all();
   }
   void begin() {
@@ -58,7 +58,7 @@ class SolvingThread : public std::enable_shared_from_this<SolvingThread> {
     const std::lock_guard lock(mutex_);
     return begun_ && !ended_;
   }
-  void hear(Bytes answer) { listener_.hear(std::move(answer)); }
+  void receive(Bytes answer) { listener_.receive(std::move(answer)); }
   std::deque<Outgoing> take_outgoing() {
     const std::lock_guard lock(mutex_);
     return std::exchange(outgoing_, {});
@@ -66,7 +66,7 @@ class SolvingThread : public std::enable_shared_from_this<SolvingThread> {
   // Waits a little for something to send.
   void rest() {
     std::unique_lock lock(mutex_);
-    said_.wait_for(lock, poll_pause, [&] { return !outgoing_.empty(); });
+    outgoing_ready_.wait_for(lock, poll_pause, [&] { return !outgoing_.empty(); });
   }
 
  private:
@@ -88,10 +88,10 @@ class SolvingThread : public std::enable_shared_from_this<SolvingThread> {
   }
 
   void work() {
-    const LoadedHand loaded =
+    const LoadedWorker loaded =
         load_({.ended = end_.get_token(),
                .ask = [this](Bytes question) { give(RankTag::question, std::move(question)); },
-               .listen = [this](RankListener::Hear hear) { listener_.set(std::move(hear)); },
+               .listen = [this](RankListener::Receive receive) { listener_.set(std::move(receive)); },
                .begun = [this] { return wait_until_begun(); }});
     Packer ready;
     ready.add(loaded.identity);
@@ -105,7 +105,7 @@ class SolvingThread : public std::enable_shared_from_this<SolvingThread> {
         message.add_raw(result);
         give(RankTag::result, message.take());
       };
-      loaded.hand->run(Unpacker(job.rest()), give_result, running_.get_token());
+      loaded.worker->run(Unpacker(job.rest()), give_result, running_.get_token());
     }
   }
 
@@ -121,15 +121,15 @@ class SolvingThread : public std::enable_shared_from_this<SolvingThread> {
 
   std::optional<Bytes> wait_until_begun() {
     std::unique_lock lock(mutex_);
-    wake_.wait(lock, [&] { return end_.stop_requested() || heard_begin_; });
+    wake_.wait(lock, [&] { return end_.stop_requested() || begin_received_; });
     if (end_.stop_requested()) return {};
-    return said_at_begin_;
+    return begin_message_;
   }
 
   void give(RankTag tag, Bytes bytes) {
     const std::lock_guard lock(mutex_);
     outgoing_.push_back({tag, std::move(bytes)});
-    said_.notify_one();
+    outgoing_ready_.notify_one();
   }
   void fail(std::string_view text) {
     Packer message;
@@ -137,13 +137,13 @@ class SolvingThread : public std::enable_shared_from_this<SolvingThread> {
     give(RankTag::failure, message.take());
   }
 
-  const LoadHand load_;
+  const LoadWorker load_;
   std::mutex mutex_;
-  std::condition_variable wake_, said_;
+  std::condition_variable wake_, outgoing_ready_;
   std::deque<Waiting> jobs_;
   std::deque<Outgoing> outgoing_;
-  Bytes said_at_begin_;
-  bool heard_begin_ = false;
+  Bytes begin_message_;
+  bool begin_received_ = false;
   RankListener listener_;
   std::stop_source end_, running_;  // running_ is set by the solving thread alone
   bool begun_ = false, ended_ = false;
@@ -152,7 +152,7 @@ class SolvingThread : public std::enable_shared_from_this<SolvingThread> {
 // The calling thread of a rank.
 class RankServer {
  public:
-  RankServer(Transport& transport, LoadHand load)
+  RankServer(Transport& transport, LoadWorker load)
       : transport_(transport), solving_(std::make_shared<SolvingThread>(std::move(load))) {}
 
   ServedRank run(bool at_once) {
@@ -187,7 +187,7 @@ class RankServer {
     silence_ = 0;
     switch (static_cast<RankTag>(message.tag)) {
       case RankTag::begin:
-        solving_->hear_begin(std::move(message.bytes));
+        solving_->receive_begin(std::move(message.bytes));
         solving_->begin();
         break;
       case RankTag::job:
@@ -197,7 +197,7 @@ class RankServer {
         solving_->cancel();
         break;
       case RankTag::answer:
-        solving_->hear(std::move(message.bytes));
+        solving_->receive(std::move(message.bytes));
         break;
       case RankTag::stop:
         stopped_ = true;
@@ -221,7 +221,7 @@ class RankServer {
 
 }  // namespace
 
-ServedRank serve_rank(Transport& transport, LoadHand load, bool at_once) {
+ServedRank serve_rank(Transport& transport, LoadWorker load, bool at_once) {
   return RankServer(transport, std::move(load)).run(at_once);
 }
 

@@ -14,16 +14,16 @@
 namespace forefeel {
 
 // Solves jobs, one at a time. Made and used by the solving thread.
-class RankHand {
+class RankWorker {
  public:
   using Give =
       std::function<void(Bytes result)>;  // sends a result of the job at once; may be called many times
-  virtual ~RankHand() = default;
+  virtual ~RankWorker() = default;
   // May throw: the rank then tells rank 0 why, and gets no more work.
   virtual void run(Unpacker job, const Give& give, const std::stop_token& cancelled) = 0;
 };
 
-// What a hand may use of its rank, from any thread.
+// What a worker may use of its rank, from any thread.
 struct RankContext {
   std::stop_token ended = {};           // the rank must end
   std::function<void(Bytes)> ask = {};  // a question to rank 0, which may answer, at once, later or never
@@ -34,12 +34,12 @@ struct RankContext {
   std::function<std::optional<Bytes>()> begun = {};
 };
 
-// A hand, and what identifies its build and its input.
-struct LoadedHand {
-  std::unique_ptr<RankHand> hand;
+// A worker, and what identifies its build and its input.
+struct LoadedWorker {
+  std::unique_ptr<RankWorker> worker;
   std::string identity;
 };
-using LoadHand = std::function<LoadedHand(const RankContext& context)>;
+using LoadWorker = std::function<LoadedWorker(const RankContext& context)>;
 
 enum class ServedRank {
   done,      // rank 0 said stop
@@ -47,6 +47,6 @@ enum class ServedRank {
   orphaned,  // rank 0 has been silent for orphaned_seconds
 };
 // Returns when the rank has nothing more to do. With `at_once`, loads before rank 0 says begin.
-ServedRank serve_rank(Transport& transport, LoadHand load, bool at_once = false);
+ServedRank serve_rank(Transport& transport, LoadWorker load, bool at_once = false);
 
 }  // namespace forefeel

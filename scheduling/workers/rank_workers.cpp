@@ -168,9 +168,9 @@ class RankWorkers final : public RealWorkers {
   int lost_ = 0;  // times that a rank was
 };
 
-class StateHand final : public RankHand {
+class StateRankWorker final : public RankWorker {
  public:
-  StateHand(std::shared_ptr<const Body> body, const StateSolverOptions& options)
+  StateRankWorker(std::shared_ptr<const Body> body, const StateSolverOptions& options)
       : solver_(std::make_shared<SolverBasis>(body), linear_basis(body, options.spacing), options) {
     solver_.prepare();
   }
@@ -194,9 +194,9 @@ std::unique_ptr<RealWorkers> make_rank_workers(RankPool& pool) {
   return std::make_unique<RankWorkers>(pool);
 }
 
-std::unique_ptr<RankHand> make_state_hand(std::shared_ptr<const Body> body,
-                                          const StateSolverOptions& options) {
-  return std::make_unique<StateHand>(std::move(body), options);
+std::unique_ptr<RankWorker> make_state_worker(std::shared_ptr<const Body> body,
+                                              const StateSolverOptions& options) {
+  return std::make_unique<StateRankWorker>(std::move(body), options);
 }
 
 }  // namespace forefeel

@@ -16,7 +16,7 @@ namespace forefeel {
 std::unique_ptr<RealWorkers> make_rank_workers(RankPool& pool);
 
 // The other ranks.
-std::unique_ptr<RankHand> make_state_hand(std::shared_ptr<const Body> body,
-                                          const StateSolverOptions& options);
+std::unique_ptr<RankWorker> make_state_worker(std::shared_ptr<const Body> body,
+                                              const StateSolverOptions& options);
 
 }  // namespace forefeel

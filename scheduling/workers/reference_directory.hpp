@@ -1,8 +1,8 @@
 #pragma once
 // Decides which rank solves which reference state. Rank 0 keeps one directory for all ranks, so that each state is
 // solved once.
-//   hand -> rank 0   ask (body, x) · told (body, state)
-//   rank 0 -> hand   state (body, state) · grant (body, x): solve it · put off (body, x): another rank solves it
+//   worker -> rank 0   ask (body, x) · told (body, state)
+//   rank 0 -> worker   state (body, state) · grant (body, x): solve it · put off (body, x): another rank solves it
 
 #include <cstddef>
 #include <functional>

@@ -224,7 +224,7 @@ const GenerateReport& LatticePieces::report() const {
   return impl_->report;
 }
 
-struct LatticeHand::Impl {
+struct LatticeWorker::Impl {
   Impl(std::shared_ptr<const Body> its_body, const GenerateOptions& its_options,
        std::shared_ptr<CoarseNodes> its_nodes)
       : body(std::move(its_body)),
@@ -253,13 +253,13 @@ struct LatticeHand::Impl {
   SweepWorker worker;
 };
 
-LatticeHand::LatticeHand(std::shared_ptr<const Body> body, const GenerateOptions& options,
-                         std::shared_ptr<CoarseNodes> nodes)
+LatticeWorker::LatticeWorker(std::shared_ptr<const Body> body, const GenerateOptions& options,
+                             std::shared_ptr<CoarseNodes> nodes)
     : impl_(std::make_unique<Impl>(std::move(body), options, std::move(nodes))) {}
 
-LatticeHand::~LatticeHand() = default;
+LatticeWorker::~LatticeWorker() = default;
 
-std::optional<Bytes> LatticeHand::solve(Unpacker piece) {
+std::optional<Bytes> LatticeWorker::solve(Unpacker piece) {
   const auto kind = static_cast<PieceKind>(piece.number<std::uint8_t>());
   const LatticeIndex index = unpack_index(piece);
   std::vector<LatticeIndex> fine;

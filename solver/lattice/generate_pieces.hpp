@@ -1,7 +1,7 @@
 #pragma once
 // Splits the sweep of generate_lattice() into pieces that several processes solve. The states are the same, bit by
 // bit. One process keeps the plan (LatticePieces). It hands out a coarse node or a cell as soon as the nodes on which
-// it depends are solved. Each process solves pieces with its own LatticeHand. A piece carries the solved coarse nodes
+// it depends are solved. Each process solves pieces with its own LatticeWorker. A piece carries the solved coarse nodes
 // that it needs and that its process does not have yet.
 
 #include <cstdint>
@@ -49,11 +49,11 @@ class LatticePieces {
 };
 
 // Solves pieces; one thread. Not for linear bodies, whose lattice is solved faster than it is sent.
-class LatticeHand {
+class LatticeWorker {
  public:
-  LatticeHand(std::shared_ptr<const Body> body, const GenerateOptions& options,
-              std::shared_ptr<CoarseNodes> nodes);
-  ~LatticeHand();
+  LatticeWorker(std::shared_ptr<const Body> body, const GenerateOptions& options,
+                std::shared_ptr<CoarseNodes> nodes);
+  ~LatticeWorker();
   // nullopt: options.stop came in between.
   std::optional<Bytes> solve(Unpacker piece);
 

@@ -35,16 +35,16 @@ std::vector<NodeIndex> nodes_of(const std::string& scene, const std::string& sec
   return nodes;
 }
 
-struct Ground {
+struct LiverStates {
   bool real = false;
   double h = 0.006, front = -0.012;
   std::vector<State> states;                // x <= front
   std::vector<std::vector<State>> outside;  // 1, 2, 3, 4 spacings out
 };
 
-const Ground& ground() {
-  static const Ground made = [] {
-    Ground g;
+const LiverStates& liver_states() {
+  static const LiverStates made = [] {
+    LiverStates g;
     auto body = std::make_shared<Body>();
     g.real = std::filesystem::exists(shared_liver / "liver_patch.toml");
     if (g.real) {
@@ -98,7 +98,7 @@ const std::vector<Row> rows = {
     {Kernel::quintic, Data::force_and_stiffness, 100, {.001, .007}, {.002, .022}},
 };
 
-StateSpace space_of(const Ground& g) {
+StateSpace space_of(const LiverStates& g) {
   StateSpaceOptions options;
   options.spacing = g.h;
   StateSpace space(options);
@@ -110,7 +110,7 @@ StateSpace space_of(const Ground& g) {
 
 // The table's last digit is half a unit wide.
 TEST_CASE("A liver's flat front: one and two spacings out no worse than was measured before", "[liver]") {
-  const Ground& g = ground();
+  const LiverStates& g = liver_states();
   REQUIRE(g.states.size() > 400);
   if (!g.real) return test::skip("no reference data beside the sources");
   const StateSpace space = space_of(g);
@@ -133,7 +133,7 @@ TEST_CASE("A liver's flat front: one and two spacings out no worse than was meas
 }
 
 TEST_CASE("A liver's flat front: however far out, with whatever set, finite and below the bound", "[liver]") {
-  const Ground& g = ground();
+  const LiverStates& g = liver_states();
   const StateSpace space = space_of(g);
   for (const auto& [kernel, data] : {std::pair{Kernel::linear, Data::force},
                                      {Kernel::cubic, Data::force},

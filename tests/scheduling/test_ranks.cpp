@@ -34,9 +34,9 @@ GenerateOptions small_lattice() {
   return options;
 }
 
-LoadHand lattice_hand(const std::shared_ptr<const Body>& body) {
+LoadWorker load_lattice_worker(const std::shared_ptr<const Body>& body) {
   return [body](const RankContext& rank) {
-    return LoadedHand{.hand = make_lattice_hand(body, small_lattice(), rank.ended), .identity = "same"};
+    return LoadedWorker{.worker = make_lattice_worker(body, small_lattice(), rank.ended), .identity = "same"};
   };
 }
 
@@ -71,35 +71,36 @@ bool contains(const std::vector<std::string>& lines, const std::string& words) {
 }  // namespace
 
 TEST_CASE(
-    "a rank that loads early hears what rank 0 says when the work begins, and leaves where it never does") {
+    "a rank that loads early receives what rank 0 sends when the work begins, and leaves where it never "
+    "does") {
   for (const bool begins : {true, false}) {
     Mail mail(2);
-    std::atomic<double> heard = 0;
+    std::atomic<double> received = 0;
     std::atomic<bool> left = false;
     const std::shared_ptr<const Body> body = small_body();
     std::jthread rank([&] {
       Endpoint endpoint(mail, 1);
-      const LoadHand load = [&](const RankContext& context) {
-        std::optional<Bytes> said = context.begun();
-        if (said)
-          heard = Unpacker(std::move(*said)).number<double>();
+      const LoadWorker load = [&](const RankContext& context) {
+        std::optional<Bytes> message = context.begun();
+        if (message)
+          received = Unpacker(std::move(*message)).number<double>();
         else
           left = true;
-        return LoadedHand{.hand = make_lattice_hand(body, small_lattice(), context.ended),
-                          .identity = "same"};
+        return LoadedWorker{.worker = make_lattice_worker(body, small_lattice(), context.ended),
+                            .identity = "same"};
       };
       CHECK(serve_rank(endpoint, load, true) == ServedRank::done);
     });
     Endpoint own(mail, 0);
     RankPool pool(own);
-    Packer said;
-    said.add(0.0042);
-    if (begins) pool.begin("same", said.take());
+    Packer message;
+    message.add(0.0042);
+    if (begins) pool.begin("same", message.take());
     if (begins) pool.wait_until_loaded(60);
     pool.stop();
     rank.join();
     CHECK(pool.all_left());
-    CHECK(heard == (begins ? 0.0042 : 0));
+    CHECK(received == (begins ? 0.0042 : 0));
     CHECK(left == !begins);
   }
 }
@@ -116,7 +117,7 @@ TEST_CASE("a lattice solved by three ranks has the bits of one solved by a threa
       for (const int rank : {1, 2})
         ranks.emplace_back([&mail, &body, &in_order, rank] {
           Endpoint endpoint(mail, rank);
-          in_order += serve_rank(endpoint, lattice_hand(body)) == ServedRank::done ? 1 : 0;
+          in_order += serve_rank(endpoint, load_lattice_worker(body)) == ServedRank::done ? 1 : 0;
         });
       Endpoint own(mail, 0);
       RankPool pool(own);
@@ -144,7 +145,8 @@ TEST_CASE("a lattice solved by three ranks has the bits of one solved by a threa
   }
 }
 
-TEST_CASE("a rank that takes pieces and hangs: the others solve them, all states are there, and it is said") {
+TEST_CASE(
+    "a rank that takes pieces and hangs: the others solve them, all states are there, and a note says so") {
   const std::shared_ptr<const Body> body = small_body();
   Mail mail(2);
   Endpoint own(mail, 0), hanging(mail, 1);
@@ -152,19 +154,19 @@ TEST_CASE("a rank that takes pieces and hangs: the others solve them, all states
   RankPool pool(own, 10, clock_in_steps(0.05));
   pool.begin("same");
   Collected found;
-  std::vector<std::string> said;
+  std::vector<std::string> notes;
   const RankedGenerateReport report =
       generate_with_ranks(pool, body, small_lattice(), {}, found.sink(), {},
-                          {.queue = 2, .note = [&](const std::string& line) { said.push_back(line); }});
+                          {.queue = 2, .note = [&](const std::string& line) { notes.push_back(line); }});
   CHECK(found.values == by_one_thread(body));
   CHECK(report.farm.lost == 1);
   CHECK(report.farm.ranks == 2);
   CHECK_FALSE(pool.all_left());
-  CHECK(contains(said, "rank 1 has not answered for 10 s; its work goes to others"));
+  CHECK(contains(notes, "rank 1 has not answered for 10 s; its work goes to others"));
 }
 
 TEST_CASE("a rank that fails, or whose solves throw, loses its work to others") {
-  class Broken final : public RankHand {
+  class Broken final : public RankWorker {
     void run(Unpacker, const Give&, const std::stop_token&) override { throw std::runtime_error("no luck"); }
   };
   const std::shared_ptr<const Body> body = small_body();
@@ -172,7 +174,7 @@ TEST_CASE("a rank that fails, or whose solves throw, loses its work to others") 
   const std::jthread rank([&mail] {
     Endpoint endpoint(mail, 1);
     serve_rank(endpoint, [](const RankContext&) {
-      return LoadedHand{.hand = std::make_unique<Broken>(), .identity = "same"};
+      return LoadedWorker{.worker = std::make_unique<Broken>(), .identity = "same"};
     });
   });
   Endpoint own(mail, 0);
@@ -281,7 +283,7 @@ TEST_CASE("time in which rank 0 itself stood still is no silence of the others")
 }
 
 TEST_CASE("a rank beats while it solves") {
-  class Slow final : public RankHand {
+  class Slow final : public RankWorker {
    public:
     explicit Slow(std::latch& end) : end_(end) {}
     void run(Unpacker, const Give& give, const std::stop_token&) override {
@@ -292,12 +294,12 @@ TEST_CASE("a rank beats while it solves") {
    private:
     std::latch& end_;
   };
-  std::latch heard(1);
+  std::latch received(1);
   Mail mail(2);
   const std::jthread rank([&] {
     Endpoint endpoint(mail, 1);
-    serve_rank(endpoint, [&heard](const RankContext&) {
-      return LoadedHand{.hand = std::make_unique<Slow>(heard), .identity = "same"};
+    serve_rank(endpoint, [&received](const RankContext&) {
+      return LoadedWorker{.worker = std::make_unique<Slow>(received), .identity = "same"};
     });
   });
   Endpoint own(mail, 0);
@@ -314,7 +316,7 @@ TEST_CASE("a rank beats while it solves") {
       continue;
     }
     beats += message->tag == static_cast<int>(RankTag::beat) ? 1 : 0;
-    if (beats == 1 && !heard.try_wait()) heard.count_down();
+    if (beats == 1 && !received.try_wait()) received.count_down();
     solved = message->tag == static_cast<int>(RankTag::result);
   }
   CHECK(beats >= 1);

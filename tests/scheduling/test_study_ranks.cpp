@@ -41,7 +41,7 @@ StudyResult run_on_three(const StudyPlan& plan, bool one_hangs) {
       Endpoint endpoint(mail, rank);
       serve_rank(endpoint, [](const RankContext& context) {
         auto own = std::make_shared<const StudyPlan>(small_plan());
-        return LoadedHand{.hand = make_cell_hand(own, context), .identity = "same"};
+        return LoadedWorker{.worker = make_cell_worker(own, context), .identity = "same"};
       });
     });
   Endpoint own(mail, 0), hanging(mail, 1);

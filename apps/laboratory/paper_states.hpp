@@ -15,10 +15,10 @@
 
 namespace forefeel {
 
-class PaperGround {
+class PaperStates {
  public:
   // depth of the path and width of the gap, in spacings.
-  PaperGround(Laboratory& laboratory, std::size_t depth, const ShowShare& show, std::size_t gap = 8);
+  PaperStates(Laboratory& laboratory, std::size_t depth, const ShowShare& show, std::size_t gap = 8);
 
   double spacing() const { return h_; }
   double depth() const { return depth_ * h_; }           // of the path [m]

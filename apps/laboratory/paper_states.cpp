@@ -1,4 +1,4 @@
-#include "apps/laboratory/paper_ground.hpp"
+#include "apps/laboratory/paper_states.hpp"
 
 #include <algorithm>
 #include <array>
@@ -9,7 +9,7 @@
 
 namespace forefeel {
 
-PaperGround::PaperGround(Laboratory& laboratory, std::size_t depth, const ShowShare& show, std::size_t gap)
+PaperStates::PaperStates(Laboratory& laboratory, std::size_t depth, const ShowShare& show, std::size_t gap)
     : h_(laboratory.spacing()),
       frame_(lattice_frame(laboratory.scene().inward)),
       depth_(static_cast<double>(depth)) {
@@ -24,13 +24,13 @@ PaperGround::PaperGround(Laboratory& laboratory, std::size_t depth, const ShowSh
   unsolved_ = lattice(box_, h_).size() - complete_.size();
 }
 
-std::string PaperGround::axis() const {
+std::string PaperStates::axis() const {
   Eigen::Index axis = 0;
   frame_.col(0).cwiseAbs().maxCoeff(&axis);
   return std::string(frame_(axis, 0) < 0 ? "-" : "+") + "xyz"[axis];
 }
 
-std::vector<State> PaperGround::known(std::string_view setup) const {
+std::vector<State> PaperStates::known(std::string_view setup) const {
   SetupOptions options{.spacing = h_, .depth = layers_, .half_width = half_width_, .width = beyond_ * h_};
   if (setup == "gap") options.width = far_side();
   using Index = std::array<long, 3>;
@@ -47,7 +47,7 @@ std::vector<State> PaperGround::known(std::string_view setup) const {
   return states;
 }
 
-StateSpace PaperGround::space(const std::vector<State>& known) const {
+StateSpace PaperStates::space(const std::vector<State>& known) const {
   StateSpaceOptions options;
   options.spacing = h_;
   options.box = box_;
