@@ -1,5 +1,6 @@
 #!/usr/bin/env bash
-# Fuzzes every reader with libFuzzer, address and undefined-behaviour sanitizers: bash tests/fuzz.sh [SECONDS] [TARGET …]
+# Fuzzes every reader with libFuzzer, address and undefined-behaviour sanitizers:
+#   bash tests/fuzz.sh [SECONDS] [TARGET …]
 # SECONDS (60) for each target, as many side by side as there are processors. Inputs that crash are kept in
 # build/fuzz/crashes; the corpus in build/fuzz/corpus grows with each run.
 set -euo pipefail

@@ -1,12 +1,12 @@
 #pragma once
-// How well the body of a session suits the model, from the states that come: on a smooth body the error falls far
-// below the scale s of error_scale.hpp, on one that buckles it does not. The level
-//   l <- l + (ln z - l) / n,   z = ||f~ - f|| / s of a state that comes, -9 <= ln z <= 4, n <= 100 states
-// begins at -1.85, the mean over seven bodies, which counts as 5 states. Later states forget earlier ones, so the level
-// follows a body that changes. The scale is stretched by
+// Estimates from new states how accurate the model is on this body. On a smooth body the error is far below the scale
+// s of error_scale.hpp; on a body that buckles it is not. Each new state updates the level l:
+//   l <- l + (ln z - l) / n,   z = ||f~ - f|| / s at the new state, -9 <= ln z <= 4, n <= 100 states
+// l begins at -1.85, the mean over seven bodies, which counts as 5 states. The weight of earlier states fades, so the
+// level follows a body that changes. The scale s is multiplied by
 //   g = exp(2 (l + 1.85))
-// The exponent 2 makes scores of one body most like those of the others: with the tested body left out of the prior, of
-// seven bodies 81 to 96 % lie inside bars of 90 %, and 75 to 99 % without g.
+// The exponent 2 makes the scores of different bodies most alike. Test: each of seven bodies, with a prior from the
+// other six. 90 % bars then hold 81 to 96 % of the scores; without g they hold 75 to 99 %.
 
 #include <algorithm>
 #include <cmath>

@@ -7,8 +7,8 @@
 // c [N/m^2]: how fast the force departs from a tangent, the median over the states i of
 //   ||f_j - f_i + K_i (x_j - x_i)|| / ||x_j - x_i||^2,   j the state nearest to i
 // With one state c = 0.1 ||K|| / h, as if the stiffness changed by a tenth within a spacing.
-// s0 = 1e-6 N + 1e-6 ||f~||: the residual error of the solves. g: how well the body suits the model (body_level.hpp),
-// 1 unless it is set.
+// s0 = 1e-6 N + 1e-6 ||f~||: the residual error of the solves. g [1]: factor for the accuracy of the model on this body
+// (body_level.hpp), 1 unless it is set.
 
 #include <array>
 #include <cstddef>

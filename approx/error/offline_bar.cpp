@@ -85,7 +85,7 @@ void fill_bars(std::vector<BarSample>& samples, double constant) {
   }
 }
 
-// Sum of the interval scores of the bars of 95 %: their width, plus 2 / 0.05 times the excess of the error over the
+// Sum of the interval scores of the 95 % bars: the width of each, plus 2 / 0.05 times the excess of the error over the
 // half-width.
 double interval_score(std::span<const BarSample> samples) {
   double sum = 0;

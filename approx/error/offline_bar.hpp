@@ -3,19 +3,20 @@
 // at the share p of the places, for each p of bar_levels. Method: split conformal prediction, normalised (Papadopoulos
 // et al. 2002) and by label (Vovk et al., Algorithmic Learning in a Random World, 2005, ch. 4):
 //   e_p(x) = q_p (s(x) + b),   q_p: the ceil((n + 1) p)-th least of n scores |f~_i - f_i| / (s(x_i) + b)
-// The scores are those of known forces f_i that are left out in groups of neighbouring positions (left_out.hpp). They
-// are as far from the remaining states as the wanted places are from all states. s [N]: scale of the error
-// (bar/error_scale.hpp), from the 16 states nearest to x. b [N]: the part of the error that does not shrink near a
-// state, such as noise. b is 0, 0.1, 0.3, 1 or 3 times the median error: the value whose bars of 95 % have the least
-// interval score (Gneiting, Raftery 2007, Eq. 43).
-// Where solves at random places of a box are given that are no states (check solves), their errors are the scores, and
+// The scores are those of known forces f_i that are held out in groups of neighbouring positions (left_out.hpp).
+// Held-out positions are as far from known states as the wanted places. s [N]: scale of the error
+// (approx/error/error_scale.hpp), from the 16 states nearest to x. b [N]: the part of the error that does not shrink
+// near a state, such as noise. b is 0, 0.1, 0.3, 1 or 3 times the median error, whichever gives the 95 % bars the
+// least interval score (Gneiting, Raftery 2007, Eq. 43).
+// If the caller gives check solves (at random places of the box, not used as states), their errors are the scores, and
 //   s(x) = max(|f~(x)|, f0), f0 = 0.05 N,   b = 0,
 //   q_p: the ceil(n p)-th least of all n scores |f~_i - f_i| / max(|f~_i|, f0)
-// A set made to hold an error E at 95 % of the box (scheduling/placement) so has bars of 95 % of at most E in all of it.
-// Places inside the states and places outside them (left_out.hpp) have scores of their own, because extrapolation is
-// worse than interpolation at the same distance. A label uses the scores of all labels if it has fewer than 30 of its
-// own, or too few for a level. If all labels together have too few, the bar is infinite: a level p needs p / (1 - p)
-// scores, 99 of them for 99 %. Outside, too few are replaced by those of all places, at least by the largest outside.
+// A set that was placed to hold an error E at 95 % of the box (scheduling/placement) then has 95 % bars no wider than E
+// anywhere in the box. Scores inside the states and outside them (left_out.hpp) are kept apart, because extrapolation
+// is worse than interpolation at the same distance. A label with fewer than 30 scores, or with too few for a level,
+// uses the scores of all labels. A level p needs p / (1 - p) scores: 99 for the level 99 %. If all labels together have
+// fewer, the bar is infinite. If there are too few scores outside, those of all places are used, and the bar is at
+// least as wide as the largest score outside demands.
 
 #include <array>
 #include <cstddef>

@@ -270,8 +270,8 @@ FOREFEEL_INLINE void sum(std::size_t n, const double* data, std::size_t stride, 
   return size <= std::bit_cast<std::int64_t>(b);
 }
 
-// The processor overlaps consecutive evaluations by only a few vectors of centres. So few instructions precede the first
-// vector, and the polynomial is computed where the sums have to wait anyway.
+// The processor overlaps consecutive evaluations by only a few vectors of centres. So few instructions precede the
+// first vector, and the polynomial is computed where the sums have to wait anyway.
 template <int K, bool hermite>
 bool quick(const sums::Sum& m, const double x[3], double f[3]) {
   Pack y[3];

@@ -1,9 +1,9 @@
 #pragma once
-// Chooses a model for a set of states and estimates its error. Some known forces f are held back (left_out.hpp). They
-// are as far from the remaining states as the wanted places are from all states. The remaining states predict the
-// held forces (f~) with the same models that will be used later (ModelUpdater). The candidate with the least root
-// mean square of |f - f~| [N] is chosen. The expected error is the error at held positions that are as far from
-// known states as the wanted places. f is the force as measured, so its noise is part of the error.
+// Chooses a model for a set of states and estimates its error. Some known forces f are held out (left_out.hpp).
+// Held-out positions are as far from known states as the wanted places. The remaining states predict the held-out
+// forces (f~) with the same models that will be used later (ModelUpdater). The candidate with the least root mean
+// square of |f - f~| [N] is chosen. The expected error is the error at the held-out positions. f is the force as
+// measured, so its noise is part of the error.
 //
 // Candidates: kernels r, r^3, r^5; the nearest 25 to 200 states, 25 or 50 states by label, or one model of all states
 // (at most 1000 rows); ridges from 0 to 0.1. A ridge is used only if it reduces the error by 2 %. All candidates are

@@ -3,7 +3,7 @@
 //
 //   const std::vector<State> states = measured_states(positions, forces);
 //   const Evaluation found = evaluate(states, points, {});       // states without stiffness: the model is
-//                                                                // chosen (judge/auto_model.hpp)
+//                                                                // chosen (auto_model.hpp)
 //   found.made.forces;  found.chosen->p95;                       // [N]; the error to expect [N]
 
 #include <cstddef>
@@ -34,7 +34,7 @@ struct EvaluateOptions {
   std::optional<Select> select = {};
   std::optional<double> ridge = {};
   bool choose_ridge = false;  // by leaving out single states (leave_one_out.hpp)
-  bool bars = false;          // error bars of each point, for method rbf only (judge/offline_bar.hpp)
+  bool bars = false;          // error bars of each point, for method rbf only (offline_bar.hpp)
   double spacing = unknown;   // h [m]; unknown: the median distance of the states
   // Solves that are no states, drawn evenly from a box: within it, bars come from their errors.
   std::span<const State> checks = {};

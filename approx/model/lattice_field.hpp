@@ -1,12 +1,13 @@
 #pragma once
-// Interpolates forces in the lattice {k h}^3 of known states. In the lattice cell k of x, with t = x / h - k in [0, 1]^3,
+// Interpolates forces in the lattice {k h}^3 of known states. With k the lattice cell of x and t = x / h - k,
 //   f(x) = sum over i, j, l of w_i(t_1) w_j(t_2) w_l(t_3) f(h (k + (i, j, l)))     [N]
 //   trilinear   i, j, l in {0, 1},         w_0(t) = 1 - t, w_1(t) = t
 //   tricubic    i, j, l in {-1, 0, 1, 2},  w: cubic convolution with a = -1/2 (R. G. Keys, IEEE Transactions on
 //               Acoustics, Speech, and Signal Processing 29, 1981); values missing beyond the border are extrapolated,
 //               quadratically where three states are in line
-// h [m]: spacing. x outside every cell with all eight corners: the value at the nearest point of such a cell, or the
-// force of the nearest state if that is nearer. Zero without states, and where x is not finite. O(n) outside the cells.
+// h [m]: spacing; t is in [0, 1]^3. Only cells with all eight corners known are used. If x is outside of them, the
+// force is the value at the nearest point of such a cell, or that of the nearest state if this is nearer. It is zero
+// without states, and where x is not finite. Outside the cells an evaluation takes O(n).
 
 #include <array>
 #include <cstddef>

@@ -150,8 +150,8 @@ void RbfFit::load_given() {
     }
 }
 
-// Solves for the change of the coefficients that removes the misfit, with the present factor: refinement_.correction (of lambda)
-// and refinement_.polynomial.
+// Solves for the change of the coefficients that removes the misfit, with the present factor: refinement_.correction
+// (of lambda) and refinement_.polynomial.
 void RbfFit::solve_correction(const ModelData& out) {
   const std::size_t q = rows_.terms, m = factor_.rows();
   // With w = L^T delta lambda: Q^T w = R^-T rest and w = L^-1 misfit beyond Q.

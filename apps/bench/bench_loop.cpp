@@ -1,7 +1,7 @@
 // forefeel bench loop [SCENE]: the 1 kHz loop of a session beside a bare loop that only waits for its deadlines.
-// Both run at the same time in one process, half a frame apart, with the same thread settings, so that they meet the same
-// load: the session's workers, and as many threads of tight solves that take every processor the workers leave idle.
-// Runs with and without the recording of inputs (session.record) alternate.
+// Both run at the same time in one process, half a frame apart, with the same thread settings, so that they meet the
+// same load: the session's workers, and as many threads of tight solves that take every processor the workers leave
+// idle. Runs with and without the recording of inputs (session.record) alternate.
 //   missed      frames that were skipped, or whose cost and lateness together exceed their length
 //   difference  missed of the loop less missed of the bare loop, per 1000 frames, with an interval of 95 % by a
 //               bootstrap over seconds; within noise if it contains zero
@@ -56,7 +56,8 @@ double cpu_seconds() {
   return of(usage.ru_utime) + of(usage.ru_stime);
 }
 
-// Threads of tight solves at random places of the box. They take only processors that nothing else of this machine wants.
+// Threads of tight solves at random places of the box. They take only processors that nothing else of this machine
+// wants.
 class Load {
  public:
   Load(const Scene& scene, int threads, std::uint64_t seed) {

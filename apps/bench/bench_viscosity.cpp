@@ -1,5 +1,5 @@
-// forefeel bench viscosity [SCENE] [-o DIR]: relaxation, creep under a constant force, and hysteresis loops of a viscous
-// scene. The force is the tight elastic one after the loop's relaxation filter, beside the exact solution
+// forefeel bench viscosity [SCENE] [-o DIR]: relaxation, creep under a constant force, and hysteresis loops of a
+// viscous scene. The force is the tight elastic one after the loop's relaxation filter, beside the exact solution
 // (viscous_curves.hpp). The tip moves straight into the body.
 //   error      largest difference from the exact solution, of its largest value
 //   lost       energy that a period of the loop takes, the area enclosed [J]

@@ -1,6 +1,6 @@
 #pragma once
-// What a viscous body does to three hands that everybody knows, by the filter of the loop (approx/relaxation) and by the
-// exact solution of quasi-linear viscoelasticity for the same elastic force f(s) [N] at depth s [m]:
+// Three standard tests of a viscous body, by the relaxation filter of the loop (approx/switch/relaxation.hpp) and by
+// the exact solution of quasi-linear viscoelasticity, both for the elastic force f(s) [N] at depth s [m]:
 //   relaxation  pressed in at once and held:   F(t) = G(t) f(s)
 //   creep       pushed by a constant force P:  f(s(t)) = P J(t), with z = (f, h_1 … h_n), dz/dt = M z, z(0) = P (1, g):
 //               df/dt = sum h_i / tau_i,  dh_i/dt = g_i df/dt - h_i / tau_i

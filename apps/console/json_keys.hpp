@@ -1,7 +1,7 @@
 #pragma once
 // The keys that commands print with --json, for `forefeel help outputs`. Each list stands beside the code that prints
-// them; tests/apps/test_json_keys.cpp compares it with what is printed. Objects are joined by dots, "[]" is each entry of
-// a list of objects, words in capitals stand for any name.
+// them; tests/apps/test_json_keys.cpp compares it with what is printed. Objects are joined by dots, "[]" is each entry
+// of a list of objects, words in capitals stand for any name.
 
 #include <vector>
 

@@ -14,8 +14,8 @@ namespace forefeel {
 
 // Adds the keys bar90, bar95 and bar99 (lists by point) and error_bar (the measured coverage). Null without bars.
 void describe_bars(nlohmann::ordered_json& document, const std::optional<EvaluatedBars>& bars);
-// "error bars of 90/95/99 %: … of 312 comparisons with known forces, left out in groups, lie inside …", with a warning if the share is
-// more than five points below a level.
+// "error bars of 90/95/99 %: … of 312 comparisons with known forces, left out in groups, lie inside …", with a warning
+// if the share is more than five points below a level.
 std::string bars_in_words(const EvaluatedBars& bars);
 
 // ",0.1,0.2,0.5": cells of a CSV file, empty where infinite.

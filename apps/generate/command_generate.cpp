@@ -115,7 +115,8 @@ FarmOptions farm_options(const Globals& globals, const std::stop_token& stop,
           }};
 }
 
-// When a rank has died, mpirun sends a signal to the others and ends them about a second later. So this is said at once.
+// When a rank has died, mpirun sends a signal to the others and ends them about a second later. So this is said at
+// once.
 void tell_ended_ranks(KeptStates& kept, const std::string& output) {
   kept.flush();
   std::cerr << "forefeel: "
@@ -135,7 +136,8 @@ GenerateResult fill_lattice(const Globals& globals, const Scene& scene, StateFil
   options.stop = stop.get_token();
 
   GenerateResult result;
-  // Created with the first state. Before that, while the lattice is planned, a signal ends the program; nothing is lost.
+  // Created with the first state. Before that, while the lattice is planned, a signal ends the program; nothing is
+  // lost.
   std::optional<InterruptWatch> watch;
   const auto raised = [&] { return watch && watch->raised(); };
   if (ranks) watch.emplace();

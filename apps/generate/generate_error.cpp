@@ -122,9 +122,8 @@ std::string complaint(const PlacementReport& report, double error, const StateSp
                           positions == 0   ? "no position"
                           : positions == 1 ? "1 position"
                                            : fmt::format("{} positions", positions));
-    return fmt::format(
-        "{} states, {}, hold an estimated error of {:.3g}, not {:.3g}: the spacing is the limit; reduce it",
-        report.states, why, report.estimate.held(), error);
+    return fmt::format("estimated error {:.3g} > {:.3g} with {} states, {}; reduce the spacing",
+                       report.estimate.held(), error, report.states, why);
   }
   if (!report.estimate_holds)
     return fmt::format("{} states hold an estimated error of {:.3g}, not {:.3g}; {} solves failed",

@@ -25,7 +25,7 @@ void add_figures(Command& sub, FigureArguments& arguments, const std::string& fo
 // InputError for an unknown palette or format. From here on, the palette is that of all pictures.
 void take_figures(const FigureArguments& arguments);
 
-// FOLDER/figures, made if it is missing, without pictures of before.
+// FOLDER/figures, made if it is missing. Older pictures in it are removed.
 std::filesystem::path figures_in(const std::filesystem::path& folder);
 
 // Writes FOLDER/NAME.FORMAT for each wanted format. If one cannot be written, warns and returns false.

@@ -25,8 +25,8 @@ std::optional<std::string> draw_png(int width, int height, const std::string& sc
 // The same as a PDF page of this size in pixels of 1/96 inch.
 std::optional<std::string> draw_pdf(int width, int height, const std::string& script);
 
-// Makes text safe inside single quotes of a script: on one line, with quotes doubled. "noenhanced" after the quotes keeps
-// '_' and '^' as they are.
+// Makes text safe inside single quotes of a script: on one line, with quotes doubled. "noenhanced" after the quotes
+// keeps '_' and '^' as they are.
 std::string plain_text(const std::string& text);
 
 // A data block: "$name << EOD", the lines, "EOD".

@@ -44,8 +44,8 @@ class SceneTable {
   // A table inside this one; if absent, all its keys are unset. Throws InputError if the key is not a table
   // or the table has a key that is not in `known`.
   SceneTable sub(const std::string& key, std::vector<std::string> known) const;
-  // The tables of [[key]], or the one table [key], without keys if it is absent. A table with group = "NAME" has keys like
-  // "material.NAME.young" in messages and overrides.
+  // The tables of [[key]], or the one table [key], without keys if it is absent. A table with group = "NAME" has keys
+  // like "material.NAME.young" in messages and overrides.
   std::vector<SceneTable> subs(const std::string& key, const std::vector<std::string>& known) const;
   // Throws unless exactly one of the keys is set; returns it.
   std::string exactly_one_of(const std::vector<std::string>& keys) const;

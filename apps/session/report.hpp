@@ -16,8 +16,9 @@ namespace forefeel {
 
 using Picture = std::shared_future<std::string>;  // HTML
 
-// Each picture is made on its own thread. All but the slices read the session's result, so the result must outlive them.
-// Slices, still (curves for browsers without scripts) and deadlines are drawn by gnuplot; they are empty without it.
+// Each picture is made on its own thread. All but the slices read the session's result, so the result must outlive
+// them. Slices, still (curves for browsers without scripts) and deadlines are drawn by gnuplot; they are empty without
+// it.
 struct ReportPictures {
   Picture slices, still, deadlines;  // deadlines: only with a real clock
   Picture charts, moments;           // curves that can be zoomed; the worst moments

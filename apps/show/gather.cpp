@@ -150,7 +150,7 @@ ShowContent of_run(const Globals& globals, const ShowRequest& request) {
     frame.box = scene->space.box;
   } else {
     content.warnings.push_back(fmt::format(
-        "{}: the scene of this run is not at hand, so its body is not shown; --scene SCENE shows it",
+        "{}: the scene of this run was not found, so its body is not shown; --scene SCENE shows it",
         request.what));
   }
   if (content.body) run.run.shapes = shapes_of_run(run, *content.body);

@@ -1,5 +1,5 @@
 #pragma once
-// The discretisation error of each body of a study (scene_input/scene_mesh_error.hpp), measured after its
+// The discretisation error of each body of a study (apps/scene/scene_mesh_error.hpp), measured after its
 // sessions: what they show beside it is the error against solves on the same mesh.
 
 #include <string>

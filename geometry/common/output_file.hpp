@@ -1,7 +1,8 @@
 #pragma once
 // A file that appears complete or not at all. It is written under a temporary name in the same folder;
 // commit() syncs it to the disk and renames it. Without commit() nothing is left behind. Devices and
-// open pipes (/dev/stdout) are written directly; a named pipe is refused. A symbolic link stays, its target is written; a file keeps its mode.
+// open pipes (/dev/stdout) are written directly; a named pipe is refused. Symbolic links are followed; permissions are
+// kept.
 
 #include <filesystem>
 #include <initializer_list>

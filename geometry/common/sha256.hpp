@@ -16,7 +16,7 @@ class Sha256 {
   Sha256& add(std::string_view text) { return add(text.data(), text.size()); }
   Sha256& add(double value);        // its IEEE bits, little endian, -0 as 0
   Sha256& add(std::int64_t value);  // little endian
-  std::string hex() const;          // of what was added so far: 64 digits; adding may go on
+  std::string hex() const;          // 64 digits, of the data added so far; more data may be added
 
  private:
   void block(const std::uint8_t* data);

@@ -31,8 +31,8 @@ std::optional<Label> FarProof::label(const Thresholds& limits, const Vec3& q, do
   if (!(std::abs(axis.squaredNorm() - 1) < 0.1)) axis = -nearest;
   axis.normalize();
   if (find_axis(q, limits.gap_radius, limits.gap_cos, e, axis)) return Label::blank;
-  // A move by e turns a direction by at most asin(e / nearest), so a correspondingly smaller angle at q proves the label
-  // for all voxels.
+  // A move by e turns a direction by at most asin(e / nearest), so a correspondingly smaller angle at q proves the
+  // label for all voxels.
   directions_.clear();
   points_->for_each_within(q, limits.gap_radius - e, [&](std::uint32_t, const Vec3& offset, double squared) {
     directions_.push(offset / std::sqrt(squared));

@@ -42,7 +42,7 @@ inline constexpr int block_level = 2;  // largest leaves that are proven sparse 
 
 struct RegionNode {
   enum class Kind : std::uint8_t { unresolved, leaf, branch, outside };
-  // Bits of `below`: 1 << label for each label; further:
+  // Bits of `below`: 1 << label for each label; other bits:
   static constexpr std::uint8_t unresolved_bit = 0x10;  // an unresolved node
   static constexpr std::uint8_t axis_bit = 0x20;        // a sparse leaf that is proven by its axis
   static constexpr std::uint8_t anything = 0x3f;

@@ -91,7 +91,8 @@ class Improver {
   }
 
   // Removes flat tetrahedra on the surface. With two faces there, the surface gets the other diagonal of the two; with
-  // three faces, a low tip is cut off. The surface moves by less than a tenth of the edges there. True if any was removed.
+  // three faces, a low tip is cut off. The surface moves by less than a tenth of the edges there. True if any was
+  // removed.
   bool peel() {
     const std::vector<Side> all = sides();
     std::vector<std::vector<int>> outer(mesh_.tets.size());

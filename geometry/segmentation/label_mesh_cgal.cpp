@@ -91,7 +91,8 @@ Complex mesh_with(const Domain& domain, const LabelDomain& labels, double cell) 
 }
 
 // Finds the size for a number of tetrahedra. The number is about proportional to size^-3, so secant steps between
-// logarithms lead there; where it jumps, as parts get lost or found, the interval between sizes on both sides is halved.
+// logarithms lead there; where it jumps, as parts get lost or found, the interval between sizes on both sides is
+// halved.
 class SizeSearch {
  public:
   SizeSearch(const Domain& domain, const LabelDomain& labels, LabelTold& told)

@@ -42,8 +42,8 @@ struct ImageHeader {
 // file, and the labels made of them) do not fit into the available memory.
 std::size_t checked_voxels(const ImageHeader& header, const std::string& file, std::size_t bytes_each);
 
-// Collects the values of the voxels, one at a time. InputError for more than 65535 different values, or for a value that
-// is not a whole number.
+// Collects the values of the voxels, one at a time. InputError for more than 65535 different values, or for a value
+// that is not a whole number.
 class LabelCollector {
  public:
   LabelCollector(const ImageHeader& header, std::size_t voxels, const std::string& file);

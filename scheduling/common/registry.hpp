@@ -67,8 +67,8 @@ class Registry {
   mutable std::mutex mutex_;
 };
 
-// Calls a factory for a part as the user wrote it. InputError for a setting that the factory does not know, and for what
-// the factory throws; the error names the part.
+// Calls a factory for a part as the user wrote it. InputError for a setting that the factory does not know, and for
+// what the factory throws; the error names the part.
 template <class Factory, class Context>
 auto make_registered(const Factory& factory, const std::string& kind, const Registered& part,
                      Context context) {

@@ -14,7 +14,8 @@ namespace forefeel {
 
 struct StateCounts {
   std::size_t start = 0, solved = 0, failed = 0, preempted = 0;
-  std::size_t set_aside = 0;  // of the failed: solved, but not states of this body (plan/plausible.hpp)
+  std::size_t set_aside =
+      0;  // of the failed: solved, but not states of this body (scheduling/session/plausible.hpp)
 };
 
 // Interventions of the safety rules, and the work of the hand by the energy observer (render/safety.hpp).

@@ -13,12 +13,12 @@
 
 namespace forefeel {
 
-// The device, whose force acts `delay` [s] later than without: in frames of `frame` [s], a whole number. Its limits then
-// hold the exact limit below as stiffness. InputError for a delay below 0, above 0.1 s, or not of whole frames.
+// The device, whose force acts `delay` [s] later than without: in frames of `frame` [s], a whole number. Its limits
+// then hold the exact limit below as stiffness. InputError for a delay below 0, above 0.1 s, or not of whole frames.
 std::unique_ptr<Device> make_delayed_device(std::unique_ptr<Device> device, double delay, double frame);
 
-// The largest stiffness K at which the loop with d = frames_late * frame is stable, B = 0 [N/m]; NaN if mass, damping or
-// stiffness is not known. Without delay that of sampled_limit().
+// The largest stiffness K at which the loop with d = frames_late * frame is stable, B = 0 [N/m]; NaN if mass, damping
+// or stiffness is not known. Without delay that of sampled_limit().
 double delayed_limit(const LoopPlant& plant, double frame, std::size_t frames_late);
 
 }  // namespace forefeel

@@ -21,11 +21,11 @@
 // (apps/examples/command_policy.cpp).
 // A measured motion: read_trace() and make_trace_device() in scheduling/motion/trace.hpp.
 //
-// Order of calls. make_plan() calls the factory once, then duration(), limits() and position() over the whole motion, with
-// force zero, to check it; all from its caller's thread. The factory may throw: an InputError passes through, another
-// exception becomes one that names the device. run_session() calls position() frame by frame, from t = 0 again, and
-// limits() after the last frame. This order is the same for devices that answer the force and for those that do not.
-// Thread: the real-time loop under the real clock (1 kHz), the session's thread under the virtual clock;
+// Order of calls. make_plan() calls the factory once, then duration(), limits() and position() over the whole motion,
+// with force zero, to check it; all from its caller's thread. The factory may throw: an InputError passes through,
+// another exception becomes one that names the device. run_session() calls position() frame by frame, from t = 0 again,
+// and limits() after the last frame. This order is the same for devices that answer the force and for those that do
+// not. Thread: the real-time loop under the real clock (1 kHz), the session's thread under the virtual clock;
 // never two at once. Forbidden in position(): memory allocation, locks, exceptions (they end the program), files,
 // waiting. A position that is not finite is replaced by the last one and counted. Under the virtual clock the position
 // must be a function of t, the forces so far and the seed, so that a run repeats bit by bit.

@@ -5,7 +5,8 @@
 // [m], F force sent [N]. Within a frame F is constant and x_t moves on a straight line. The integration
 // step is exact for these at any k and m, so it adds no instability to the loop of device, body and one frame
 // of delay. A reaction to a surprise raises k from one frame to the next (HandTraits); zeta stays, so b rises with
-// the square root of k. Without one, k is constant. Positions are rounded to the profile's resolution, like those of encoders.
+// the square root of k. Without one, k is constant. Positions are rounded to the profile's resolution, like those of
+// encoders.
 
 #include <memory>
 

@@ -240,8 +240,8 @@ class Reader {
     return fmt::format("column {}", column + 1);
   }
 
-  // The column of tool names. It is found by its title, or because times grow within the rows of each value but not over
-  // all rows.
+  // The column of tool names. It is found by its title, or because times grow within the rows of each value but not
+  // over all rows.
   std::optional<std::size_t> column_of_tools() const {
     const bool mixed = timed() && !separates(nowhere);
     const std::size_t width = rows_[layout_.first].cells.size();

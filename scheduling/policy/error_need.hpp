@@ -4,8 +4,8 @@
 //   V(c) = sum_q w(q) [P(m(q, delta)) - P(m(q, min(delta, |q - c|)))] / T
 // q: the path ahead, and cubes that fill the box; w(q): the larger the sooner the hand may be there, the sum over all q
 // is 1; delta: distance from q to the nearest state that is known or being solved; T: time of a solve [s].
-// The error in JNDs at q is taken as lognormal with the median m and the deviation v of its logarithm. It exceeds 1 with
-// the chance
+// The error in JNDs at q is taken as lognormal with the median m and the deviation v of its logarithm. It exceeds 1
+// with the chance
 //   P(m) = N(ln m / v),   N the normal distribution function
 //   ln m(q, delta) = a + b ln(delta / h) + c side(q) + r(q)
 // side: distance from q to the mean of the 8 states nearest to it, over their mean distance: about 0 among states, 1

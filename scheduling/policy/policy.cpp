@@ -25,7 +25,7 @@ constexpr BuiltIn built_in[] = {
     {"coarse-to-fine", make_coarse_to_fine,
      "coarse lattice points far around the predicted path, fine ones near it"},
     {"error", make_error, "expected error times the chance that the state is needed"},
-    {"clairvoyant", make_clairvoyant, "bound: knows the motion, rehearses every policy and runs the best"},
+    {"clairvoyant", make_clairvoyant, "upper bound: knows the motion, simulates every policy, runs the best"},
     {"clairvoyant-greedy", make_clairvoyant, "coverage with the motion known"},
     {"shuffled", make_shuffled, "placebo of coverage: its labels, permuted among the places"},
     {"clairvoyant-shuffled", make_clairvoyant_shuffled, "placebo of clairvoyant-greedy"},

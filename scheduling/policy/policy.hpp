@@ -83,12 +83,11 @@ class Policy {
   // that does not depend on the force; the session refuses other devices.
   virtual bool reads_future() const { return false; }
   // The worth of solving the candidate next: finite, at least 0; the largest is solved first. Preemption compares
-  // ratios of priorities. Other values do not end the session: they are ranked as they compare, NaN last, and a note of
-  // the result counts them.
+  // ratios of priorities. Other values do not end the session: they are sorted by <, NaN last; a note says how many.
   virtual double priority(const Candidate& candidate, const PlannerView& view) const = 0;
   // The highest priority that a candidate can still have after more states became pending in the same step,
-  // given its present one. A larger argument must not give a smaller result. If it returns the priority itself, only the
-  // best candidates are ranked again. If it returns infinity, all candidates are ranked again.
+  // given its present one. A larger argument must not give a smaller result. If it returns the priority itself, only
+  // the best candidates are ranked again. If it returns infinity, all candidates are ranked again.
   virtual double at_most(double priority) const;
   // The priorities of all candidates of a planning step; override it if they share work. Writes #candidates
   // values.

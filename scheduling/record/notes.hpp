@@ -1,6 +1,6 @@
 #pragma once
-// Notes of sessions for people to read. Lines that differ only in their numbers are of one kind: a thousand failed solves
-// are one remark. summary.json keeps every line.
+// Notes of sessions for people to read. Lines that differ only in their numbers are of one kind: a thousand failed
+// solves are one remark. summary.json keeps every line.
 
 #include <span>
 #include <string>

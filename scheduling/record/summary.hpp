@@ -130,13 +130,13 @@ struct SessionSummary {
     // Error of each registered predictor on this motion, if the caller measured it (PredictorScores).
     std::vector<PredictorErrors> prediction = {};
   };
-  // What went wrong around the loop while it ran on (log/session_result.hpp, plan/plausible.hpp). Skipped frames and
-  // the actions of the safety rules are under Loop and Safety.
+  // What went wrong around the loop while it ran on (scheduling/common/session_result.hpp, session/plausible.hpp).
+  // Skipped frames and the actions of the safety rules are under Loop and Safety.
   struct Faults {
     std::size_t states_set_aside = 0, workers_lost = 0, planner_stalls = 0, clock_steps = 0;
     std::size_t device_held = 0, device_jumps = 0;  // frames
   };
-  // Timing of the frames, and the end of the force (LoopReport of log/session_result.hpp).
+  // Timing of the frames, and the end of the force (LoopReport of scheduling/common/session_result.hpp).
   struct Loop {
     std::size_t skipped = 0;
     double longest_pause = 0, planner_stall = 0;  // [s]; unknown under the virtual clock

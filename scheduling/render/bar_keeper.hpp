@@ -4,7 +4,8 @@
 //   audit     a state at a position that the loop rendered in the last seconds. The rendered force is scored, for its
 //             label and for labels with fewer than 20 audits
 //   other     any other state. The model in use is scored at its position. Such states are solved where least is
-//             known, not where the hand is: they tell how well the body suits the model (approx/error/body_level.hpp)
+//             known, not where the hand is. They show how accurate the model is on this body
+//             (approx/error/body_level.hpp)
 // Until a session has scores of its own, scores of other bodies and motions are used (approx/error/prior_scores.hpp).
 // While no state is known, the first guess has the bar of a model of one state at rest with its stiffness. Rest itself
 // is then not scored, because the guess is exact there.

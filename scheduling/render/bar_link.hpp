@@ -2,9 +2,9 @@
 // The messages between planner and loop about error bars. For the rendered force F [N] of a frame at x, with f~ the
 // force of the newest model there, the half-width of the bar of level p is
 //   e_p = sqrt((q_p s(x))^2 + r^2),   r = ||F - f~||     [N]
-// s [N]: scale of the model's error (approx/error/error_scale.hpp), q_p [1]: factor of the level (conformal_factors.hpp),
-// r [N]: the difference that the switch still holds back. r is known exactly, and its direction is assumed independent
-// of the model's error. When the true force f of a frame becomes known, its score is
+// s [N]: scale of the model's error (approx/error/error_scale.hpp), q_p [1]: factor of the level
+// (conformal_factors.hpp), r [N]: the difference that the switch still holds back. r is known exactly, and its
+// direction is assumed independent of the model's error. When the true force f of a frame becomes known, its score is
 //   sqrt(max(0, ||F - f||^2 - r^2)) / s
 // The score is at most q_p if and only if the bar contains f.
 

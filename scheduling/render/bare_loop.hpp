@@ -1,7 +1,8 @@
 #pragma once
-// A loop that only waits for its deadlines: what the machine itself misses. It has the thread settings (loop_thread.hpp)
-// and the rule for late frames (frame_pacer.hpp) of the session's loop, and does nothing in a frame. Both can run at
-// the same time, so that they meet the same load; half a frame between their deadlines keeps them apart.
+// A loop that only waits for its deadlines: what the machine itself misses. It has the thread settings
+// (loop_thread.hpp) and the rule for late frames (frame_pacer.hpp) of the session's loop, and does nothing in a frame.
+// Both can run at the same time, so that they meet the same load; half a frame between their deadlines keeps them
+// apart.
 
 #include <atomic>
 #include <cstddef>

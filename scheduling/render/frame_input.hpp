@@ -1,6 +1,6 @@
 #pragma once
 // Everything that one frame of the loop took from outside, and the two forces that it made of it. From the same inputs
-// and the same models the loop makes the same forces, bit for bit (replay/input_replay.hpp).
+// and the same models the loop makes the same forces, bit for bit (input_replay.hpp).
 
 #include <cstdint>
 

@@ -1,11 +1,11 @@
 #pragma once
-// The file of a run's inputs (RUN/session.inputs), written by input_log.hpp and read by replay/input_reader.hpp.
+// The file of a run's inputs (RUN/session.inputs), written by input_log.hpp and read by input_reader.hpp.
 //   "forefeel inputs 1\n", header, records
 // The header and each record stand behind a kind (one letter) and the length of their content (32 bits). Numbers are
 // as they stand in memory, every double with all its bits. The header ends with a digest of itself.
 //   H   what the run was made with (InputHeader)
 //   S   a state that became known, in the order of the state space (geometry/states/state_message.hpp)
-//   X   a state that did not: its solve failed, or it was set aside (plan/plausible.hpp)
+//   X   a state that did not: its solve failed, or it was set aside (scheduling/session/plausible.hpp)
 //   M   a model was made (ModelInput)
 //   F   a frame (FrameInput)
 //   E   the run ended by itself; a file without it was cut, and holds what was written until then

@@ -1,5 +1,5 @@
 #pragma once
-// Records what came into a run, so that it can be rendered again bit by bit (replay/input_replay.hpp). The format is in
+// Records what came into a run, so that it can be rendered again bit by bit (input_replay.hpp). The format is in
 // input_format.hpp. Three threads take part:
 //   loop      frame(): a copy into a queue, which neither allocates nor locks
 //   planner   learn(), failed(), model(): bytes under a lock that nobody holds for long

@@ -1,7 +1,7 @@
 #pragma once
 // Reads the file of a run's inputs record by record (render/input_format.hpp), with little memory however long it is.
-// A file that ends within a record, or without the record of its end, is that of a run that was cut: the whole records
-// count. Anything else that is no record is damage.
+// The file of an interrupted run ends within a record, or without the end record; its complete records are used.
+// Anything else that is no record is damage.
 
 #include <cstdint>
 #include <filesystem>

@@ -54,9 +54,9 @@ void PassivityControl::note_model(const Vec3& x, const ModelView& model, bool ta
   since_ = 0;
   stiffness_ = largest_stiffness(model.jacobian, options_.coupling);
   const double end = -model.here.dot(x), middle = -model.half_way.dot(x);
-  // Simpson's rule against the energies of tight solves on a liver phantom, 60 places: within 1 % of U for the neo-Hookean
-  // law; for St. Venant-Kirchhoff p50 1 %, p95 50 %, since a model of states near x is poor half way to rest. A wrong U
-  // costs force or work of the controller; the tank's own energy E does not depend on it.
+  // Simpson's rule against the energies of tight solves on a liver phantom, 60 places: within 1 % of U for the
+  // neo-Hookean law; for St. Venant-Kirchhoff p50 1 %, p95 50 %, since a model of states near x is poor half way to
+  // rest. A wrong U costs force or work of the controller; the tank's own energy E does not depend on it.
   share_ = end > 0 ? std::clamp((4 * middle / end + 1) / 6, 0.1, 1.0) : 0.5;
   if (!taken) return;
   const double now = stored_energy(coupling_ * model.here, x, share_, options_.force_limit);

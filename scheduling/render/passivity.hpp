@@ -10,12 +10,12 @@
 //                E <- min(E - (F + F_before) . dx / 2, |F|max |x|),   |F|max: largest force sent so far [N]
 //   reserve    F <- g F with the largest g in [0, 1] that leaves
 //                E + q >= |F|^2 / (2 K_b),   K_b = min(K_c, S / v)    [N/m]
-//              S [N/s]: slew limit. v [m/s]: twice the highest smoothed speed of the tip of about the last 0.3 s. A force
-//              that falls to zero at the slew limit, while the tip moves along it at v, returns v |F|^2 / (2 S). If the
-//              tank holds that much and the tip is not faster than v, then it does so again one frame later with the
-//              force lowered by S T, since (|F| + |F'|) v T / 2 = v (|F|^2 - |F'|^2) / (2 S). So the tank is never
-//              empty before the force is zero. Where the rule holds force back, F is that of a spring K_b that stores
-//              E + q: the way in and the way out agree, and a loop with K_b <= K_c is stable.
+//              S [N/s]: slew limit. v [m/s]: twice the highest smoothed speed of the tip in about the last 0.3 s. A
+//              force that falls to zero at the slew limit, while the tip moves along it at v, returns v |F|^2 / (2 S).
+//              If the tank holds that much and the tip is not faster than v, the tank holds enough again one frame
+//              later, with the force lowered by S T, since (|F| + |F'|) v T / 2 = v (|F|^2 - |F'|^2) / (2 S). So the
+//              tank is never empty before the force is zero. Where the rule lowers the force, F is that of a spring
+//              K_b that stores E + q: the way in and the way out agree, and a loop with K_b <= K_c is stable.
 //   way out    U [J]: energy that the model gives back on the straight path from x to rest, by Simpson's rule. A switch
 //              that raises U above E would generate energy. While the tip moves out, also g <= 2 (E + q) / U, so that
 //              the force fades early.
@@ -26,7 +26,8 @@
 // and a force that no motion of the hand has paid for stays small until the hand presses further.
 // q [J]: dead zone of one quantum of the encoder, sqrt(3) r |F|max, because the rounding of positions is not energy of
 // the loop. Energy tanks: F. Ferraguti, C. Secchi, C. Fantuzzi, ICRA 2013. Virtual coupling: J. E. Colgate, M. C.
-// Stanley, J. M. Brown, IROS 1995. The reserve follows from the equations above. Nothing here allocates, locks or throws.
+// Stanley, J. M. Brown, IROS 1995. The reserve follows from the equations above. Nothing here allocates, locks or
+// throws.
 
 #include <limits>
 #include <string_view>

@@ -88,7 +88,7 @@ bool Planner::is_held(const JobResult& result) const {
   return std::ranges::find(members, result.dispatch, &Member::dispatch) != members.end();
 }
 
-// Workers may be a user's own: a result of no running job is left out, one for another position has failed.
+// Custom workers may misbehave: a result of an unknown job is ignored; one at the wrong position counts as failed.
 void Planner::receive(JobResult result, double now) {
   if (!is_held(result)) {
     ++strays_;
@@ -374,12 +374,11 @@ void Planner::finish(SessionResult& result, ModelKeeper& models) {
   if (const auto& wrong = priorities_refused_; wrong.not_numbers + wrong.infinite + wrong.negative > 0)
     result.notes.push_back(
         fmt::format("policy {} gave priorities that are not finite numbers of at least 0: {} not numbers, {} "
-                    "infinite, {} "
-                    "negative; they were ranked as they compare, those that are not numbers last",
+                    "infinite, {} negative; they were sorted by <, NaN last",
                     setup_.policy->name(), wrong.not_numbers, wrong.infinite, wrong.negative));
   if (strays_ > 0)
-    result.notes.push_back(fmt::format(
-        "the workers gave {} results that belong to no running job: they were left out", strays_));
+    result.notes.push_back(
+        fmt::format("the workers gave {} results that belong to no running job: they were ignored", strays_));
   if (elsewhere_ > 0)
     result.notes.push_back(fmt::format(
         "the workers gave {} states at other positions than asked for: they counted as failed", elsewhere_));

@@ -15,8 +15,8 @@ constexpr double highest = std::numeric_limits<double>::max();
 
 }  // namespace
 
-// A policy may be a user's own: its priorities are ranked as they compare, NaN last. Those that are not finite and at
-// least 0 are counted and reported at the end.
+// Custom policies may return any number: priorities are sorted by <, NaN last. Negative and non-finite ones are counted
+// and reported at the end.
 double Planner::ranked_by(double priority) {
   priorities_refused_.not_numbers += std::isnan(priority);
   priorities_refused_.infinite += std::isinf(priority);

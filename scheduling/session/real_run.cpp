@@ -36,9 +36,9 @@ Nanoseconds wall_clock() {
   return Nanoseconds{now.tv_sec} * 1000000000 + now.tv_nsec;
 }
 
-// Locks pages in memory during a session; a note reports if the system does not permit it. Pages are locked when they are
-// first touched, because locking whole mappings would make the stacks of all threads resident, 8 MB for each worker. The
-// data of the loop are touched before it begins.
+// Locks pages in memory during a session; a note reports if the system does not permit it. Pages are locked when they
+// are first touched, because locking whole mappings would make the stacks of all threads resident, 8 MB for each
+// worker. The data of the loop are touched before it begins.
 class LockedMemory {
  public:
   explicit LockedMemory(SessionResult& result) {

@@ -101,7 +101,7 @@ SessionResult run_rehearsed(SessionPlan plan, const SessionHooks& hooks, ShapedR
   if (rehearsed.cut) {
     SessionResult result = not_begun(
         plan, std::move(*rehearsed.cut),
-        fmt::format("interrupted while it rehearses, in schedule {} of {}: the session itself was not begun",
+        fmt::format("interrupted while simulating schedule {} of {}: the session itself was not begun",
                     rehearsed.tried + 1, rehearsed.of));
     if (hooks.when_run) hooks.when_run(result);
     result.wall_seconds = std::chrono::duration<double>(std::chrono::steady_clock::now() - start).count();
@@ -111,7 +111,7 @@ SessionResult run_rehearsed(SessionPlan plan, const SessionHooks& hooks, ShapedR
   SessionResult result = run_once(with_policy(std::move(plan), rehearsed.best), hooks, shapes);
   if (own && references->damage()) result.warnings.push_back(*references->damage());
   result.notes.push_back(fmt::format(
-      "clairvoyant: {} was the best of {} schedules that were rehearsed{}", rehearsed.best, rehearsed.tried,
+      "clairvoyant: {} was the best of {} schedules that were simulated{}", rehearsed.best, rehearsed.tried,
       rehearsed.tried < rehearsed.of ? ": all first visits are within the JND, none can be better" : ""));
   return result;
 }

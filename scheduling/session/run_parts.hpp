@@ -39,8 +39,8 @@ class StateLog {
   std::optional<std::string> failure_;
 };
 
-// The planner's hooks. inputs: null where nothing is recorded. cost: of simulated workers; null under the real clock. Plan and log must outlive the
-// hooks.
+// The planner's hooks. inputs: null where nothing is recorded. cost: of simulated workers; null under the real clock.
+// Plan and log must outlive the hooks.
 Planner::Hooks hooks_of(const SessionPlan& plan, const CostModel* cost, StateLog& log, InputLog* inputs);
 // Moves the log and the safety counters of a run into its result. `frames`: the number requested.
 void take_loop(RenderLoop& loop, std::size_t frames, SessionResult& result);

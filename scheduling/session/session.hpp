@@ -24,11 +24,12 @@
 
 namespace forefeel {
 
-// Invalid sessions are refused by make_plan(). A failure during the run does not throw: a full disk of the
-// states' file or of the record of inputs costs what comes later its place there, failed workers leave the session to
-// what is known, a failing planner ends it early. The force then goes to zero as at every end
-// (render/render_loop.hpp). result.failures has a line for each, and the rest of the result holds. A full disk of the
-// cache is only a warning.
+// make_plan() refuses invalid sessions. A failure during the run does not throw:
+//   full disk        later states, or later inputs, are not saved
+//   failed workers   the session continues with the states known so far
+//   failed planner   the session ends early; the force goes to zero as at every end (render/render_loop.hpp)
+// result.failures has a line for each, and the rest of the result is valid. If the disk of the cache is full, that is
+// only a warning.
 SessionResult run_session(const SessionPlan& plan, const SessionHooks& hooks = {});
 // Makes the plan and runs it.
 SessionResult run_session(SessionInput input, SessionOptions options, const SessionHooks& hooks = {});

@@ -33,7 +33,7 @@ struct TouchedBody {
 struct SessionFiles {
   std::optional<std::filesystem::path> states = {};  // new states are appended here
   std::optional<std::filesystem::path> inputs = {};  // what came in is recorded here (render/input_log.hpp)
-  std::string program = {};                          // that records it: its version
+  std::string program = {};                          // name and version of the recording program
   std::filesystem::path cache = {};                  // folder of this body's tight solves; empty: none
   std::filesystem::path scene = {};                  // folder where relative trace files are looked up
 };
@@ -52,8 +52,8 @@ struct SessionParts {
 struct SessionInput {
   TouchedBody touched = {};
   std::vector<State> known = {};  // at the start
-  // The known states are those of another body, or of one that nobody can solve (measured ones). The session
-  // renders them alone: neither states nor references are solved, and no state file is written.
+  // The known states are those of another body, or of a body without a model, such as measured forces. The session
+  // renders them alone: it solves neither states nor references, and writes no state file.
   bool foreign = false;
   SessionFiles files = {};
   SessionParts parts = {};

@@ -202,7 +202,7 @@ void check_reusable(const SessionParts& parts) {
   if (parts.predictor || parts.virtual_workers)
     throw InputError(
         "session.policy",
-        "'clairvoyant' rehearses the session several times, but a predictor or workers given as an "
+        "'clairvoyant' simulates the session several times, but a predictor or workers given as an "
         "object serve one session; register it under a name");
 }
 

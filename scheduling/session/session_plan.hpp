@@ -29,7 +29,7 @@ SessionPlan with_foreign(SessionPlan plan, std::vector<State> known);
 SessionPlan with_state_file(SessionPlan plan, std::filesystem::path file);
 
 // The same session, recording what comes in into this file (render/input_log.hpp), unless options.record is false.
-// program: that records it.
+// program: name and version of the recording program.
 SessionPlan with_inputs_file(SessionPlan plan, std::filesystem::path file, std::string program);
 
 // The same session under another policy.

@@ -103,8 +103,8 @@ class VirtualRun {
     states_.flush();
   }
 
-  // Adds the frames of a session that ends early, in which the force goes to zero. Nothing more is planned. There are as
-  // many frames as the largest force may need, because a following renderer has not yet reported the actual force.
+  // Adds the frames of a session that ends early, in which the force goes to zero. Nothing more is planned. There are
+  // as many frames as the largest force may need, because a following renderer has not yet reported the actual force.
   void end_early() {
     const SafetyOptions& limits = plan_.render.safety;
     const double needed = std::ceil(limits.force_limit / (limits.slew_limit * plan_.render.frame));
@@ -151,8 +151,8 @@ class VirtualRun {
     if (!results_.empty()) events_.push(event.t, Kind::plan, 0);
   }
 
-  // Returns whether another frame follows. Without a following renderer, a model is made and rendered in this frame, from
-  // the states and the motion up to now; at most one update per frame.
+  // Returns whether another frame follows. Without a following renderer, a model is made and rendered in this frame,
+  // from the states and the motion up to now; at most one update per frame.
   bool frame(std::size_t k, double now) {
     const auto known = static_cast<std::uint32_t>(planner_.space().size());
     if (loop_) {

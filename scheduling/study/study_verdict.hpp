@@ -42,8 +42,8 @@ struct StudyDevice {
 };
 std::vector<StudyDevice> study_devices(const StudyPlan& plan, const std::vector<StudyCellResult>& cells);
 
-// Warnings to print before the figures: unstable sessions, devices with more than 5 % of the frames clamped or outside the box, or with
-// too few first visits for a percentage.
+// Warnings to print before the figures: unstable sessions, devices with more than 5 % of the frames clamped or outside
+// the box, or with too few first visits for a percentage.
 std::vector<std::string> attention(const std::vector<StudyDevice>& devices);
 
 }  // namespace forefeel

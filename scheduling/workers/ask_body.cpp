@@ -16,8 +16,8 @@ auto place(const State& s) {
   return std::tuple(s.at.squaredNorm(), s.at.x(), s.at.y(), s.at.z());
 }
 
-// Divides the states into eight parts by distance from rest. Chooses one state of each part: the one farthest from those
-// chosen before.
+// Divides the states into eight parts by distance from rest. Chooses one state of each part: the one farthest from
+// those chosen before.
 std::vector<const State*> choose(std::span<const State> states) {
   std::vector<const State*> all;
   for (const State& s : states)

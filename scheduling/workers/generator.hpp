@@ -98,7 +98,8 @@ class VirtualWorkers : public Generator {
   using Time = std::chrono::nanoseconds;  // of the session
   virtual void set_now(Time now) = 0;
   virtual std::optional<Time> next_event() const = 0;  // not before now; nullopt: no job is running
-  // Puts the results of the next event into `results`, which is empty. There may be none, if its job has been cancelled since.
+  // Puts the results of the next event into `results`, which is empty. There may be none, if its job has been cancelled
+  // since.
   virtual void take_event(std::vector<JobResult>& results) = 0;
 };
 

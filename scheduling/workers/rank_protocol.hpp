@@ -4,8 +4,8 @@
 //   r -> rank 0   ready (identity) · result (number of the job, content) · question · failure (text) · beat · left, the
 //                 last one
 // Every rank sends a beat each half second, also while it loads or solves. If a rank is silent for longer than rank 0's
-// patience, it counts as hanging, and its work goes to others. If rank 0 is silent for orphaned_seconds, the other ranks
-// end.
+// patience, it counts as hanging, and its work goes to others. If rank 0 is silent for orphaned_seconds, the other
+// ranks end.
 
 #include <chrono>
 

@@ -80,8 +80,8 @@ class ReferenceService {
   // replaced.
   const std::optional<std::string>& damage() const { return damage_; }
 
-  // Waits until the cache is on the disk. Returns one line if the cache could no longer be written (a full disk); states
-  // solved after that are not kept.
+  // Waits until the cache is on the disk. Returns one line if the cache could no longer be written (a full disk);
+  // states solved after that are not kept.
   std::optional<std::string> cache_failure();
 
   // Times of a fixed sample of solves from a neighbour, and of the state at rest. They are measured once per

@@ -1,7 +1,7 @@
 #pragma once
-// A body: mesh [m], one or several materials, clamped nodes (u = 0), and contact nodes that move with the HIP (u = x, a
-// translation). HIP: haptic interaction point, the tip of the device; x [m] counts from the rest position of
-// the contact.
+// A body: mesh [m], one or several materials, clamped nodes (fixed boundary, u = 0), and contact nodes (u = x). The
+// contact is a grasped patch: its nodes are bound to the HIP in both directions and are translated with it. HIP: haptic
+// interaction point, the tip of the device; x [m]: its position, zero at the rest position of the contact.
 
 #include <string>
 #include <string_view>

@@ -5,9 +5,8 @@
 //   K = k_t I + (k_n - k_t) n n^T
 // E [Pa], nu: elastic constants; a [m]: radius; k_n, k_t, K [N/m]; n: mean outward normal of the patch.
 // k_n is exact for the bonded disc (Muskhelishvili; K. L. Johnson, Contact Mechanics, 1985, ch. 3). k_t
-// is that of R. D. Mindlin, J. Appl. Mech. 16, 1949, which neglects the small coupling of shift and tilt. A
-// real body is stiffer where it is thin above its clamp and softer where it is slender, so this is a first
-// guess only.
+// is that of R. D. Mindlin, J. Appl. Mech. 16, 1949, which neglects the small coupling of shift and tilt. This is only
+// a first guess: a real body is stiffer where it is thin above its clamp, and softer where it is slender.
 
 #include <optional>
 
@@ -15,9 +14,8 @@
 
 namespace forefeel {
 
-// Area of the patch [m^2]: the mean of the area of the triangles within the patch and of the area that
-// belongs to its nodes (a third of each triangle at a node). The true area of a coarse patch lies between the
-// two.
+// Area of the patch [m^2]. The true area of a coarse patch lies between the area of the triangles within it and the
+// area that belongs to its nodes (a third of each triangle at a node); this is the mean of the two.
 double contact_area(const Body& body);
 
 // The material of all tetrahedra within 2 a of the patch, where most of the disc's compliance arises. nullopt if

@@ -1,7 +1,7 @@
 #pragma once
 // The law of a material: its constants, and psi(F) with its derivatives for one deformation gradient F.
 //   mu = E / (2 (1 + nu))     lambda = E nu / ((1 + nu)(1 - 2 nu))     [Pa]
-// The formulas are in solver/laws, one file per law; the element loops use the same ones.
+// The formulas are in solver/kernels/law_*.cpp, one file per law; the element loops use the same ones.
 
 #include <Eigen/Core>
 
@@ -22,7 +22,7 @@ struct LawValue {
   Mat3 stress = Mat3::Zero();   // P = d psi / dF [Pa]
   Mat9 tangent = Mat9::Zero();  // dP_ij / dF_kl at (3 i + j, 3 k + l) [Pa]
 };
-// By the portable code: the same bits on every processor.
+// Uses the portable code: the same bits on every processor.
 LawValue evaluate_law(Law law, const LawConstants& constants, const Mat3& deformation_gradient);
 
 }  // namespace forefeel

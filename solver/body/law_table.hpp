@@ -1,5 +1,5 @@
 #pragma once
-// The table of the material laws in solver/laws: their names and the functions that each law's file defines.
+// The table of the material laws (solver/kernels/law_*.cpp): their names and the functions that each file defines.
 
 #include <string_view>
 #include <vector>

@@ -1,6 +1,5 @@
 #pragma once
-// An isotropic material: its law (solver/laws, one file each) and the two elastic constants at
-// rest.
+// An isotropic material: its law (solver/kernels/law_*.cpp) and the two elastic constants at rest.
 
 #include "solver/body/law_table.hpp"
 

@@ -1,7 +1,7 @@
 #pragma once
-// The body with each tetrahedron split into eight at the middles of its edges. Its shape stays the same: edges
-// are straight. The middle of two nodes of clamp or contact belongs to it too, as a mid-edge node of quadratic
-// elements does.
+// The body with each tetrahedron split into eight at the midpoints of its edges. Edges stay straight, so the shape is
+// the same. The midpoint between two clamped nodes is clamped, and one between two contact nodes belongs to the
+// contact, as for the mid-edge nodes of quadratic elements.
 
 #include <cstdint>
 
@@ -13,8 +13,8 @@ namespace forefeel {
 // mesh are left out.
 Body refined(const Body& body);
 
-// Nodes of its elements, mid-edge nodes of quadratic ones included, by Euler's formula of a ball with few
-// nodes on the surface: E = V + T edges, F = 2 T faces. A few per cent below the true number.
+// Estimated number of nodes of its elements, mid-edge nodes of quadratic ones included; a few per cent too low. Euler's
+// formula for a ball with few nodes on the surface gives E = V + T edges and F = 2 T faces.
 std::int64_t estimated_nodes(const Body& body);
 std::int64_t estimated_nodes_refined(const Body& body);  // of refined(body)
 

@@ -25,12 +25,12 @@ class Continuation {
   void begin_at(const Vec3& at, const LocalField& field);  // an empty tangent is computed when needed
 
   // Moves to x in equal steps of at most max_step [m] (0: one step). Ends at x, or at the last position that it
-  // reached. With between > 0, all steps but the last are solved to that tolerance only, and a factor is reused
+  // reached. If between > 0, all steps but the last are solved only to the tolerance `between`, and a factor is reused
   // while the iteration with it contracts.
   NewtonReport advance(const Vec3& x, double max_step, double tolerance, int max_iterations,
                        const std::stop_token& stop, double between = 0);
 
-  // told(share of the way) after each step of advance().
+  // Calls told(share of the way) after each step of advance().
   void watch(std::function<void(double)> told) { told_ = std::move(told); }
 
   const Vec3& at() const { return at_; }
@@ -39,9 +39,9 @@ class Continuation {
   NewtonReport correct(const std::vector<double>& u, const Vec3& x, double tolerance, int max_iterations,
                        const std::stop_token& stop);
 
-  // Smoothness of the last two steps of advance(), from a to b each: the larger |u_b - u_a - (V_a + V_b) dx /
-  // 2| / |dx|. It is of second order in the step if u is smooth, and large if a step ended on another branch
-  // of equilibria.
+  // How far u is from smooth in the last two steps of advance(): the larger |u_b - u_a - (V_a + V_b) dx / 2| / |dx| of
+  // the steps from a to b. It is of second order in the step if u is smooth, and large if a step ended on another
+  // branch of equilibria.
   double kink() const { return std::max(kinks_[0], kinks_[1]); }
 
   const LocalField& field() const { return field_; }  // with its tangent after an advance that converged

@@ -1,11 +1,11 @@
 #pragma once
 // The first guess of a session: the stiffness of the body itself at its contact at rest,
 //   K = H_cc - H_cf H_ff^{-1} H_fc [N/m]
-// H: second derivatives of the energy at rest, f the free nodes, c the contact (factorisation.hpp). It takes one
-// factorisation before the session, milliseconds on a body of some thousand elements, and is exact at rest
-// for any shape, clamp and material; away from rest the force departs from -K x as the body is nonlinear. The
-// bar of error that is rendered with it is that of a model of one known state (approx/error/error_scale.hpp).
-// It is left out where the factorisation would take longer than most_guess_work.
+// H: second derivatives of the energy at rest, f: the free nodes, c: the contact (factorisation.hpp). K takes one
+// factorisation before the session: milliseconds for some thousand elements. It is exact at rest for any shape, clamp
+// and material. Away from rest, nonlinear bodies depart from -K x. The error bar rendered with the guess is that of a
+// model of one known state (approx/error/error_scale.hpp). There is no guess if the factorisation would take more than
+// most_guess_work.
 
 #include <memory>
 #include <string>
@@ -16,8 +16,8 @@ namespace forefeel {
 
 struct FirstGuess {
   Mat3 stiffness = Mat3::Zero();  // K, or zero where it is left out [N/m]
-  // How many times softer the body is than the half-space of disc_stiffness() (body/contact_stiffness.hpp), in
-  // the direction where it is softest against it; unknown without K or without the disc's stiffness.
+  // How many times softer the body is than the half-space of disc_stiffness() (body/contact_stiffness.hpp): the largest
+  // ratio over all directions; unknown without K or without the disc's stiffness.
   double softness = 0;
   std::string left_out = {};  // why; empty where it is rendered
 };

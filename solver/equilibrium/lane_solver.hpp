@@ -2,13 +2,13 @@
 // Solves up to eight neighbouring states at once, in the lanes of vector instructions, with one factor M of a
 // tangent H near them:
 //   u <- u - M^{-1} r_f(u), accelerated by Anderson mixing (Walker, Ni 2011) over the last steps.
-// A step that makes neither the energy nor the residual smaller is halved. Where the iteration is slow, a solver that may
-// do so makes a new M at the mean of the states.
+// A step that makes neither the energy nor the residual smaller is halved. Where the iteration is slow and `newton` is
+// given, M is refactored at the mean state.
 // Then V = du/dx is corrected by conjugate gradients with M. With rho = -(H [V; I])_f and delta = M^{-1} rho,
 //   K = [V; I]^T H [V; I] - sym(rho^T delta)   [N/m], error of second order in that of V, times M's misfit
 //   f = -(g_c + V^T r_f)                       [N], error of second order in that of u
-// r_f: residual of the free nodes, g_c: row of the contact in dW/du. If the iteration of a state does not contract,
-// or its stiffness does not settle, the caller must solve that state in another way.
+// r_f: residual of the free nodes, g_c: row of the contact in dW/du. If the iteration of a state does not contract, or
+// its stiffness does not settle (converge), the caller must solve that state in another way.
 
 #include <array>
 #include <memory>
@@ -48,9 +48,9 @@ class LaneSolver {
   explicit LaneSolver(std::shared_ptr<const Discretisation> discretisation);
 
   // fields: 1 to 8 predictions with the contact's rows of u at the states' positions; out: the equilibria of
-  // those that converge. residual_tolerance: on |r_f| / max(|f|, floor). rounds: largest number of
-  // corrections of V and K; after one, V is good enough for a prediction, but K has seldom settled. newton: makes new
-  // factors where the iteration is slow (the given factor must be its own); null: the given factor serves to the end.
+  // those that converge. residual_tolerance: on |r_f| / max(|f|, floor). rounds: largest number of corrections of V and
+  // K; after one, V is good enough for a prediction, but K has seldom settled. newton: makes new factors where the
+  // iteration is slow (`factor` must be its own); null: `factor` is used to the end.
   void solve(const Factorisation& factor, std::vector<LocalField*>& fields, double residual_tolerance,
              std::array<LaneResult, lane_count>& results, int rounds = 10, NewtonSolver* newton = nullptr);
 

@@ -14,7 +14,7 @@
 
 namespace forefeel {
 
-// For one thread. The residual of each state is evaluated.
+// For one thread. Evaluates the residual of each state.
 class LinearBody {
  public:
   LinearBody(const Discretisation& d, NewtonSolver& newton);  // d must outlive this
@@ -29,8 +29,8 @@ class LinearBody {
   bool solvable_ = false;
 };
 
-// For several threads. The thread that asks first solves three states, at distance h along each axis. Superposition
-// gives every other state. K is the stiffness of the three states, made symmetric.
+// For several threads. The first call solves three states, at distance h along each axis; superposition gives every
+// other state. K is the stiffness of the three states, made symmetric.
 class LinearBasis {
  public:
   LinearBasis(std::shared_ptr<const Body> body, double spacing);  // h [m], > 0

@@ -5,9 +5,9 @@
 // f: force of the body [N]; f*: that of the finer one,
 //   of linear elements      quadratic elements on the same mesh
 //   of quadratic elements   quadratic elements on the mesh with each tetrahedron in eight (refined_body.hpp)
-// What the finer body still gets wrong, and what the mesh has lost of the true shape, is not in e: the whole
-// error is larger. The size of the finer body alone decides how it is solved, so that time and memory are
-// bounded and the value is the same on every machine:
+// The true discretisation error is larger than e: e contains neither the error of the finer body nor the difference
+// between mesh and true shape. Only the size of the finer body decides how it is solved. So time and memory are bounded
+// and the value is the same on every machine:
 //   to most_for_equilibria nodes   equilibria at x_i, reached straight from rest
 //   to most_nodes                  the stiffness at rest, f = -K x_i: one factorisation of each body
 //   beyond                         not measured
@@ -50,8 +50,7 @@ struct MeshError {
   bool stopped = false;
 };
 
-// Positions at rest do not count. Throws nothing but std::bad_alloc; where nothing could be measured, `why`
-// says so.
+// Positions at rest do not count. Throws nothing but std::bad_alloc; if nothing could be measured, `why` says why.
 MeshError mesh_error(const std::shared_ptr<const Body>& body, std::span<const Vec3> positions,
                      const MeshErrorOptions& options);
 

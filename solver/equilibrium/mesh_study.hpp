@@ -1,14 +1,13 @@
 #pragma once
-// Which mesh is fine enough? The force |K x| at one position x [m] against the number of elements, K the
-// stiffness at rest: one factorisation of each body.
+// Finds a mesh that is fine enough: compares the force |K x| at one position x [m] over the number of elements. K is
+// the stiffness at rest, so each body takes one factorisation.
 //   f = f0 + a_k h^p_k,   h = n^(-1/3)
 // f: |K x| [N]; n: tetrahedra; k: linear or quadratic elements, each with constant a_k [N] and rate p_k of its
-// own; f0: the force of a mesh without end (Richardson's extrapolation, 1911). Only meshes that are refined
-// from one another count for f0, since only they have the same contact. A kind of elements with fewer than
-// three of these has the rate 1.2 or 1.5: edges of contact and clamp, where the stress is infinite, hold both
-// kinds far below 2 and 4. One with a single mesh says nothing. With three the rate is fitted. Least squares
-// with weights 1 / (h d_k), d_k: by how much the two finest meshes of the kind differ. What is near its limit
-// counts most.
+// own; f0: the limit of infinite refinement (Richardson's extrapolation, 1911). Only meshes refined from one another
+// count for f0, since only they have the same contact. With three such meshes of a kind, its rate is fitted. With two,
+// the rate is fixed at 1.2 (linear) or 1.5 (quadratic): the stress is infinite at the edges of contact and clamp, which
+// keeps both rates far below 2 and 4. A single mesh of a kind is not used. The fit is by least squares with weights
+// 1 / (h d_k), d_k: difference between the two finest meshes of the kind. So meshes near the limit count most.
 
 #include <cstdint>
 #include <memory>
@@ -41,14 +40,15 @@ struct MeshLimit {
   double rate[2] = {unknown, unknown};  // p of linear and quadratic elements; unknown: not fitted
   bool known() const { return force == force; }
 };
-// uncertainty: by how much f0 changes at most where one mesh is left out, one kind of elements is left out, or a rate is
-// a quarter larger or smaller. Not known with fewer than two meshes of each kind. Rows without a force, and remeshed ones, are left out.
+// uncertainty: the largest change of f0 when one mesh or one kind of elements is left out, or a rate is a quarter
+// larger or smaller. Unknown with fewer than two meshes of each kind. Rows without a force, and remeshed ones, are
+// ignored.
 MeshLimit extrapolated(std::span<const MeshStudyRow> rows);
 // Fills the rows' errors.
 void compare(std::vector<MeshStudyRow>& rows, const MeshLimit& limit);
 
-// Of the rows with an error of at most `error`, that of the least work. A row does not count if a finer one of its kind
-// has a larger error than that: a coarse mesh with a small contact can hit the force by chance.
+// The row of least work among those with an error of at most `error`. A row does not count if a finer one of its kind
+// exceeds `error`: a coarse mesh with a small contact can hit the force by chance.
 std::optional<std::size_t> cheapest(std::span<const MeshStudyRow> rows, double error);
 
 }  // namespace forefeel

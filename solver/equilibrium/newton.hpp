@@ -35,9 +35,9 @@ class NewtonSolver {
   // fivefold.
   NewtonReport solve(std::vector<double>& u, double tolerance, int max_iterations,
                      const std::stop_token& stop, bool keep_factor = false);
-  // V = du/dx and K at u from the factor, which belongs to H(u) (left = 0) or to a tangent nearby (left: the
-  // share of an error that a step with it leaves), as in lane_solver.hpp. False if that factor fits too
-  // badly.
+  // V = du/dx and K at u from the factor, as in lane_solver.hpp. left: 0 if the factor belongs to H(u); else it belongs
+  // to a tangent nearby, and left is the share of an error that remains after a step with it. False if that factor is
+  // too far from H(u).
   bool condense(const std::vector<double>& u, double left, double* tangent, Mat3& stiffness);
   double contraction() const {
     return contraction_;
@@ -60,8 +60,8 @@ class NewtonSolver {
   double shift_ = 0, contraction_ = 0;
 };
 
-// Single where, at rest, a step with such a factor leaves at most a thousandth of an error: not for very
-// slender bodies, or materials of very different stiffness.
+// Single if, at rest, a step with a single-precision factor leaves at most a thousandth of an error. Very slender
+// bodies, and bodies of materials of very different stiffness, need exact factors.
 Precision fitting_precision(const std::shared_ptr<const Discretisation>& discretisation);
 
 }  // namespace forefeel

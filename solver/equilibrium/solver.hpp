@@ -60,8 +60,8 @@ class SolverBasis {
   std::shared_ptr<const Discretisation> discretisation_;
 };
 
-// Keeps the work space of one body, and its pattern and symbolic factorisation unless a basis is given; one
-// per thread. Results depend on the arguments alone, not on what was solved before.
+// Solves states of one body; one object per thread. It keeps the work space, and without a basis also the sparsity
+// pattern and the symbolic factorisation. Results depend on the arguments alone, not on what was solved before.
 class Solver {
  public:
   explicit Solver(std::shared_ptr<const Body> body);
@@ -72,17 +72,17 @@ class Solver {
 
   const Body& body() const;
   std::shared_ptr<const Equilibrium> rest() const;
-  // told(share of the way) after each continuation step of reference() and from(); a linear body has none.
+  // Calls told(share of the way) after each continuation step of reference() and from(); a linear body has no steps.
   void watch(std::function<void(double)> told);
-  // On the reference branch: from rest straight to x in equal steps of at most `spacing` [m], each solved to
-  // tolerance.
+  // On the reference branch (the primary equilibrium path): from rest straight to x in equal steps of at most `spacing`
+  // [m], each solved to tolerance.
   SolveOutcome reference(const Vec3& x, double spacing, const SolveOptions& options = {});
   // From a known equilibrium in one step, or smaller ones if that fails. Checks `stop` between iterations.
   SolveOutcome from(const Equilibrium& start, const Vec3& x, const SolveOptions& options,
                     std::stop_token stop = {});
   // Solves states near a known equilibrium, eight at a time, with one factor computed there (or with that of the
   // last solve, if it ended there). This is much faster than single solves. A state is solved by from() instead if
-  // its iteration does not contract, if its K does not settle, or if its force differs from the one that the
+  // its iteration does not contract, if its K does not converge, or if its force differs from the one that the
   // stiffnesses predict. Outcomes are in the order of xs; states not solved because of `stop` are cancelled.
   std::vector<SolveOutcome> beside(const Equilibrium& near, const std::vector<Vec3>& xs,
                                    const SolveOptions& options, std::stop_token stop = {});
@@ -92,7 +92,7 @@ class Solver {
   std::unique_ptr<Impl> impl_;
 };
 
-// True if a second path, along the axes one after the other, ends in another stable equilibrium at state.at: its
+// True if a second path, along the axes one after the other, ends at state.at in another stable equilibrium: one whose
 // force differs by more than 1e-4 (relative). nullopt if the state is not solved or the second path fails on its way.
 std::optional<bool> second_way(Solver& solver, const State& state, double spacing,
                                const SolveOptions& options = {});

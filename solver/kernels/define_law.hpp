@@ -1,5 +1,5 @@
 #pragma once
-// FOREFEEL_DEFINE_LAW(law, L): the LawEntry of the law struct L under its name in list.hpp, for the
+// FOREFEEL_DEFINE_LAW(law, L): the LawEntry of the law struct L under its name in law_list.hpp, for the
 // instruction set that the file is compiled for. L derives from LawDefaults (law_terms.hpp) and has
 //   static constexpr const char* name                                          its word in scenes
 //   static LawConstants constants(double mu, double lambda)                    from Lamé's constants [Pa]

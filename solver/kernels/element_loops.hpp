@@ -2,7 +2,7 @@
 // Loops over elements for one law, compiled once per instruction set (ElementKernels in kernels.hpp):
 //   F = I + sum_a u_a (x) G_a     r_a += w P G_a     H_ab += w (dP/dF : (. (x) G_b)) G_a     W = sum w psi
 // a, b the element's nodes, G_a [1/m] gradient of a's shape function, w [m^3] volume times quadrature weight.
-// Include in kernel files only (see lanes.hpp).
+// Include in kernel files only (see element_lanes.hpp).
 
 #include "solver/kernels/law_terms.hpp"
 

@@ -1,8 +1,8 @@
 #pragma once
 // The loops that take most of the time: element gradients and Hessians, and the multifrontal factorisation.
-// They are compiled once per instruction set (SSE2, AVX2, AVX-512) and chosen at run time. This header and
-// the kernel files include no header with inline functions, because code compiled for a newer processor must
-// not be shared.
+// They are compiled once per instruction set (SSE2, AVX2, AVX-512) and chosen at run time. This header and the kernel
+// files include no header with inline functions: the linker might else use an inline function compiled for a newer
+// processor everywhere.
 //
 // Shapes. Local nodes are numbered 0 .. n-1 free (in elimination order), n the contact (all contact nodes
 // move as one), n+1 the clamp. A vector is (n+2) x 3; eight vectors side by side ("lanes") are (n+2) x 3 x 8.
@@ -78,8 +78,8 @@ struct FrontTree {
   std::int64_t block_count = 0;
 };
 
-// Real: of the factor and of the vectors that are solved with it. A factor in single precision takes half the time and
-// memory; it serves where its errors are corrected, as a preconditioner.
+// Real: type of the factor and of the vectors that are solved with it. A factor in single precision takes half the time
+// and memory; it is for uses that correct its errors, such as a preconditioner.
 template <class Real>
 struct FactorKernels {
   // False if a pivot is not positive. corner (3 x 3, row-major) receives K.

@@ -1,6 +1,6 @@
 #pragma once
-// The list of material laws. A law is one file in this folder, named law_NAME.cpp, and one line of this list; the
-// scene word, the messages and the tests follow. See law_neo_hookean.cpp for a law in full.
+// The list of material laws. To add a law, add a file law_NAME.cpp to this folder and a line to this list; the word in
+// scenes, the messages and the tests follow from them. See law_neo_hookean.cpp for a law in full.
 
 #include "solver/kernels/kernels.hpp"
 

@@ -5,8 +5,8 @@
 //   dP = 2 d1 dF + 4 d11 (F:dF) F + 2 d2 (2 (F:dF) F + I1 dF - dF C - F dF^T F - F F^T dF)
 //        + djj (cof F:dF) cof F + dj dcof
 // F deformation gradient, J = det F, C = F^T F, I1 = tr C, I2 = (I1^2 - tr C^2)/2. T is double or Lanes
-// (lanes.hpp). A law that is not a function of the invariants defines energy, stress and stress_change itself
-// (laws/linear.cpp). Include in kernel files only (see lanes.hpp).
+// (element_lanes.hpp). A law that is not a function of the invariants defines energy, stress and stress_change itself
+// (law_linear.cpp). Include in kernel files only (see element_lanes.hpp).
 
 #include "solver/kernels/element_lanes.hpp"
 
@@ -27,7 +27,7 @@ struct LawDefaults {
   static constexpr bool uses_j = false;        // dj is not zero everywhere
   static constexpr bool uses_11 = false;       // d11 is not zero everywhere
   static constexpr bool needs_positive_j = false;  // psi grows without bound as J -> 0
-  static constexpr bool softens = false;  // loses stiffness in compression: fits a neighbour's factor less
+  static constexpr bool softens = false;  // loses stiffness in compression: a neighbour's factor is less accurate
 };
 
 // One point of the material: F and what the derivatives of the invariants need.

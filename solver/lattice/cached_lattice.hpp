@@ -1,7 +1,6 @@
 #pragma once
-// The states of the lattice {k h}^3 in a box, solved at most once: a state file in a cache folder keeps them
-// from run to run. Its name is a hash of the body's identity, h, the tolerance and the revision of the
-// solver.
+// The states of the lattice {k h}^3 in a box, solved at most once: a state file in a cache folder keeps them from run
+// to run. The name of the file is a hash of the body's identity, h, the tolerance and the revision of the solver.
 
 #include <cstddef>
 #include <filesystem>

@@ -15,7 +15,7 @@
 namespace forefeel {
 namespace {
 
-// Solves the missing states by threads and hands them to the sink.
+// Solves the missing states by threads and gives them to the sink.
 class Sweep {
  public:
   Sweep(std::shared_ptr<const Body> body, const GenerateOptions& options, const std::vector<State>& known,

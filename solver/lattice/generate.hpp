@@ -1,6 +1,6 @@
 #pragma once
-// All states of the lattice {k h}^3 inside a box, each on the reference branch (straight continuation from
-// rest).
+// All states of the lattice {k h}^3 inside a box, each on the reference branch: the primary equilibrium path, followed
+// from rest straight to the state.
 
 #include <functional>
 #include <memory>

@@ -243,8 +243,8 @@ struct LatticeWorker::Impl {
   GenerateOptions options;
   std::shared_ptr<CoarseNodes> nodes;
   std::vector<LatticeIndex> looked_at;  // by the piece under way; sorted
-  // Only nodes of nodes_looked_at() may be used. Others may not have been sent here, and the values would then depend on
-  // which process solves.
+  // Only nodes of nodes_looked_at() may be used. Others may not have been sent here, and the values would then depend
+  // on which process solves.
   const SolvedNodes solved = [this](const LatticeIndex& c) {
     if (!std::ranges::binary_search(looked_at, c))
       throw std::logic_error("a piece of the lattice looks at a node that it was not sent");

@@ -1,7 +1,7 @@
 #pragma once
-// Splits the sweep of generate_lattice() into pieces that several processes solve. The states are the same, bit by
-// bit. One process keeps the plan (LatticePieces). It hands out a coarse node or a cell as soon as the nodes on which
-// it depends are solved. Each process solves pieces with its own LatticeWorker. A piece carries the solved coarse nodes
+// Splits the sweep of generate_lattice() into pieces that several processes solve. The states are the same, bit by bit.
+// One process keeps the plan (LatticePieces). It gives out a coarse node or a cell as soon as the nodes on which that
+// depends are solved. Each process solves pieces with its own LatticeWorker. A piece contains the solved coarse nodes
 // that it needs and that its process does not have yet.
 
 #include <cstdint>
@@ -48,13 +48,13 @@ class LatticePieces {
   std::unique_ptr<Impl> impl_;
 };
 
-// Solves pieces; one thread. Not for linear bodies, whose lattice is solved faster than it is sent.
+// Solves pieces; for one thread. Not for linear bodies: solving their lattice is faster than sending it.
 class LatticeWorker {
  public:
   LatticeWorker(std::shared_ptr<const Body> body, const GenerateOptions& options,
                 std::shared_ptr<CoarseNodes> nodes);
   ~LatticeWorker();
-  // nullopt: options.stop came in between.
+  // nullopt: options.stop was requested before the end.
   std::optional<Bytes> solve(Unpacker piece);
 
  private:

@@ -1,16 +1,16 @@
 #pragma once
 // The two-level sweep of a lattice of spacing h [m], behind generate_lattice():
-// 1. The coarse nodes, where planes 2h apart and the ends of the box cross (sweep_planes.hpp), outward from rest. Each
-//    state is predicted from one node nearer to rest or from all nodes between it and rest, whichever gives the least
-//    residual (sweep_predict.cpp), and corrected by Newton, which reuses a factor while it contracts.
+// 1. The coarse nodes, outward from rest. They lie where planes 2h apart, and the faces of the box, cross
+//    (sweep_planes.hpp). Each state is predicted from one node nearer to rest or from all nodes between it and rest,
+//    whichever gives the least residual (sweep_predict.cpp). Newton corrects it, reusing a factor while it contracts.
 // 2. The fine states of each coarse cell (seven of its eight), or of a few small cells at the border of the box. They
 //    are predicted from the coarse corners around them by u = mean over c of u_c + V_c (x - x_c)/2, a cubic Hermite
 //    value of error O(h^4). They are solved together with one factor, except those whose prediction is far from an
-//    equilibrium: these are solved by Newton alone.
-// A state whose iteration does not contract, or that does not fit the states around it, is solved along its
-// straight path from rest (sweep_rays.cpp), which defines the reference branch. A state's value depends on
-// the body, the spacing, the box and its position alone: not on the number of threads, and not on what a resumed file
-// already holds. Factors may be in single precision; residuals, forces and stiffnesses are in double precision.
+//    equilibrium: these are solved one by one by Newton.
+// Some states do not contract, or do not match the states around them. These are solved along the straight path from
+// rest (sweep_rays.cpp), which defines the reference branch. A state depends only on the body, the spacing, the box and
+// its position: not on the number of threads, and not on what a resumed file already holds. Factors may be in single
+// precision; residuals, forces and stiffnesses are in double precision.
 
 #include <array>
 #include <functional>

@@ -33,8 +33,8 @@ class SweepPlan {
   const std::vector<LatticeIndex>& coarse() const { return coarse_; }
   const CoarsePlanes& planes() const { return planes_; }
   // The fine positions with missing states, in groups that are solved together, outward from rest. A group holds all
-  // fine positions of a coarse cell, or of a few small neighbouring cells at the border of the box, also those already
-  // known: so the values do not depend on what a resumed file holds.
+  // fine positions of a coarse cell, or of a few small neighbouring cells at the border of the box. It includes those
+  // already known, so that the values do not depend on what a resumed file holds.
   const std::vector<std::vector<LatticeIndex>>& groups() const { return groups_; }
 
  private:

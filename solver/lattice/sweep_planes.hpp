@@ -1,6 +1,6 @@
 #pragma once
-// The lattice planes of a sweep whose crossings are the coarse nodes: along each axis the even multiples of the spacing h
-// and both ends of the box. Every lattice position between them lies halfway between two planes.
+// The lattice planes of a sweep whose crossings are the coarse nodes: along each axis the even multiples of the spacing
+// h and both ends of the box. Every lattice position between them lies halfway between two planes.
 
 #include <array>
 #include <optional>

@@ -1,8 +1,8 @@
 #pragma once
 // A body as the kernels see it. Local nodes: 0 .. n-1 free, in elimination order; n the contact (all contact
-// nodes, which move by x); n+1 the clamp. Local vectors are (n+2) x 3 [m] or [N]. Because the contact is one
-// local node, its row of dW/du is minus the force on the HIP, and eliminating the free nodes from d2W/du2
-// leaves the condensed stiffness K.
+// nodes, which move by x); n+1 the clamp. Local vectors are (n+2) x 3 [m] or [N]. The contact is one local node: its
+// row of dW/du is minus the force on the HIP, and eliminating the free nodes from d2W/du2 leaves the condensed
+// stiffness K.
 
 #include <array>
 #include <cstdint>
@@ -43,7 +43,7 @@ struct Discretisation {
   std::vector<double> to_nodes(const double* u) const;
 };
 
-// The mesh need not be clamped or touched (then all nodes are free).
+// Clamp and contact may be empty (then all nodes are free).
 Discretisation discretise(const Body& body);
 
 }  // namespace forefeel

@@ -17,13 +17,13 @@ struct FactorCost {
   std::int64_t factor_bytes = 0, stack_bytes = 0;
 };
 
-// Of the factor. single: half the time and memory; its relative error, some 1e-7 times the condition of H, must be
-// corrected by an iteration with H itself.
+// Precision of the factor. single: half the time and memory; an iteration with H itself must correct its relative
+// error, about 1e-7 times the condition number of H.
 enum class Precision { exact, single };
 
 // The discretisation of a body with the symbolic analysis of its factors, for solvers of several threads.
 std::shared_ptr<const Discretisation> analyse(const Body& body);
-// Of a factor with this analysis, without making it. The discretisation must have one.
+// Cost of a factor with the discretisation's symbolic analysis, which it must have; nothing is factorised.
 FactorCost cost_of_factor(const Discretisation& discretisation);
 
 class Factorisation {

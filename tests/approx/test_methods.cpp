@@ -49,7 +49,8 @@ TEST_CASE("Lattice methods are exact on the polynomials they hold and converge a
   CHECK(error(Method::trilinear, h, 4) / error(Method::trilinear, h / 2, 8) > 3.3);
   CHECK(error(Method::tricubic, h, 4) / error(Method::tricubic, h / 2, 8) > 6);
   CHECK(error(Method::tricubic, h, 4) < 0.2 * error(Method::trilinear, h, 4));
-  // Positions on nodes and faces, including the last ones. Outside, the value is that of the nearest place of the lattice.
+  // Positions on nodes and faces, including the last ones. Outside, the value is that of the nearest place of the
+  // lattice.
   const auto states = with(field, h, 2);
   for (const Method method : {Method::trilinear, Method::tricubic}) {
     const Approximation lattice(method, states, {.spacing = h});

@@ -99,8 +99,8 @@ constexpr std::pair<Kernel, Data> kinds[] = {{Kernel::linear, Data::force},
 TEST_CASE("By label: the force is continuous on states anywhere, and bounded") {
   std::vector<unsigned> seeds(40);
   std::iota(seeds.begin(), seeds.end(), 0u);
-  // Each of these seeds once showed a jump: far states that enter at once, a side that displaces the nearest state, steps
-  // down of the kernel, dropped rows, two states at equal distance.
+  // Each of these seeds once showed a jump: far states that enter at once, a side that displaces the nearest state,
+  // steps down of the kernel, dropped rows, two states at equal distance.
   for (const unsigned seed : {153u,  198u,  303u,  310u,  320u,  440u,  793u,  875u,  1185u, 1223u, 1345u,
                               1403u, 1687u, 1892u, 1985u, 2173u, 2783u, 2867u, 2879u, 2928u, 3283u, 3527u,
                               3537u, 3918u, 4092u, 4277u, 4658u, 4697u, 4739u, 4742u, 4913u, 4963u})

@@ -162,8 +162,8 @@ TEST_CASE("By label: however wide a gap is, crossing it shows no jump above the 
       }
 }
 
-// Two blocks of 5 x 7 x 7 states. Beside the gap, above its edges and on slanted paths, no coordinate axis separates the
-// sides, and few neighbours without stiffness do not always determine the polynomial.
+// Two blocks of 5 x 7 x 7 states. Beside the gap, above its edges and on slanted paths, no coordinate axis separates
+// the sides, and few neighbours without stiffness do not always determine the polynomial.
 TEST_CASE("By label: nothing jumps anywhere in, beside or above a gap, with however few neighbours") {
   const std::vector<std::pair<Vec3, Vec3>> ways = {{{0.001, 0, 0.002}, {0.001, 0.06, 0.002}},
                                                    {{0, 0, 0.002}, {0, 0.06, 0.002}},

@@ -1,4 +1,5 @@
-// bench loop: the structure of its rows and the counting behind them; timings depend on the machine and are not asserted.
+// bench loop: the structure of its rows and the counting behind them; timings depend on the machine and are not
+// asserted.
 
 #include <catch2/catch.hpp>
 

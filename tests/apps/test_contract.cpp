@@ -79,7 +79,7 @@ TEST_CASE("generate: a box without a position of the lattice is refused", "[cont
             .code == 0);
 }
 
-TEST_CASE("generate --error says where the spacing is the limit", "[contract]") {
+TEST_CASE("generate --error says where only a smaller spacing helps", "[contract]") {
   const Workshop shop;
   shop.write("beam.toml", beam_scene());  // 27 lattice states
   const Workshop::Outcome outcome = shop.forefeel("generate beam.toml --error 1e-7 -o s.states --json");
@@ -91,7 +91,7 @@ TEST_CASE("generate --error says where the spacing is the limit", "[contract]") 
   CHECK_THAT(outcome.err, Catch::Contains("discretisation error of the mesh"));
   CHECK_THAT(outcome.err,
              Catch::Contains("27 states, as many as the lattice of 0.004 m has positions in the box") &&
-                 Catch::Contains("the spacing is the limit"));
+                 Catch::Contains("; reduce the spacing"));
   // At least nine are tried on any lattice.
   const Workshop::Outcome coarse =
       shop.forefeel("generate beam.toml --error 1e-9 -o c.states --quiet --set state_space.spacing=0.05");

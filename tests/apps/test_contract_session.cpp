@@ -254,10 +254,10 @@ TEST_CASE("a session that is interrupted while it rehearses says so and writes w
   CHECK(outcome.json()["seconds"] == 0);
   CHECK(outcome.json()["states"]["solved"] == 0);
   CHECK(outcome.json()["policy"] == "clairvoyant");
-  CHECK_THAT(outcome.json()["notes"].dump(), Catch::Contains("interrupted while it rehearses"));
+  CHECK_THAT(outcome.json()["notes"].dump(), Catch::Contains("interrupted while simulating schedule"));
   CHECK(outcome.error_lines() == 1);
-  CHECK_THAT(outcome.err,
-             Catch::Contains("interrupted while it rehearses") && Catch::Contains("0 of 300000 frames"));
+  CHECK_THAT(outcome.err, Catch::Contains("interrupted while simulating schedule") &&
+                              Catch::Contains("0 of 300000 frames"));
   CHECK(outcome.json()["prediction"].contains("kalman"));
   CHECK_THAT(shop.files(), Catch::Contains("run/report.html"));
   CHECK(shop.shell("wc -l < run/frames.csv").out == "1\n");  // only the header

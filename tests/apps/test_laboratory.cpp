@@ -237,8 +237,8 @@ TEST_CASE("bench switch: bounds hold and the latest model wins", "[laboratory]")
 
 TEST_CASE("bench approx: inside is inside the lattice, and what is left out is said", "[laboratory]") {
   const Workshop shop;
-  // f = -K x: trilinear cells are exact inside the lattice and wrong beyond it, where the force is held constant. The box
-  // extends 3 mm beyond the lattice of 6 mm.
+  // f = -K x: trilinear cells are exact inside the lattice and wrong beyond it, where the force is held constant. The
+  // box extends 3 mm beyond the lattice of 6 mm.
   shop.write("beam.toml", beam_scene());
   const Workshop::Outcome outcome = shop.forefeel(
       "bench approx beam.toml --json --set 'material.law=\"linear\"' --set state_space.spacing=0.006 "

@@ -24,9 +24,9 @@ using test::Workshop;
 
 namespace {
 
-// Two bars of Poisson's ratio 0, one along x, one along y, each clamped at one end; the contact is both other ends, so that
-// each bar is pressed and bent. With Poisson's ratio 0 the stress stays finite at the ends' edges, and the forces of
-// quadratic elements converge faster than those of linear ones.
+// Two bars of Poisson's ratio 0, one along x, one along y, each clamped at one end; the contact is both other ends, so
+// that each bar is pressed and bent. With Poisson's ratio 0 the stress stays finite at the ends' edges, and the forces
+// of quadratic elements converge faster than those of linear ones.
 std::shared_ptr<Body> write_bars(const Workshop& shop) {
   auto body = std::make_shared<Body>();
   body->material = {Law::neo_hookean, 5e3, 0};

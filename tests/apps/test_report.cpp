@@ -1,5 +1,5 @@
-// Reports: the worst moments of a session with reasons, cards that mark bad values, tables that fit the page, figures as
-// files.
+// Reports: the worst moments of a session with reasons, cards that mark bad values, tables that fit the page, figures
+// as files.
 
 #include <fmt/format.h>
 

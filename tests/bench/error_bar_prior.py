@@ -3,8 +3,9 @@
     /usr/bin/python3 tests/bench/error_bar_prior.py prior [SECONDS]    # prints the rows of prior_scores.cpp
     /usr/bin/python3 tests/bench/error_bar_prior.py check [SECONDS]    # how well bars cover, on other motions
 
-SECONDS: of each session, 10 unless given. Runs build/release/apps/forefeel under the virtual clock. A score is sqrt(max(0, e^2 - r^2)) / s: e is the distance of
-the rendered force from that of a tight solve, r what the switch holds back, s the scale in frames.csv.
+SECONDS: of each session, 10 unless given. Runs build/release/apps/forefeel under the virtual clock. A score is
+sqrt(max(0, e^2 - r^2)) / s: e is the distance of the rendered force from that of a tight solve, r what the switch
+holds back, s the scale in frames.csv.
 """
 import csv
 import json

@@ -87,7 +87,7 @@ TEST_CASE("priorities that are not numbers are counted in a note that names the 
   CHECK(result.counts.solved > 0);
 }
 
-TEST_CASE("negative and infinite priorities are ranked as they compare, and counted") {
+TEST_CASE("negative and infinite priorities are sorted by <, and counted") {
   SessionInput input = small_input(Law::linear);
   SessionOptions options = virtual_options(0.3);
   options.planning.preempt = false;  // compares ratios, which negative numbers do not have

@@ -157,7 +157,8 @@ TEST_CASE("a switch is charged for what it adds to the stored energy, of the for
     control.note_model(x, {-k * x, -0.5 * k * x, -k * Mat3::Identity()}, true);
     control.shape(-k * x, x);
   };
-  // A spring of 10 kN/m would send 100 N: clamped to 8 N its energy on the way home is 8 N * 10 mm, less the first part.
+  // A spring of 10 kN/m would send 100 N: clamped to 8 N its energy on the way home is 8 N * 10 mm, less the first
+  // part.
   take(stiffness);
   const double clamped = limit * 0.01 * (1 - 0.5 * limit / (stiffness * 0.01));
   CHECK(control.report().refused == Approx(clamped));

@@ -1,4 +1,5 @@
-// The reserve of the passivity control: exact small cases, motions at random, and fast hands on bodies that are learned.
+// The reserve of the passivity control: exact small cases, motions at random, and fast hands on bodies that are
+// learned.
 
 #include <algorithm>
 #include <catch2/catch.hpp>

@@ -48,7 +48,7 @@ TEST_CASE("an interrupted rehearsal leaves a session that was not begun") {
   CHECK(handed_over == 1);
   CHECK(positions == 0);
   REQUIRE(result.notes.size() == 1);
-  CHECK_THAT(result.notes[0], Catch::Contains("interrupted while it rehearses"));
+  CHECK_THAT(result.notes[0], Catch::Contains("interrupted while simulating schedule"));
   CHECK(std::filesystem::exists(folder / "session.states"));
   CHECK(summarise(result, input, options).run.seconds == 0);
 }

@@ -1,8 +1,8 @@
 """Forces on the contact of bodies of several materials, by FEniCSx: BODIES.json OUT.json
 
-BODIES.json: a list of bodies, each with nodes (#V x 3), tets (#T x 4), law (#T: 0 linear, 1 St. Venant-Kirchhoff, 2 neo-Hookean), mu and lambda
-(#T), degree (1 or 2), clamp and contact (boxes [[x0, y0, z0], [x1, y1, z1]] that hold their nodes), at (#S x 3),
-steps. OUT.json: for each body its forces (#S x 3)."""
+BODIES.json: a list of bodies, each with nodes (#V x 3), tets (#T x 4), law (#T: 0 linear, 1 St. Venant-Kirchhoff,
+2 neo-Hookean), mu and lambda (#T), degree (1 or 2), clamp and contact (boxes [[x0, y0, z0], [x1, y1, z1]] that hold
+their nodes), at (#S x 3), steps. OUT.json: for each body its forces (#S x 3)."""
 import json
 import sys
 

@@ -1,10 +1,11 @@
 #pragma once
-// A body between two concentric rigid spheres of radii a < b, the outer one clamped, the inner one the contact. For linear
-// elasticity its stiffness is known. With the angle t to the displacement U, u_r = f(r) U cos t, u_t = -g(r) U sin t, and
+// A body between two concentric rigid spheres of radii a < b, the outer one clamped, the inner one the contact. For
+// linear elasticity its stiffness is known. With the angle t to the displacement U, u_r = f(r) U cos t, u_t = -g(r) U
+// sin t, and
 //   f = A + 4 (1 - v) C / r - 2 D / r^3 + (1 - 4 v) E r^2
 //   g = A + (3 - 4 v) C / r + D / r^3 - (3 - 2 v) E r^2
-// solve Navier's equations; f = g = 1 at a and 0 at b give the constants. Only the term of Kelvin's point force carries a
-// force:
+// solve Navier's equations; f = g = 1 at a and 0 at b give the constants. Only the term of Kelvin's point force carries
+// a force:
 //   F = 16 pi mu (1 - v) C U                                                                                    [N]
 
 #include <Eigen/Dense>

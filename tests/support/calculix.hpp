@@ -1,6 +1,6 @@
 #pragma once
-// CalculiX as an oracle: a body as an input deck, and the force that it finds. *ELASTIC is the linear law, with NLGEOM it
-// is St. Venant-Kirchhoff. Several materials: one set of elements each.
+// CalculiX as an oracle: a body as an input deck, and the force that it finds. *ELASTIC is the linear law, with NLGEOM
+// it is St. Venant-Kirchhoff. Several materials: one set of elements each.
 
 #include <fmt/format.h>
 

@@ -165,7 +165,8 @@ class Scene:
     def session(self, progress: Progress | None = None, **options: Any) -> Run:
         """A haptic session. Options as of `forefeel session`, by the same names: clock, seconds, device, policy,
         predictor, workers, cost, latency, switch, select, seed, threads, arrivals, replay; states: States or
-        structured array known at the start; positions alone are refused. progress(share) is called meanwhile; Ctrl-C ends it.
+        structured array known at the start; positions alone are refused. progress(share) is called meanwhile; Ctrl-C
+        ends it.
 
         policy, predictor and device may also be Python objects:
           policy.prioritise(candidates, view) -> (n,) priorities >= 0; the largest is solved next. candidates:
