@@ -21,14 +21,15 @@
 // (apps/examples/command_policy.cpp).
 // A measured motion: read_trace() and make_trace_device() in scheduling/motion/trace.hpp.
 //
-// Order of calls. make_plan() calls the factory once, then duration(), limits() and position() over the whole motion,
-// with force zero, to check it; all from its caller's thread. The factory may throw: an InputError passes through,
-// another exception becomes one that names the device. run_session() calls position() frame by frame, from t = 0 again,
-// and limits() after the last frame. This order is the same for devices that answer the force and for those that do
-// not. Thread: the real-time loop under the real clock (1 kHz), the session's thread under the virtual clock;
-// never two at once. Forbidden in position(): memory allocation, locks, exceptions (they end the program), files,
-// waiting. A position that is not finite is replaced by the last one and counted. Under the virtual clock the position
-// must be a function of t, the forces so far and the seed, so that a run repeats bit by bit.
+// Order of calls. make_plan() calls the factory once. Then it calls duration(), limits() and position() over the whole
+// motion with force zero, to check it. All this is in the thread of its caller. The factory may throw: an InputError
+// passes through; another exception becomes an InputError that names the device. run_session() calls position() frame
+// by frame, from t = 0 again, and limits() after the last frame. The order is the same whether or not the device
+// answers the force.
+// Thread: the real-time loop (1 kHz) under the real clock, the session's thread under the virtual clock; never two at
+// once. Forbidden in position(): memory allocation, locks, exceptions (they end the program), files, waiting. A
+// position that is not finite is replaced by the last one and counted. Under the virtual clock the position must be a
+// function of t, the forces so far and the seed, so that a run repeats bit by bit.
 
 #include <functional>
 #include <limits>
@@ -71,7 +72,7 @@ std::vector<std::string> registered_devices();  // sorted, without the built-in 
 // InputError for a value outside its range, an unreadable trace or an unregistered name.
 std::unique_ptr<Device> make_device(const DeviceSpec& device, const FactoryContext& context);
 
-// The accepted kinds, for the error about an unknown one: "path:NAME, trace:FILE or hand:PROFILE", then the
+// The accepted kinds, for the error message about an unknown one: "path:NAME, trace:FILE or hand:PROFILE", then the
 // registered names.
 std::string device_kinds();
 

@@ -1,12 +1,11 @@
 #pragma once
 // A simulated hand that holds a haptic device. It follows a target and yields to the force that is sent:
 //   m x'' = k (x_t - x) + b (x_t' - x') + F,   b = 2 zeta sqrt(k m)
-// m effective mass of hand and device [kg], k stiffness of the grip [N/m], zeta damping ratio, x_t target
-// [m], F force sent [N]. Within a frame F is constant and x_t moves on a straight line. The integration
-// step is exact for these at any k and m, so it adds no instability to the loop of device, body and one frame
-// of delay. A reaction to a surprise raises k from one frame to the next (HandTraits); zeta stays, so b rises with
-// the square root of k. Without one, k is constant. Positions are rounded to the profile's resolution, like those of
-// encoders.
+// m: effective mass of hand and device [kg], k: stiffness of the grip [N/m], zeta: damping ratio, x_t: target [m],
+// F: force sent [N]. Within a frame F is constant and x_t moves on a straight line. The integration is exact for these,
+// at any k and m, so it adds no instability to the loop of device, body and one frame of delay. k is constant, except
+// during a reaction to a surprise (HandTraits): k then rises from one frame to the next, and b with the square root of
+// k, as zeta is constant. Positions are rounded to the profile's resolution, like those of encoders.
 
 #include <memory>
 

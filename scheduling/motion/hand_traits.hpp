@@ -1,5 +1,5 @@
 #pragma once
-// What differs from one hand to the next, besides the stiffness of its grip (hand_device.hpp).
+// Properties that differ between hands, besides the stiffness of the grip (hand_device.hpp).
 
 namespace forefeel {
 

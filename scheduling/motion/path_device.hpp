@@ -10,7 +10,7 @@ namespace forefeel {
 
 class Device;
 
-// The curve is scaled to the context's box; with an `amplitude` its farthest point lies that far from rest.
+// The curve is scaled to the context's box or, with an `amplitude`, until its farthest point is that far from rest.
 std::unique_ptr<Device> make_path_device(const PathMotion& motion, const FactoryContext& context);
 
 }  // namespace forefeel

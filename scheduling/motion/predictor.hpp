@@ -18,9 +18,9 @@
 //
 // Order of calls: observe() for each new sample of the HIP. After each sample, predict() is called at least
 // once, for several horizons. Under the virtual clock there is a sample each frame; under the real clock the
-// planner observes the newest sample at each of its steps. Thread: the planner's alone. It may allocate. Its
-// time delays every decision: stay within a few microseconds a call. Under the virtual clock the result must
-// depend on the samples and the seed alone, so that runs repeat bit by bit.
+// planner observes the newest sample at each of its steps. Thread: the planner's alone. It may allocate. Its time
+// delays every decision: a call should take a few microseconds at most. Under the virtual clock the result must depend
+// only on the samples and the seed, so that runs repeat bit by bit.
 
 #include <functional>
 #include <memory>

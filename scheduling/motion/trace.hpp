@@ -20,12 +20,12 @@ struct Trace {
   std::vector<Vec3> positions;  // [m]
 };
 
-// Reads CSV t,x,y,z in SI units; times are shifted so that the first is 0. InputError(file:line) for short
-// rows, values that are not finite, times that do not increase, a file without rows. whole_lines: also for a
-// last line without a line break, as in frames.csv of a run whose disk was full.
+// Reads CSV t,x,y,z in SI units; times are shifted so that the first is 0. InputError(file:line) for short rows, values
+// that are not finite, times that do not increase, a file without rows. whole_lines: also refuses a last line without a
+// line break, as in frames.csv of a run whose disk was full.
 Trace read_trace(const std::filesystem::path& file, bool whole_lines = false);
-// The same for a table of another form (trace_file.hpp). In the usual form (t,x,y,z in SI units) each row needs a
-// position. In other forms, rows without a position are left out.
+// The same for a table in another format (trace_file.hpp). In the usual format (t,x,y,z in SI units) each row needs a
+// position. In other formats, rows without a position are ignored.
 Trace read_trace(const std::filesystem::path& file, const TraceFormat& format);
 // Makes a motion of the rows in their order. InputError naming `file` if the times do not increase.
 Trace trace_of(TraceRows rows, const std::filesystem::path& file);

@@ -4,7 +4,7 @@
 //
 // Speeds are |x_{i+1} - x_i| / (t_{i+1} - t_i). A gap is a step in time longer than three times the median
 // one. A rest is a run of rows that stay within rest_radius of its first row for at least rest_seconds. Rows whose time
-// repeats or goes back are left out of steps.
+// repeats or goes back are ignored when steps are computed.
 
 #include <cstddef>
 #include <optional>
@@ -51,9 +51,8 @@ struct TraceCheck {
 
 // rows: at least one. space: the scene's box of states.
 TraceCheck check_trace(const TraceRows& rows, const std::optional<Box>& space);
-// Warnings for a session with this motion: it starts away from rest, leaves the box, has long gaps,
-// or rests. One line each; empty if
-// there are none.
+// Warnings for a session with this motion: it starts away from rest, leaves the box, has long gaps, or rests. One line
+// each; empty if there are none.
 std::vector<std::string> sayings(const TraceCheck& check);
 // Notes on rows left out and columns not read: "orientation is not used …". Empty if there are none.
 std::vector<std::string> sayings(const TraceRows& rows);

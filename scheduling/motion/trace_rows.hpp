@@ -1,5 +1,5 @@
 #pragma once
-// The samples of a recorded motion (trace_file.hpp) as they stand in its file.
+// The samples of a recorded motion (trace_file.hpp), as in its file.
 
 #include <cstddef>
 #include <vector>
@@ -8,7 +8,7 @@
 
 namespace forefeel {
 
-// The samples of a file in their order, as they are: times may repeat or go back.
+// The samples of a file, in its order and unchanged: times may repeat or go back.
 struct TraceRows {
   std::vector<double> times;       // the first is 0 [s]
   std::vector<Vec3> positions;     // [m]

@@ -1,7 +1,7 @@
 #pragma once
-// Tables whose header has several rows: the names of markers or tools stand above the columns x, y and z, as in .trc
-// files (RASI above X1 Y1 Z1), in exports of Motive (a row of names, one of Rotation and Position), or in front of them
-// in the same row, as in files of NDI (Port 1, Frame, …, Tx, Ty, Tz, Port 2, …).
+// Reads tables whose header also names markers or tools. The names are in a row above the columns x, y and z, as in
+// .trc files (RASI above X1 Y1 Z1) and exports of Motive (a row of names, then one of Rotation and Position). Or they
+// are in the same row in front of x, y and z, as in files of NDI (Port 1, Frame, …, Tx, Ty, Tz, Port 2, …).
 
 #include <cstddef>
 #include <optional>
@@ -17,13 +17,13 @@ struct StackedColumns {
   std::size_t header = 0;       // the row that names x, y and z
 };
 
-// wanted: (t,) x, y, z. A name matches a column of the same name, or with a number behind it (X1), case ignored; a time
-// also "Time" where t was wanted, and it may stand in a row above. Columns below a word of orientation are left out.
-// tool: a name above or in front of the columns; empty: only where one tool has such columns. Unset if there are none.
+// wanted: (t,) x, y, z. A name matches a column of the same name, also with a number behind it (X1); case is ignored.
+// t also matches "Time", and may be in a row above. Columns below a word of orientation are ignored. tool: a name above
+// or in front of the columns; empty if only one tool has such columns. Unset if there are none.
 std::optional<StackedColumns> stacked_columns(const std::vector<TraceRow>& rows,
                                               const std::vector<std::string>& wanted, bool timed,
                                               const std::string& tool);
-// The names that stand above the columns x of such a table; empty if it has at most one.
+// The names above the columns x of such a table; empty if it has at most one.
 std::vector<std::string> stacked_tools(const std::vector<TraceRow>& rows, const std::string& x);
 
 }  // namespace forefeel

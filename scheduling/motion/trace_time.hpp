@@ -1,8 +1,8 @@
 #pragma once
-// The time of a sample as people write it: a number, or a date and time as in ISO 8601,
+// Reads the time of a sample: a number, or a date and time as in ISO 8601,
 //   2021-08-18T15:05:42.250Z   2021-08-18 15:05:42,25   20210818T150542   2021-08-18T15:05:42+02:00
-// Seconds of a date and time count from the beginning of that day in UTC; days from 1970-01-01 are returned apart, so
-// that no digits are lost. A time without a zone is taken as it stands; leap seconds do not exist.
+// The seconds of a date and time count from the beginning of that day in UTC. The day, counted from 1970-01-01, is a
+// separate number, so that no digits are lost. A time without a zone counts as UTC; leap seconds are ignored.
 
 #include <cstdint>
 #include <optional>

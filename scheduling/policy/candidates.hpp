@@ -31,8 +31,8 @@ class Candidates {
   std::span<const Candidate> open() const { return open_; }
   bool empty() const { return open_.empty(); }
   bool may_grow() const { return placement_ != Placement::lattice; }  // by follow()
-  // Takes out the i-th open candidate, to be solved. Indices of the others change. Under `path`, candidates
-  // within h / 2 of it are held back until put_back() or fail() says that it will not become known.
+  // Takes out the i-th open candidate, to be solved. Indices of the others change. Under `path`, candidates within
+  // h / 2 of it are held back. They return if put_back() or fail() reports that it will not become known.
   Candidate take(std::size_t i);
   // Takes out the candidate at rest, under any placement; nullopt if that state was taken or is known.
   std::optional<Candidate> take_rest();
@@ -63,8 +63,8 @@ class Candidates {
   std::vector<Candidate> open_;
   std::unordered_map<std::uint64_t, std::uint32_t> place_;  // position -> index in open_
   std::unordered_map<std::uint64_t, bool> gone_;            // known at the start, failed, or seen before
-  std::vector<Vec3> under_way_, failed_;                    // `path`: being solved; failed
-  std::vector<Candidate> held_;  // `path`: within h / 2 of one that is being solved
+  std::vector<Vec3> under_way_, failed_;                    // under `path`: being solved; failed
+  std::vector<Candidate> held_;  // under `path`: within h / 2 of one that is being solved
   std::unique_ptr<AdaptiveLattice> leaves_;
   std::uint32_t order_ = 0;
   bool changed_ = true;

@@ -1,23 +1,23 @@
 #pragma once
-// How badly states are needed where the hand will be, judged by the labels, and how much of that need one
+// Estimates from the coverage labels how much states are needed where the hand will be, and how much of that need one
 // more state would remove.
 //
 // A place q has a need at each of three spacings H = 4 h, 2 h, h:
 //   n_H(q) = w(q) N_H lack(label of q at spacing H)               lack: blank > gap > sparse > safe
-// The label at H is that of coverage.hpp with H in place of h. The weight w(q) is the larger the sooner the
-// hand may be at q. N_H, the importance of spacing H, is learnt during the session. It looks at the states
-// solved in a place that was blank or a gap at H, but not at 2 H. N_H is the share of them whose force the
-// model had missed by more than the JND (just noticeable difference), with a prior worth a few states. A
-// smooth body soon needs coarse spacings only; a strongly nonlinear one also needs fine ones.
+// The label at H is that of coverage.hpp with H in place of h. The weight w(q) is larger the sooner the hand may be at
+// q. N_H, the importance of spacing H, is learnt during the session, from the states solved at places that were blank
+// or a gap at H, but not at 2 H. N_H is the share of these states whose force the model had missed by more than the JND
+// (just noticeable difference); a prior counts as a few states. A smooth body soon needs coarse spacings only; a
+// strongly nonlinear one also needs fine ones.
 //
-// A state at c reduces the need of the places within 2 H, slightly more than the distance at which it makes a
-// place sparse. Its worth is
+// A state at c reduces the need of the places within 2 H. This is slightly more than the distance at which it makes a
+// place sparse. The worth of the state is
 //   V(c) = sum_q sum_H n_H(q) m_H(q, c) prod_p (1 - m_H(q, p)),    m_H(q, c) = (1 - |q - c|^2 / (2 H)^2)_+
 // where p runs over the states being solved.
 //
-// The places q are of two kinds. First, points of the path ahead, predicted or known; points outside the box
-// are mirrored into it. Second, the centres of cubes of side 2 h that fill the box; they take the weight that
-// an uncertain prediction withholds from the path.
+// There are two kinds of places q: points of the path ahead, predicted or known, mirrored into the box where they are
+// outside; and the centres of cubes of side 2 h that fill the box. The less certain the prediction, the more weight
+// goes from the path to the box.
 //
 // A model that interpolates in lattice cells needs all corners of a cell, which labels do not express. For
 // it, each unknown corner of a cell on the path ahead gains w / (number of unknown corners of that cell).
@@ -46,7 +46,7 @@ class CoverageNeed {
   explicit CoverageNeed(NeedOptions options);
   ~CoverageNeed();
 
-  // Call once per planning step: takes in new states, labels all places, sets w and the states being solved.
+  // Call once per planning step. Reads new states, labels all places, sets w and the states being solved.
   void look(const PlannerView& view);
   void pend(std::span<const Vec3> pending);  // replaces the states being solved, between two look() [m]
   // V of each candidate; never negative. out: #candidates.

@@ -1,18 +1,18 @@
 #pragma once
-// The chance that the model misses the force by more than the JND (just noticeable difference) where the hand will be,
-// and how much of it one more state would remove per second.
+// Estimates the probability that the model misses the force by more than the JND (just noticeable difference) where the
+// hand will be, and how much one more state would reduce it, per second of solving.
 //   V(c) = sum_q w(q) [P(m(q, delta)) - P(m(q, min(delta, |q - c|)))] / T
-// q: the path ahead, and cubes that fill the box; w(q): the larger the sooner the hand may be there, the sum over all q
-// is 1; delta: distance from q to the nearest state that is known or being solved; T: time of a solve [s].
-// The error in JNDs at q is taken as lognormal with the median m and the deviation v of its logarithm. It exceeds 1
-// with the chance
+// q: points of the path ahead, and centres of cubes that fill the box; w(q): weight, larger the sooner the hand may be
+// at q, with the sum 1; delta: distance from q to the nearest state that is known or being solved; T: time of a solve
+// [s]. The error at q, in JNDs, is assumed lognormal: m is its median, v the standard deviation of its logarithm. It
+// exceeds 1 with the probability
 //   P(m) = N(ln m / v),   N the normal distribution function
 //   ln m(q, delta) = a + b ln(delta / h) + c side(q) + r(q)
 // side: distance from q to the mean of the 8 states nearest to it, over their mean distance: about 0 among states, 1
 // outside of them. a, b, c, v are fitted by least squares to the errors that the model had at the states solved so far
-// (PlannerView::surprises), from a prior worth some states; r(q): mean of their residuals within about 3 h.
-// The chance and not the mean error: a place far from all states may miss by tens of JNDs, and a mean would spend most
-// solves there, where a single one helps little.
+// (PlannerView::surprises); a prior counts as some states; r(q): mean of their residuals within about 3 h.
+// Why the probability and not the mean error: far from all states the error may be tens of JNDs. A mean would spend
+// most solves there, where a single solve helps little.
 
 #include <Eigen/Core>
 #include <array>

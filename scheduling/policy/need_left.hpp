@@ -1,8 +1,8 @@
 #pragma once
 // The need that remains at each place once the states being solved ("under way") are known, for each scale s:
 //   left_s(q) = need_s(q) prod_p (1 - m_s(q, p)),    m_s(q, p) = (1 - |q - p|^2 inverse_s)_+
-// where p runs over the states under way, in their order. The products are kept between calls: adding a state
-// costs one pass over the places, and so does removing a few of many.
+// where p runs over the states under way, in their order. The products are kept between calls, so adding a state, or
+// removing a few of many, takes one pass over the places.
 
 #include <array>
 #include <cstdint>

@@ -1,6 +1,6 @@
 #pragma once
-// A policy whose priorities are the needs that a state meets (coverage_need.hpp, error_need.hpp). Where a state meets
-// none, the nearer one to the predicted path comes first.
+// A policy whose priorities are the needs that a state removes (coverage_need.hpp, error_need.hpp). Among states that
+// remove none, those nearer to the predicted path come first.
 
 #include <algorithm>
 #include <span>

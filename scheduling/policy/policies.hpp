@@ -1,6 +1,6 @@
 #pragma once
-// The built-in policies, one file each: policy_NAME.cpp. clairvoyant and the shuffled policies are variants
-// of coverage and share its file, as worth-shuffled does that of worth.
+// The built-in policies, one file each: policy_NAME.cpp. clairvoyant and the shuffled policies are variants of
+// coverage, in its file; worth-shuffled is in the file of worth.
 
 #include <memory>
 

@@ -1,5 +1,5 @@
 #pragma once
-// Which state is solved next: a policy gives each candidate position a priority, and the planner dispatches
+// A policy decides which state is solved next: it gives each candidate position a priority, and the planner dispatches
 // the highest.
 //
 // To write one: derive from Policy, define name() and priority(), register it under a name.
@@ -22,10 +22,10 @@
 // real one): look() once; prioritise() for all candidates; after each dispatch pend(), then prioritise()
 // again for the candidates that may be dispatched next. Preemption calls pend() and priority() for single
 // candidates.
-// Thread: the planner's alone. It may allocate, lock and throw; an exception ends the session early and stands in
-// SessionResult::failures. Its time delays every decision: keep a step well below a
-// millisecond. Under the virtual clock the result must depend on the arguments of these calls and the seed
-// alone, so that runs repeat bit by bit.
+// Thread: the planner's alone. It may allocate, lock and throw; an exception ends the session early and is reported in
+// SessionResult::failures. The time of a policy delays every decision: keep a step well below a millisecond. Under the
+// virtual clock the result must depend only on the arguments of these calls and the seed, so that runs repeat bit by
+// bit.
 
 #include <functional>
 #include <memory>
@@ -85,9 +85,9 @@ class Policy {
   // The worth of solving the candidate next: finite, at least 0; the largest is solved first. Preemption compares
   // ratios of priorities. Other values do not end the session: they are sorted by <, NaN last; a note says how many.
   virtual double priority(const Candidate& candidate, const PlannerView& view) const = 0;
-  // The highest priority that a candidate can still have after more states became pending in the same step,
-  // given its present one. A larger argument must not give a smaller result. If it returns the priority itself, only
-  // the best candidates are ranked again. If it returns infinity, all candidates are ranked again.
+  // Upper bound of a candidate's priority after more states became pending in the same step; `priority` is its present
+  // one. A larger argument must not give a smaller result. If it returns the priority itself, only the best candidates
+  // are ranked again. If it returns infinity, all candidates are ranked again.
   virtual double at_most(double priority) const;
   // The priorities of all candidates of a planning step; override it if they share work. Writes #candidates
   // values.
@@ -110,7 +110,7 @@ std::unique_ptr<Policy> make_policy(const PolicySpec& policy, const FactoryConte
 
 // Soonest time at which the HIP may be at a position [s]: the minimum over the predicted path of
 //   horizon + 2 distance / speed
-// The factor 2 accounts for the turn off the path. The speed counts as at least 10 mm/s.
+// The factor 2 allows for the turn off the path. Speeds below 10 mm/s count as 10 mm/s.
 double time_to_reach(const Vec3& at, const PlannerView& view);
 // Distance from a position to the predicted path [m].
 double distance_to_path(const Vec3& at, const PlannerView& view);

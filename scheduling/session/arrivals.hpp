@@ -26,7 +26,7 @@ std::string too_far(double distance, double farthest);
 struct Replay {
   Trace motion = {};
   std::vector<Arrival> arrivals = {};  // by time
-  bool of_arrivals = false;            // that run itself had given arrivals
+  bool of_arrivals = false;            // the earlier run used --arrivals itself
 };
 // Reads the files of an earlier run: frames.csv and, if states were dispatched, dispatch.csv.
 Replay read_replay(const std::filesystem::path& run_folder, double farthest);

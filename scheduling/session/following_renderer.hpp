@@ -1,7 +1,7 @@
 #pragma once
-// Renders a run whose motion does not depend on the force. It is a pipeline stage (judge/frame_pipeline.hpp)
-// that follows the planner and gets the HIP and the known states of each frame. Planner and rendering run in
-// parallel, with the same bits as in sequence.
+// Renders a run whose motion does not depend on the force. It is a pipeline stage (judge/frame_pipeline.hpp) behind the
+// planner, and gets the HIP and the known states of each frame. Planner and rendering run in parallel; the result is
+// the same, bit by bit, as in sequence.
 
 #include <atomic>
 

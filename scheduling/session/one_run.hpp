@@ -9,8 +9,8 @@ namespace forefeel {
 // The reference service given in the plan's input; otherwise a new one.
 std::shared_ptr<ReferenceService> references_of(const SessionPlan& plan);
 
-// Whether rest must be known from the start but is not among the known states. If so, run_once() appends it
-// to them.
+// Whether the state at rest must be known from the start but is not among the known states. If so, run_once() appends
+// it to them.
 bool adds_rest(const SessionPlan& plan);
 
 struct ShapedRun;  // shaped_run.hpp

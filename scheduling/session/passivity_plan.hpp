@@ -6,11 +6,11 @@
 // T [s]: time of a frame, r [m]: resolution of the device. Above S T / r, one step of the encoder changes the force by
 // more than the slew limit allows, and the force sent lags behind.
 //
-// The price. Where the body's stiffness K is above K_c the force sent is K_c / K of the rendered one, and nothing else
-// is lost: on a liver phantom of 150 and 500 kPa (K = 10.1 and 33.8 kN/m at rest, omega.3 in a light grip, K_c = 8.5
-// kN/m) control changed the force by 16 and 75 %, which is 1 - K_c / K to three digits, and the tank held nothing back.
-// It is a limit of the device: K_stable is the exact boundary of the loop, Colgate's bound 2 b / T lies within 1 %
-// below it for these plants, and a sweep of gains finds the boundary between 0.75 and 1.15 K_c / 0.95
+// The price. Where the body's stiffness K is above K_c, the force sent is K_c / K of the rendered one. Nothing else is
+// lost. Example: a liver phantom of 150 and 500 kPa (K = 10.1 and 33.8 kN/m at rest), omega.3 in a light grip, K_c =
+// 8.5 kN/m. Control changed the force by 16 and 75 %, which is 1 - K_c / K to three digits; the tank did not lower the
+// force further. This is a limit of the device. K_stable is the exact boundary of the loop. Colgate's bound 2 b / T
+// lies within 1 % below it for these plants, and a sweep of gains finds the boundary between 0.75 and 1.15 K_c / 0.95
 // (tests/scheduling/test_passivity.cpp). Only the margin of 5 % is a choice. More stiffness needs more damping b,
 // shorter frames T, or a virtual damper, which helps one known hand but lowers the bound for all others (Colgate and
 // Schenkel 1997).

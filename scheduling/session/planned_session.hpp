@@ -25,13 +25,13 @@ struct PlannedArrivals {
 
 // The first guess of the stiffness (SessionModelOptions::first_guess).
 struct PlannedGuess {
-  // Of the body against a half-space (equilibrium/first_guess.hpp); unknown: no guess was wanted or made.
+  // FirstGuess::softness (equilibrium/first_guess.hpp); unknown: no guess was wanted or made.
   double softness = unknown;
   std::string left_out;  // why there is no first guess; empty: it is rendered, or none was wanted
 };
 
-// Made by make_plan() and constant afterwards; only options.stop may be set later. Copies share one device.
-// Do not run two copies at once; the device restarts its motion when asked for an earlier time.
+// make_plan() makes it. Constant afterwards; only options.stop may be set later. Copies share one device, so do not run
+// two copies at once. The device restarts its motion when asked for an earlier time.
 struct SessionPlan {
   SessionInput input;
   SessionOptions options;  // clock.seconds has been set according to clock.length

@@ -23,13 +23,14 @@
 
 namespace forefeel {
 
-// Audits: solves where the HIP has just been instead of where the policy would, to calibrate the error bars.
+// Audits: solves at places where the HIP has just been, instead of those that the policy chooses. They calibrate the
+// error bars.
 struct AuditPlan {
   double share = 0;  // of the solves
   std::uint64_t seed = 0;
 };
 
-// What a planner is made of. `known` is read by the constructor only.
+// Settings and parts of a planner. Only the constructor reads `known`.
 struct PlannerSetup {
   StateSpaceOptions space = {};
   std::span<const State> known = {};  // at the start; failed states are not tried again
@@ -43,7 +44,7 @@ struct PlannerSetup {
   ModelRecipe model = {};
   SwitchOptions jnd = {};  // unit of PlannerView::surprises
   AuditPlan audits = {};
-  Mat3 stiffest = Mat3::Zero();  // bound of the body's stiffness at rest [N/m] (plausible.hpp); zero: unknown
+  Mat3 stiffest = Mat3::Zero();  // K_b, bound of the body's stiffness at rest [N/m] (plausible.hpp); zero: unknown
 };
 
 class Planner {
@@ -155,7 +156,7 @@ class Planner {
   struct {
     std::size_t not_numbers = 0, infinite = 0, negative = 0;
   } priorities_refused_;
-  std::size_t strays_ = 0, elsewhere_ = 0;  // results of no running job, for another position
+  std::size_t strays_ = 0, elsewhere_ = 0;  // results of no running job; results for another position
   std::vector<std::string> notes_;
 };
 

@@ -12,9 +12,9 @@ struct PlanningOptions {
   PolicySpec policy = "coverage";
   Placement placement = Placement::lattice;  // where states may be placed
   bool preempt = true;                       // cancel a running solve if another is worth far more
-  // If no state is known, solve the state at rest first. Its force is zero and its stiffness takes one
-  // factorisation (cost.hpp), so it is ready long before any other state. The first model is then the body's
-  // tangent at rest.
+  // If no state is known, solve the state at rest first. Its force is zero and its stiffness takes one factorisation
+  // (scheduling/workers/cost.hpp), so it is ready long before any other state. The first model is then the tangent of
+  // the body at rest.
   bool rest_first = true;
   // The state at rest is known from the start: the tangent of the body is rendered at once, without a fade-in
   // from zero.

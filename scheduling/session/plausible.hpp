@@ -7,11 +7,11 @@
 // |K| > 100 max |K_j|. No body with a valid mesh stiffens by that much within two spacings. A solver that returns
 // another unit, or a faulty link that returns a state of another body, exceeds the limit.
 //
-// Without such a neighbour, as for the first state, the state is compared with the body itself. No body is stiffer at
-// rest than K_b [N/m], that of the same body with all nodes beside the contact held (solver/body/contact_bound.hpp). A
+// Without such a neighbour, as for the first state, the state is compared with the body itself. At rest no body is
+// stiffer than K_b [N/m], the stiffness with all nodes held but those of the contact (solver/body/contact_bound.hpp). A
 // state is far too strong if |K| > c |K_b| or |f| > c |K_b| max(|x|, h), with the spacing h [m], c = 3 at rest, and
 // c = 100 elsewhere, as a body may stiffen. K_b is 2 to 20 times the stiffness of usual meshes, so a first state that
-// is 1000 times too strong is found. If K_b is not known, the state is accepted.
+// is 1000 times too strong is detected. If K_b is unknown, the state is accepted.
 
 #include "geometry/coverage/state_space.hpp"
 

@@ -4,7 +4,7 @@
 //   planner   receives states, makes models, dispatches
 //   workers   solve
 // and, where shapes are wanted, one that makes them (shape/shape_thread.hpp).
-// They share only LoopLink (render/render_loop.hpp) and the workers' own queue.
+// They share only LoopLink (render/render_loop.hpp) and the queue of the workers.
 
 #include "scheduling/session/session_plan.hpp"
 
@@ -12,7 +12,7 @@ namespace forefeel {
 
 class ShapeLog;
 
-// What is written while the run goes on; null: nothing.
+// What is written during the run; null: nothing.
 struct RunLogs {
   ShapeLog* shapes = nullptr;
   InputLog* inputs = nullptr;  // what comes in (render/input_log.hpp)
@@ -20,12 +20,12 @@ struct RunLogs {
 
 // Fills the result, except for labels, errors and other values of the judge. Solves the states of --arrivals
 // and --replay before the first frame. If the planner fails, the loop takes the force to zero and ends;
-// result.failures says why, and the result holds what was done until then. If workers fail, the others go on; if all
-// have, the loop goes on with the states that are known, and result.failures says so.
+// result.failures says why, and the result holds what was done until then. If a worker fails, the others continue. If
+// all have failed, the loop continues with the known states, and result.failures says so.
 //
-// The loop wakes at the absolute times of its frames on CLOCK_MONOTONIC; frames that it misses are skipped
-// and counted (render/frame_pacer.hpp). The planner's beat and the watchdog use the same clock. Stops of the
-// whole process (SIGSTOP, a debugger) thus show as a pause of the loop and of the planner.
+// The loop wakes at the absolute times of its frames on CLOCK_MONOTONIC; frames that it misses are skipped and counted
+// (render/frame_pacer.hpp). The planner's heartbeat and the watchdog use the same clock, so a stop of the whole process
+// (SIGSTOP, a debugger) shows as a pause of both loop and planner.
 void run_real(const SessionPlan& plan, ReferenceService& references, SessionResult& result,
               const ShowProgress& show, const RunLogs& logs = {});
 

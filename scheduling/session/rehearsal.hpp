@@ -1,8 +1,8 @@
 #pragma once
-// Clairvoyant sessions: an upper bound of what a policy can reach. Motion and cost of every solve are known,
-// so the session can be simulated in advance. It is simulated under every policy except the placebos, with
-// and without knowledge of the motion. The schedule with the largest share of first visits within the JND
-// then becomes the session. This takes up to eight times as long as one run.
+// Clairvoyant sessions: an upper bound of what a policy can reach. The motion and the cost of every solve are known, so
+// the session can be simulated in advance (rehearsed). It is simulated under every policy except the placebos, with and
+// without knowledge of the motion. Then the schedule with the largest share of first visits within the JND (just
+// noticeable difference) is run. All this takes up to eight times as long as one run.
 
 #include "scheduling/session/session_hooks.hpp"
 #include "scheduling/session/session_plan.hpp"

@@ -14,14 +14,13 @@ namespace forefeel {
 class CostModel;
 class InputLog;
 
-// Frames that a real loop may record beyond those of the session, for the ramp at the end.
+// Number of frames that a real loop may record beyond those of the session, for the ramp of the force at the end.
 inline constexpr std::size_t spare_frames = 256;
 
-// The file that new states are appended to; null: none. InputError where it cannot be opened.
+// The file that new states are appended to; null: none. InputError if it cannot be opened.
 std::unique_ptr<StateWriter> open_state_file(const SessionInput& input);
 
-// The record of what comes into the run (render/input_log.hpp); null: none is wanted. InputError where it cannot be
-// written.
+// The log of the run's inputs (render/input_log.hpp); null: none is wanted. InputError if it cannot be written.
 std::unique_ptr<InputLog> open_inputs(const SessionPlan& plan);
 
 // The state file during a run. If the disk fails, the run continues without it, and failure() returns the error.

@@ -32,7 +32,7 @@ struct TouchedBody {
 
 struct SessionFiles {
   std::optional<std::filesystem::path> states = {};  // new states are appended here
-  std::optional<std::filesystem::path> inputs = {};  // what came in is recorded here (render/input_log.hpp)
+  std::optional<std::filesystem::path> inputs = {};  // inputs of the run are recorded here (render/input_log.hpp)
   std::string program = {};                          // name and version of the recording program
   std::filesystem::path cache = {};                  // folder of this body's tight solves; empty: none
   std::filesystem::path scene = {};                  // folder where relative trace files are looked up

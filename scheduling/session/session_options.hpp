@@ -25,7 +25,7 @@ struct SessionOptions {
   SafetyOptions safety = {};
   JudgingOptions judging = {};
   StopOptions stop = {};
-  bool record = true;      // what came in, where the run has a folder (SessionFiles::inputs)
+  bool record = true;      // record the run's inputs, if the run has a folder (SessionFiles::inputs)
   std::uint64_t seed = 0;  // of all random parts: device, policy, cost
 };
 
