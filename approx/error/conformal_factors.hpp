@@ -5,10 +5,9 @@
 // each score
 //   a_{t+1} = a_t + gamma (a - err_t),   err_t = 1 where z > q, else 0
 // In the long run the share a of the scores then lies outside the bar, however their distribution changes. Only the
-// last `window` scores are kept. A prior (quantiles measured beforehand) counts as `prior_weight` scores and is
-// always kept. Without a prior the factors of a label are infinite until its first score. Once a_t has fallen to 0,
-// q is twice the largest score.
-// One object, one thread.
+// last `window` scores are kept. A prior (quantiles measured beforehand) counts as `prior_weight` scores and is always
+// kept. Without a prior the factors of a label are infinite until its first score. If a_t falls to 0, q is twice the
+// largest score. One thread per object.
 
 #include <array>
 #include <cstddef>

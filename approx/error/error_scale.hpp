@@ -1,12 +1,12 @@
 #pragma once
-// Estimates the scale s(x) [N] of the error of a model f~ at the HIP position x [m] from the states of the model. It
-// is not a bound; conformal_factors.hpp makes error bars from it.
+// Estimates the scale s(x) [N] of the error of a model f~ at the HIP position x [m] from the states of the model (HIP:
+// haptic interaction point, the tip). s is not a bound; conformal_factors.hpp makes error bars from it.
 //   s(x) = (||f~(x) - t(x)|| + 1/2 c d(x)^2 + 0.01 c h^2 + s0) g
-// t(x) = f_i - K_i (x - x_i): tangent at state i, the state of the model nearest to x; d(x): its distance [m]. If
-// state i has no stiffness, t is its force. h: the spacing [m].
+// t(x) = f_i - K_i (x - x_i): tangent at state i, the state of the model nearest to x, at distance d(x) [m]. If state i
+// has no stiffness, t is its force. h: the spacing [m].
 // c [N/m^2]: how fast the force departs from a tangent, the median over the states i of
 //   ||f_j - f_i + K_i (x_j - x_i)|| / ||x_j - x_i||^2,   j the state nearest to i
-// With one state c = 0.1 ||K|| / h, as if the stiffness changed by a tenth within a spacing.
+// For a model of one state c = 0.1 ||K|| / h, as if the stiffness changed by a tenth within a spacing.
 // s0 = 1e-6 N + 1e-6 ||f~||: the residual error of the solves. g [1]: factor for the accuracy of the model on this body
 // (body_level.hpp), 1 unless it is set.
 

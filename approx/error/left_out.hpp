@@ -1,24 +1,24 @@
 #pragma once
-// Chooses which known forces to leave out, so that their errors are those to expect at other places.
+// Chooses which known forces to hold out, so that their errors are those to expect at other places.
 //
-// A held position is as hard to predict as a wanted place if it is as far from the known states. So positions are
-// left out in groups (position_groups.hpp). The groupings tried are
+// A held-out position is as hard to predict as a wanted place if it is as far from the known states. So positions are
+// held out in groups (position_groups.hpp). The groupings tried are
 //   natural groups (clusters, such as the depths of a probe), and compact groups of 1, 2, 4 and 8 positions
-// For each grouping, the median distance from a held position to its nearest known position is compared with the
+// For each grouping, the median distance from a held-out position to its nearest known position is compared with the
 // median distance from a wanted place to its nearest known position; the grouping with the closest match is used
 // (nearest neighbour distance matching, Milà et al., Methods in Ecology and Evolution 13, 2022). If the wanted
 // places are unknown, natural groups are used, or else compact groups of 4.
 //
-// An eighth of the groups, far from each other, is left out at a time. With more than 1500 states, only some patches
-// of the states are used, and a part of the inner half of each patch is left out.
+// An eighth of the groups, far from each other, is held out at a time. With more than 1500 states, only some patches
+// of the states are used, and a part of the inner half of each patch is held out.
 //
-// Groups say little about places outside the states, because most of them lie between other states. A place is outside
-// if it lies beyond all states in one of 26 directions u (faces, edges and corners of a cube) by more than h / 4:
+// Most groups lie between other states, so they tell little about places outside the states. A place is outside if it
+// lies beyond all states by more than h / 4 in one of 26 directions u (to faces, edges and corners of a cube):
 //   b(x) = max over u of (u.x - max u.x_i),   outside: b(x) > h / 4,   h: the spacing [m]
-// For each of these directions in which places are wanted, the outermost states are left out: those with
+// For each of these directions in which places are wanted, the outermost states (a cap) are held out: those with
 //   u.x > max u.x_i - t,   t: median of b over the wanted places outside [m]
-// t is doubled while all caps hold fewer than 20 states outside the others. A cap holds at most half of the states.
-// These trials are `caps`. With more than 1500 states, the 700 nearest to the outermost one take part.
+// t is doubled as long as all caps together have fewer than 20 states outside the others. A cap has at most half of the
+// states. With more than 1500 states, only the 700 nearest to the outermost one are used.
 
 #include <array>
 #include <cstddef>
@@ -51,31 +51,32 @@ class PlaceLocator {
   std::array<double, directions> farthest_;  // max u.x_i [m]
 };
 
-// The known and the held-back states, and how the known ones see each held position.
+// The known and the held-out states, and where each held-out position lies relative to the known states.
 struct Trial {
   std::unique_ptr<StateSpace> known;
   std::vector<State> held;
   std::vector<SeenPlace> seen;
-  bool cap = false;  // the outermost states in a direction are held; other trials hold places inside
+  bool cap = false;  // the outermost states in a direction are held out; in other trials, groups of positions
 };
 
 struct Trials {
   std::vector<Trial> each;
-  std::size_t positions = 0, groups = 0;  // held back, over all trials; caps count as groups
+  std::size_t positions = 0, groups = 0;  // held out, over all trials; caps count as groups
 };
 
-// states: usable ones, one at each position. wanted: the places where the force is wanted, as seen from the states;
-// empty: not known. No trial with fewer than 3 groups.
+// states: usable ones, one at each position. wanted: the places where the force is wanted, relative to the states;
+// empty: not known. Returns no trials if there are fewer than 3 groups.
 Trials leave_out(std::span<const State> states, std::span<const SeenPlace> wanted, double spacing);
 
-// Number of wanted places that are farther from the states than any held position is from the known ones; inside and
-// outside are compared apart.
+// Number of wanted places that are farther from the states than any held-out position is from the known ones. Inside
+// and outside are compared separately.
 std::size_t count_beyond(std::span<const SeenPlace> held, std::span<const SeenPlace> wanted);
 
-// Quantiles of the errors to expect at the wanted places. Each place contributes the errors of the 25 held positions
-// whose distance to known states is nearest to its own (in rank). A place outside contributes those of at most 25, and
-// about half, of the positions outside whose b is nearest to its own. Without wanted places: the quantiles of all
-// errors. NaN if no held position is like any wanted one. errors, held: #held positions.
+// Quantiles of the errors to expect at the wanted places. Each place contributes the errors of the 25 held-out
+// positions whose distance to known states is nearest to its own (in rank). A place outside contributes the errors of
+// the held-out positions outside whose b is nearest to its own: about half of them, at most 25. Without wanted places:
+// the quantiles of all errors. NaN if no held-out position is similar to any wanted place. errors, held: #held-out
+// positions.
 std::vector<double> expected_quantiles(std::span<const double> errors, std::span<const SeenPlace> held,
                                        std::span<const SeenPlace> wanted, std::span<const double> shares);
 

@@ -1,7 +1,7 @@
 #pragma once
-// Error bars of a model f~ made offline from known states: half-widths e_p(x) [N] such that |f~(x) - f(x)| <= e_p(x)
+// Error bars of a model f~, made offline from known states: half-widths e_p(x) [N] such that |f~(x) - f(x)| <= e_p(x)
 // at the share p of the places, for each p of bar_levels. Method: split conformal prediction, normalised (Papadopoulos
-// et al. 2002) and by label (Vovk et al., Algorithmic Learning in a Random World, 2005, ch. 4):
+// et al. 2002) and separate for each label (Vovk et al., Algorithmic Learning in a Random World, 2005, ch. 4):
 //   e_p(x) = q_p (s(x) + b),   q_p: the ceil((n + 1) p)-th least of n scores |f~_i - f_i| / (s(x_i) + b)
 // The scores are those of known forces f_i that are held out in groups of neighbouring positions (left_out.hpp).
 // Held-out positions are as far from known states as the wanted places. s [N]: scale of the error
@@ -33,16 +33,16 @@ namespace forefeel {
 
 using BarWidths = std::array<double, bar_levels.size()>;  // [N], of each level
 
-// One force left out, and how well the others predict it.
+// One held-out force, and how well the others predict it.
 struct BarSample {
   Vec3 at = Vec3::Zero();           // [m]
   double force = 0, predicted = 0;  // |f|, |f~| [N]
-  Label label = Label::blank;       // of its position, with its part left out
-  double spread = unknown;          // the same [m]; infinite: not between the remaining states
-  SeenPlace seen = {};              // from the remaining states
-  double scale = 0, error = 0;      // s, |f~ - f| [N]
-  std::uint32_t part = 0;           // forces of one part are left out together
-  BarWidths bar{};                  // from the scores of the other parts
+  Label label = Label::blank;       // of its position, with its part held out
+  double spread = unknown;      // of its position, with its part held out [m]; infinite: not between states
+  SeenPlace seen = {};          // from the remaining states
+  double scale = 0, error = 0;  // s, |f~ - f| [N]
+  std::uint32_t part = 0;       // forces of one part are held out together
+  BarWidths bar{};              // from the scores of the other parts
 };
 
 // How well bars from the other parts cover the samples.
@@ -84,10 +84,10 @@ struct OfflineBarOptions {
   std::span<const SeenPlace> wanted = {};  // where the bars are wanted; empty: not known
 };
 
-// states: usable ones, one at each position. No samples with fewer than 8 states or 3 groups.
+// states: usable ones, one at each position. Fewer than 8 states or 3 groups give no samples.
 OfflineBars measure_bars(std::span<const State> states, const OfflineBarOptions& options);
 
-// The same from check solves; no samples with fewer than 20.
+// The same from check solves; fewer than 20 give no samples.
 OfflineBars checked_bars(const StateSpace& known, std::span<const State> checks,
                          const OfflineBarOptions& options);
 double checked_scale(const Vec3& force);  // s(x) [N]

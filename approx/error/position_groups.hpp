@@ -1,10 +1,10 @@
 #pragma once
-// Groups of neighbouring positions that are left out together. Leaving out single positions is not enough: a
-// prediction from states close by says nothing about places far from all states.
-//   natural   if the positions form clusters (a probe pressed to ten depths at each of 70 places). The edges of the
-//             minimum spanning tree, sorted by length, then jump by a factor of at least 1.5. The groups are the
+// Groups of neighbouring positions that are held out together. Holding out single positions is not enough: a prediction
+// from states close by says nothing about places far from all states.
+//   natural   if the positions form clusters (a probe pressed to ten depths at each of 70 places): the sorted lengths
+//             of the edges of the minimum spanning tree then jump by a factor of at least 1.5. The groups are the
 //             clusters that remain when the longer edges are removed
-//   compact   otherwise: boxes of two to four neighbouring positions, by halving the longest side
+//   compact   otherwise: boxes of two to four neighbouring positions, made by halving the longest side
 
 #include <cstddef>
 #include <cstdint>
@@ -27,7 +27,7 @@ PositionGroups position_groups(std::span<const Vec3> positions);
 // Boxes of at most `most` positions, more than half of it, by halving the longest side.
 PositionGroups compact_groups(std::span<const Vec3> positions, std::size_t most);
 
-// Assigns each group to the part, 0 to parts - 1, in which it is left out. Groups of one part lie as far from each
+// Assigns each group to the part, 0 to parts - 1, in which it is held out. Groups of one part lie as far from each
 // other as the positions allow.
 std::vector<std::uint32_t> spread_over_parts(std::span<const Vec3> positions, const PositionGroups& groups,
                                              std::size_t parts);

@@ -12,8 +12,8 @@
 
 namespace forefeel {
 
-// P(x) [m^(k/2)] from the given states; infinite if they do not determine the polynomial. O(n^3) and
-// allocates, so not for a real-time loop. Kernel and data are used as given, without step-down.
+// P(x) [m^(k/2)] from the given states; infinite if they do not determine the polynomial. O(n^3) and allocates, so not
+// for a real-time loop. Uses kernel and data as given, without step-down to a simpler model.
 double power_function(std::span<const State> states, const ModelOptions& options, const Vec3& x);
 
 }  // namespace forefeel

@@ -1,6 +1,6 @@
 #pragma once
-// The loops of dense_kernels.hpp that stand in files of their own, for the instruction set that a file is
-// compiled for, and what these files share.
+// The loops of dense_kernels.hpp that have files of their own, and what these files share. Compiled once per
+// instruction set.
 
 #include <type_traits>
 

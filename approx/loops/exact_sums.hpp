@@ -1,6 +1,6 @@
 #pragma once
-// The misfit of a model at its own states, in twice the working precision, to refine a model whose factor has
-// lost digits. Compiled for several instruction sets (instruction_set.hpp), without contraction and without
+// The misfit of a model at its own states, in twice the working precision. It is used to refine a model whose factor
+// has lost digits. Compiled for several instruction sets (instruction_set.hpp), without contraction and without
 // -ffast-math.
 //   m_c(i) = g_c(i) - [p_c(y_i) + sum_j a_jc phi(d) - phi'(d)/d (b_jc . d)],   d = y_i - y_j
 // and, with stiffness data, the same for the three derivatives over y.

@@ -1,8 +1,8 @@
 #pragma once
-// The instruction set of the inner loops. They are compiled once per set; the best set that the processor
-// supports is chosen at start. The environment variable FOREFEEL_ISA (portable, avx2 or avx512) selects a
-// lower set, for measurements and tests. A higher set than the processor's is ignored, and so is any other
-// value; a program calls check_instruction_set() at its start to report such a value.
+// The instruction set of the inner loops. They are compiled once per set; the best set that the processor supports is
+// chosen at start. The environment variable FOREFEEL_ISA (portable, avx2 or avx512) selects a lower set, for
+// measurements and tests. A higher set than the processor's is ignored. Any other value is ignored too; a program calls
+// check_instruction_set() at its start to report it.
 
 #include <string_view>
 

@@ -1,6 +1,6 @@
 #pragma once
-// The loops over points of kernel_sums.hpp (extent of a set, its planes, its mean tangent), for the
-// instruction set that a file is compiled for.
+// The loops over points of kernel_sums.hpp: extent of a set, its planes, its mean tangent. Compiled once per
+// instruction set.
 
 #include <cstddef>
 

@@ -6,8 +6,8 @@
 // measured, so its noise is part of the error.
 //
 // Candidates: kernels r, r^3, r^5; the nearest 25 to 200 states, 25 or 50 states by label, or one model of all states
-// (at most 1000 rows); ridges from 0 to 0.1. A ridge is used only if it reduces the error by 2 %. All candidates are
-// tried on some of the positions, the best ones on all.
+// (at most 1000 rows); ridges (nuggets) from 0 to 0.1. A ridge is used only if it reduces the error by 2 %. All
+// candidates are tried on some of the positions, the best ones on all.
 
 #include <cstddef>
 #include <functional>
@@ -35,8 +35,8 @@ struct AutoModelOptions {
 
 struct AutoModel {
   ModelOptions model = {};
-  bool all = false;  // one model of all states serves every place (fit_model() about their middle)
-  // Quantiles of |f - f~| at the positions left out [N]; NaN where too few states allow no choice.
+  bool all = false;  // one model of all states is used for every place (fit_model() about their middle)
+  // Quantiles of |f - f~| at the held-out positions [N]; NaN if there are too few states to choose.
   double p50 = unknown, p95 = unknown;
   std::size_t positions = 0, groups = 0;  // left out
   std::size_t beyond =

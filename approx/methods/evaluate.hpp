@@ -24,8 +24,8 @@ namespace forefeel {
 // Values that are not given: kernel quintic with force+stiffness where the states have it, else cubic with
 // force; 25 neighbours with stiffness, else 100; rule label; no ridge.
 struct EvaluateOptions {
-  // True: the model is chosen (auto_model.hpp), except for what the members below fix. Not given: the model is
-  // chosen if no state has a stiffness and method, kernel, data, neighbours and ridge are all left open.
+  // True: the model is chosen (auto_model.hpp), except for what the members below fix. Not given: the model is chosen
+  // if no state has a stiffness and none of method, kernel, data, neighbours and ridge is given.
   std::optional<bool> choose = {};
   std::optional<Method> method = {};  // rbf if not given
   std::optional<Kernel> kernel = {};
@@ -36,15 +36,15 @@ struct EvaluateOptions {
   bool choose_ridge = false;  // by leaving out single states (leave_one_out.hpp)
   bool bars = false;          // error bars of each point, for method rbf only (offline_bar.hpp)
   double spacing = unknown;   // h [m]; unknown: the median distance of the states
-  // Solves that are no states, drawn evenly from a box: within it, bars come from their errors.
+  // Check solves, drawn evenly from a box and not used as states: within the box, their errors give the bars.
   std::span<const State> checks = {};
   Box checked = {};                           // [m]
   std::function<void(double)> choosing = {};  // called with the share done while the model is chosen
 };
 
-// Limits of a model. Its force never exceeds `bound` [N]. Outside the hull of its states the model is
-// replaced by its tangent beyond `tangent` [m]; the force is held constant beyond `held` [m] from where the
-// tangent is taken.
+// Limits of a model. Its force never exceeds `bound` [N]. Farther than `tangent` [m] outside the hull of its states,
+// the model is replaced by its tangent. `held` [m]: distance from the point of the tangent beyond which the force is
+// held constant.
 struct Reach {
   double bound, tangent, held;
 };
@@ -60,8 +60,8 @@ struct EvaluatedPoints {
   std::size_t stepped_down = 0;
 };
 
-// Error bars of the points, the measurement behind them, and the number of points that lie farther from the states than
-// any force left out inside the others, or outside them. At these points the bars are extrapolated.
+// Error bars of the points and the measurement behind them. Also the number of points that lie farther from the states
+// than any held-out force; inside and outside are compared separately. At these points the bars are extrapolated.
 struct EvaluatedBars {
   std::vector<BarWidths> at;
   OfflineBars measured;
@@ -83,8 +83,8 @@ struct Evaluation {
 // Called after each point with the number done.
 using ShowPoints = std::function<void(std::size_t)>;
 
-// InputError where no state is usable, or where options do not suit the states; its key is the name of the
-// option ("--neighbours").
+// InputError if no state is usable, or if an option does not fit the states; its key is the name of the option
+// ("--neighbours").
 Evaluation evaluate(std::span<const State> states, std::span<const Vec3> points,
                     const EvaluateOptions& options, const ShowPoints& show = {});
 

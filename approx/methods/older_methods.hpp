@@ -10,8 +10,8 @@
 //                 uses the two that it computed last; here these are the two nearest states
 //   offline_rbf   one RBF model of all states (Peterlik et al.)
 //   rbf_network   r^3 and linear p by least squares, with fewer centres than states (De et al.)
-// Every method is bounded by |f~(x)| <= max |F_i| + 2 S d(x) [N]; a larger force is scaled down to the bound. So the
-// methods can be compared far from their states without harm to a device. d(x) [m]: distance to the nearest state;
+// Every method is bounded by |f~(x)| <= max |F_i| + 2 S d(x) [N]; a larger force is scaled down to the bound. So even
+// far from the states no method can damage a device. d(x) [m]: distance to the nearest state;
 // S [N/m]: the largest known stiffness, or the largest secant |F_i - F_j| / |x_i - x_j| of a state and its nearest
 // neighbour.
 

@@ -1,11 +1,11 @@
 #pragma once
 // A Cholesky factor that grows and shrinks, with right-hand sides that follow it:
 //   A = L L^T,   Y = L^-1 B,   A (m x m) symmetric positive definite, B (m x 16)
-// remove() deletes rows and columns of A. With the same columns of L deleted, the rest of A is L L^T + V V^T,
-// where V holds the deleted columns. This is a positive update of the trailing factor, done by one reflection
-// per column for many deleted columns at once; it is stable, and a downdate is never needed. append() adds up to 8
-// rows at the end by a triangular solve. Both also update Y. A deleted row stays as a hole (a row of the unit
-// matrix) until the factor is compacted. Cost: O(k m^2) for k rows. Nothing allocates after construction.
+// remove() deletes rows and columns of A. With the same columns of L deleted, the rest of A is L L^T + V V^T, where the
+// columns of V are the deleted ones. This is a positive update of the trailing factor. One reflection per column does
+// it for many deleted columns at once. It is stable, and a downdate is never needed. append() adds up to 8 rows at the
+// end by a triangular solve. Both also update Y. A deleted row remains as a hole (a row of the unit matrix) until the
+// factor is compacted. Cost: O(k m^2) for k rows. Nothing allocates after construction.
 
 #include <cstddef>
 #include <cstdint>

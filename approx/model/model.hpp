@@ -4,7 +4,7 @@
 //   [A P; P^T 0][lambda; c] = [f; 0],   A_ij = phi(|x_i - x_j|)
 // x_i: positions of the states; p: polynomial with coefficients c, P its terms at the x_i; phi = r or r^3
 // with linear p, r^5 with quadratic p. With stiffness data each state adds three derivatives per component
-// (Hermite, or gradient-enhanced, interpolation). Coordinates are centred and scaled inside.
+// (Hermite, or gradient-enhanced, interpolation). Internally, coordinates are centred and scaled.
 
 #include <cstddef>
 #include <cstdint>
@@ -53,20 +53,19 @@ class Model {
   Kernel kernel() const noexcept;                                            // after step-down
   int degree() const noexcept;                                               // of p, after step-down
   bool is_tangent() const noexcept;  // stepped down to the tangent (or held force) of the nearest state
-  // No force of this model exceeds B = 1.25 (F + K D) [N]: F and K the largest force and stiffness among its
-  // states, D the hold distance, beyond which the force is held constant. f~ is the RBF sum inside the hull
-  // of the states and up to the trust distance outside it, and a tangent from twice that distance on
-  // (model_data.hpp).
+  // No force of this model exceeds B = 1.25 (F + K D) [N]. F and K: largest force and stiffness among its states. D:
+  // the hold distance, beyond which the force is held constant. f~ is the RBF sum inside the hull of the states and up
+  // to the trust distance outside it; from twice the trust distance on it is a tangent (model_data.hpp).
   double force_bound() const noexcept;
   double trust_distance() const noexcept;  // [m]
   double hold_distance() const noexcept;   // [m]
   std::uint64_t serial() const noexcept;   // grows with every update of one updater; 0 for the empty model
   bool uses_stiffness() const noexcept;    // Hermite data, after step-down
 
-  // Becomes the model that the draft describes. The two exchange their memory, so that a released model is
-  // reused without allocation; the draft then holds the former content of this model.
+  // Becomes the model that the draft describes. The two exchange their memory, so that a released model is reused
+  // without allocation. Afterwards the draft has the former content of this model.
   void assign(ModelDraft& draft, std::uint64_t serial) noexcept;
-  void reserve(const ModelOptions& options);  // memory that the next draft gets from here; f~ stays as it is
+  void reserve(const ModelOptions& options);  // memory that assign() passes to the draft; f~ does not change
   const ModelData& data() const noexcept { return *data_; }  // to read; for benchmarks of the sums
 
  private:

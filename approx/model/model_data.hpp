@@ -9,9 +9,9 @@
 //   sigma   leaves a displacement up to D / 2 as it is and never exceeds the hold distance D [m]; beyond D
 //           the force is held constant
 //   E(y)    distance outside the hull of the states (of its 26 supporting planes)
-//   w(E)    0 up to the trust distance, 1 from twice that on, three times differentiable. Across a gap it is
-//           (1 - beta) w(E of the nearer side) + beta w(E of both sides): a place between the two sides
-//           changes gradually from extrapolation to interpolation
+//   w(E)    0 up to the trust distance, 1 from twice that on, three times differentiable. Across a gap (a bridge
+//           between two known regions) it is (1 - beta) w(E of the nearer side) + beta w(E of both sides): a place
+//           between the two sides changes gradually from extrapolation to interpolation
 //   sat     leaves |f| <= B / 1.25 as it is and never exceeds B
 // Everything is twice differentiable in x. Inside the hull f~ is the RBF sum itself.
 

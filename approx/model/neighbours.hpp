@@ -4,21 +4,20 @@
 //   label     in a safe region, or with at most n states in all: the n nearest; a member of the last set
 //             stays until another is nearer by 5 % (hysteresis). Elsewhere: states on all sides, with weights
 //             0 < w_i <= 1
-// The weights are continuous functions of x, so that states enter and leave gradually (RbfFit: a ridge that
-// falls from infinity to 0 as w rises to 1). h [m] is the spacing, d_1 the distance of the nearest state. As
-// seen along the direction to state i, where states more than about 70 degrees off that direction count as
-// farther away:
+// The weights are continuous functions of x, so that states enter and leave gradually (RbfFit: a ridge that falls from
+// infinity to 0 as w rises to 1). h [m] is the spacing, d_1 the distance of the nearest state. For each state i, the
+// states are viewed along the direction to i; those more than about 70 degrees off count as farther away:
 //   d_i, t_i   distance of the nearest state there, mean direction to the states at about that distance
 //   beta_i     weight of that side: from 0 at (d_1 + h) / (d_i + h) = 0.1 to 1 at d_i = d_1
 //   c_i        (beta_i (d_1 + h) / (d_i + h))^(1/3), so that the number of members falls as 1 / distance
 //   key_i      |x_i - x - (d_i - h / 4) t_i| / c_i (kernel r: up to 2.2 h, not h / 4), so that the members
 //              of a side fill a half ball at its boundary; one or two layers do not determine the polynomial
 //   w_i        rises from 0 at the key of rank n to 1, over a band of fixed width (a multiple of h)
-// The candidates are all states within a distance that is a continuous function of x (or all states if they
-// are few); c_i falls to 0 over the last 2 h of that distance. n is at least weighted_neighbours(). Between two
-// sides up to bridging_neighbours() more states are added. The rank n is then a real number; its key is interpolated
-// between those of the two nearest ranks. So the far side of a gap enters and leaves while its weight is small, and
-// the set of sides never changes abruptly.
+// The candidates are all states within a distance that is a continuous function of x (or all states if they are few);
+// c_i falls to 0 over the last 2 h of that distance. n is at least weighted_neighbours(). Between two sides, up to
+// bridging_neighbours() states are added to n. n is then a real number, and the key of rank n is interpolated between
+// those of the two nearest ranks. So the far side of a gap enters and leaves while its weight is small, and the set of
+// sides never changes abruptly.
 
 #include <cstdint>
 #include <vector>
@@ -32,8 +31,8 @@ struct Neighbour {
   StateId id;
   double weight = 1;  // w
   double near = 1;    // its weight in the side nearer to the HIP
-  // Length, in spacings, over which the state determines the force: 1 for a state among others; for a lone
-  // state beyond a gap the width of the gap, falling to 1 as w rises to 1.
+  // Length, in spacings, over which the state determines the force. It is 1 for a state among others. For a lone state
+  // beyond a gap it is the width of the gap, and falls to 1 as w rises to 1.
   double reach = 1;
   bool operator==(const Neighbour&) const = default;
 };
@@ -48,7 +47,7 @@ class NeighbourSelector {
   double bridge() const { return bridge_; }
   bool weighted() const { return sided_; }   // the last set has weights
   double radius() const { return radius_; }  // the key of rank n [m]; 0 without weights
-  void forget();                             // drops hysteresis
+  void forget();                             // forgets the last set, and so the hysteresis
 
  private:
   struct Candidate {

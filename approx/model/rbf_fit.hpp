@@ -4,13 +4,12 @@
 // The factor is kept, so that k of n states are replaced in O(k n^2). With K the projected kernel of
 // polynomial.hpp (positive definite), K = L L^T and Y = L^-1 [P f], which DenseFactor maintains:
 //   c minimises |Y_P c - Y_f|,   lambda = L^-T (Y_f - Y_P c).
-// The anchors of K lie around the set; the set is factorised anew if it has moved away from them or changed
-// its size.
+// The anchors of K lie around the set. If the set moves away from them or changes its size, it is factorised anew.
 //
 // Each model is checked at some of its own states. If it misses them by more than a fresh factor would, its
-// coefficients are refined: the misfit is computed in twice the working precision and corrected with the
-// present factor (Wilkinson 1963, ch. 3). An updated model is therefore as accurate as one made anew. Small
-// sets are refined, larger ones factorised anew, whichever is faster.
+// coefficients are refined: the misfit is computed in twice the working precision and corrected with the present factor
+// (Wilkinson 1963, ch. 3). So an updated model is as accurate as one made anew. Where a new factor is faster than
+// refinement, as for larger sets, the set is factorised anew instead.
 //
 // Kernel and degree step down together if the states do not determine the polynomial: r^5 + quadratic ->
 // r^3 + linear -> r + constant -> tangent. The rank of P decides, by the pivots of P^T P.
@@ -32,8 +31,8 @@ struct Sample {
   StateId id;
   Vec3 at, force;  // [m], [N]
   Mat3 stiffness;  // [N/m]; NaN where not known
-  // 0 < w <= 1: how much its data count. A ridge c (reach h)^k (1 / w - 1) on its rows removes it gradually
-  // as w tends to 0, so that the model is a continuous function of the HIP if w is.
+  // 0 < w <= 1: weight of its data. A ridge c (reach h)^k (1 / w - 1) on its rows removes the state gradually as w
+  // tends to 0. So the model is a continuous function of the HIP position if w is.
   double weight = 1;
   double reach = 1;       // as in Neighbour
   double near = 1;        // weight in the nearer side of a gap; 1 if there is one side
@@ -57,7 +56,7 @@ class RbfFit {
   // Removes states and adds samples, by an update or by a refit, whichever is faster. Returns true for a
   // refit. All removed ids (ascending) must be in the set; no added id may be.
   bool replace(std::span<const StateId> removed, std::span<const Sample> added);
-  // The states to remove and to add in order to get the set `wanted` (ascending ids).
+  // Finds the states to remove and to add in order to get the set `wanted` (ascending ids).
   void difference(std::span<const StateId> wanted, std::vector<StateId>& removed,
                   std::vector<StateId>& missing) const;
 
@@ -93,7 +92,7 @@ class RbfFit {
   void place(std::size_t slot, const Sample& sample);
   void functionals(std::size_t slot);
   void append_panel(std::size_t first_slot, std::size_t count);
-  enum class Outcome { refused, done, stale };  // stale: the set is right, but its factor must be made anew
+  enum class Outcome { refused, done, stale };  // stale: the set is right, but it must be factorised anew
   Outcome try_update(std::span<const StateId> removed, std::span<const Sample> added);
   bool frame_expired();
   void remove_and_close();
@@ -184,7 +183,7 @@ class RbfFit {
     AlignedArray correction, last_correction;  // 3 x Rows::stride: of lambda
     double polynomial[3][detail::max_terms] = {};
   };
-  // What happened to the factor since the last refit.
+  // Loss of accuracy of the factor since the last refit.
   struct Wear {
     std::size_t watched = 0;  // the state that was checked last
     bool updated = false;

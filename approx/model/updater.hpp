@@ -14,7 +14,7 @@ struct UpdateReport {
   Label label = Label::blank;  // of the HIP; it decides how the set is chosen
 };
 
-// Marks that the caller sets on the model that an update makes.
+// Marks that the caller of update() sets on the new model.
 struct UpdateTag {
   std::uint64_t serial = 0;  // serial number of the model; 0: the updater numbers its models itself
   bool guess = false;        // the space holds a guess: states() of the model is empty
@@ -31,7 +31,7 @@ class ModelUpdater {
   // model.
   bool update(const Vec3& hip, Model& out, UpdateReport* report = nullptr, const UpdateTag& tag = {});
   Model model_at(const Vec3& hip);
-  // Forgets earlier positions: the next model depends on the space and the HIP alone.
+  // Forgets earlier positions: the next model depends only on the space and the HIP position.
   void forget();
 
  private:

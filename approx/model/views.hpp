@@ -1,5 +1,5 @@
 #pragma once
-// Fixed directions of view, along which NeighbourSelector looks for the sides of a gap.
+// Fixed directions along which NeighbourSelector looks for the sides of a gap.
 
 #include <cstddef>
 #include <cstdint>

@@ -11,8 +11,8 @@
 // |F| in a bound is the smaller of the forces before and after the change. The first model fades in from zero
 // by the same rule. step() does not allocate, lock or throw.
 //
-// How large F can be. paper: F lies between the forces of the two models at the HIP. smooth: e was measured
-// where the HIP was at the switch, and several switches add up. Two rules bound it while the HIP moves:
+// How large F can be. paper: F lies between the forces of the two models at the HIP. smooth: e is the difference at an
+// earlier position of the HIP, and the offsets of several switches add up. Two rules bound F while the HIP moves:
 //   |F| <= S                    S [N]: the largest force so far that rule `none` would have rendered
 //   e <- e exp(-(s - s0) / l)   in a frame in which the HIP moves by s > s0: a jump, faster than any hand.
 //                               s0 = 1 mm in 1 ms, l = 5 mm. After 5 cm nothing of e is left.
@@ -54,8 +54,8 @@ class ForceSwitch {
   // newest: the latest published model, or null if none was published since the last frame.
   Frame step(const Model* newest, const Vec3& x) noexcept;
   // The same from forces at x: `old` of the previous model, `now` of the newest. comes: the newest model is new in
-  // this frame; travel: of the HIP since the last frame [m]. Not for rule paper, which needs both models in later
-  // frames, too.
+  // this frame; travel: distance that the HIP has moved since the last frame [m]. Not for rule paper, which also needs
+  // both models in later frames.
   Frame step(const Vec3& old, const Vec3& now, bool comes, double travel = 0) noexcept;
 
  private:
