@@ -1,14 +1,14 @@
 #pragma once
-// Makes the estimates from which the loop computes its error bars (bar_link.hpp), and calibrates them with each new
-// state, by comparing its force with the force rendered or predicted there:
+// Makes the estimates from which the loop computes its error bars (bar_link.hpp). Each new state calibrates them: its
+// force is compared with the force that was rendered or predicted there.
 //   audit     a state at a position that the loop rendered in the last seconds. The rendered force is scored, for its
 //             label and for labels with fewer than 20 audits
 //   other     any other state. The model in use is scored at its position. Such states are solved where least is
 //             known, not where the hand is. They show how accurate the model is on this body
 //             (approx/error/body_level.hpp)
 // Until a session has scores of its own, scores of other bodies and motions are used (approx/error/prior_scores.hpp).
-// While no state is known, the first guess has the bar of a model of one state at rest with its stiffness. Rest itself
-// is then not scored, because the guess is exact there.
+// While no state is known, the bar of the first guess is that of a model of one state: rest, with the stiffness of the
+// guess. The state at rest is then not scored, because the guess is exact there.
 
 #include <array>
 #include <vector>
@@ -27,7 +27,7 @@ class BarKeeper {
   // guess: stiffness of the first guess [N/m]; zero: none.
   BarKeeper(const StateSpace& space, const Mat3& guess, LoopLink& link);
 
-  // Before the next model is made: scores the states that have come since. model: the newest; null: none.
+  // Call before the next model is made. Scores the states added since the last call. model: the newest; null: none.
   void learn(const Model* model);
   void publish(const Vec3& hip, const Model& model);
 

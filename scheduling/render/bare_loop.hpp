@@ -1,8 +1,7 @@
 #pragma once
-// A loop that only waits for its deadlines: what the machine itself misses. It has the thread settings
-// (loop_thread.hpp) and the rule for late frames (frame_pacer.hpp) of the session's loop, and does nothing in a frame.
-// Both can run at the same time, so that they meet the same load; half a frame between their deadlines keeps them
-// apart.
+// A loop that only waits for its deadlines. It measures the deadlines that the machine itself misses. It has the thread
+// settings (loop_thread.hpp) and the rule for late frames (frame_pacer.hpp) of the session's loop, and does nothing in
+// a frame. Both loops can run at the same time, under the same load, with half a frame between their deadlines.
 
 #include <atomic>
 #include <cstddef>
@@ -30,7 +29,7 @@ class BareLoop {
 
   // After end(): cost and lateness of each frame until then; NaN of a frame that was skipped.
   const std::vector<FrameTiming>& frames() const { return frames_; }
-  const std::string& note() const { return note_; }  // why it had no real-time priority; empty if it had
+  const std::string& note() const { return note_; }  // why it had no real-time priority; empty if it had one
 
  private:
   void run();

@@ -1,7 +1,7 @@
 #pragma once
-// Counts the steps of the clock of the day: times at which it was set, or at which the machine slept. A step is a
-// change by more than 50 ms of the time of day less the time of the steady clock, between two looks. The loop, the
-// planner and the watchdog use the steady clock alone, which no setting moves; the count tells the reader of a run.
+// Counts the steps of the system clock (time of day): it was set, or the machine slept. A step is a change of more than
+// 50 ms, between two calls of look(), in the difference of system and steady clock. The loop, the planner and the
+// watchdog use only the steady clock, so a step does not affect them; the count is for the reader of a run.
 
 #include <cstddef>
 #include <cstdint>
@@ -14,7 +14,7 @@ class ClockWatch {
  public:
   static constexpr std::int64_t least = 50'000'000;  // [ns]
 
-  // Both read at the same moment [ns].
+  // steady, of_day: both clocks, read at the same moment [ns].
   void look(std::int64_t steady, std::int64_t of_day) noexcept {
     const std::int64_t ahead = of_day - steady;
     if (ahead_ && std::abs(ahead - *ahead_) > least) ++steps_;

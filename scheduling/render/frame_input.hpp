@@ -1,6 +1,6 @@
 #pragma once
-// Everything that one frame of the loop took from outside, and the two forces that it made of it. From the same inputs
-// and the same models the loop makes the same forces, bit for bit (input_replay.hpp).
+// All inputs of one frame of the loop, and the two forces that the loop computed. From the same inputs and the same
+// models the loop computes the same forces, bit for bit (input_replay.hpp).
 
 #include <cstdint>
 
@@ -11,12 +11,12 @@ namespace forefeel {
 struct FrameInput {
   std::uint32_t frame = 0;  // its number
   std::uint32_t known = 0;  // number of known states
-  std::uint64_t model = 0;  // serial number of the model that came with this frame; 0: none came
+  std::uint64_t model = 0;  // serial number of the model that arrived in this frame; 0: none
   bool ended = false;       // the session was ended early, before this frame
   bool held = false;        // the device gave a position that is not finite: the last one was held
   double started = 0;       // of the frame, by the wall clock of the session [s]; virtual clock: 0
-  double now = 0;           // when the force was made, by the same clock [s]
-  double beat = 0;          // the planner's last step [s]
+  double now = 0;           // when the force was computed, by the same clock [s]
+  double beat = 0;          // time of the planner's last step [s]
   Vec3 at = Vec3::Zero();   // of the HIP [m]
   Vec3 rendered = Vec3::Zero(), sent = Vec3::Zero();  // [N]
 };

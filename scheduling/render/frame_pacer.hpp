@@ -1,8 +1,8 @@
 #pragma once
 // Chooses the frame that a late loop renders next. Frame k is due at k * frame after the start. A loop that wakes late
-// renders the newest frame that is due; the frames before it are skipped and counted, never rendered in a
-// burst. Frame 0 is never skipped. No frame is skipped to beyond the session's last one, which therefore
-// is always rendered; frames after it belong to the ramp at the end (render/render_loop.hpp).
+// renders the newest frame that is due; the frames before it are skipped and counted, never rendered in a burst. Frame
+// 0 and the session's last frame are always rendered. Frames after the last one belong to the ramp at the end
+// (render_loop.hpp).
 // All times count from the session's start on one steady clock. Nothing allocates or throws.
 
 #include <cstddef>

@@ -1,15 +1,15 @@
 #pragma once
 // The file of a run's inputs (RUN/session.inputs), written by input_log.hpp and read by input_reader.hpp.
 //   "forefeel inputs 1\n", header, records
-// The header and each record stand behind a kind (one letter) and the length of their content (32 bits). Numbers are
-// as they stand in memory, every double with all its bits. The header ends with a digest of itself.
-//   H   what the run was made with (InputHeader)
+// The header and each record begin with a kind (one letter) and the length of their content (32 bits). Numbers have
+// their form in memory, every double all its bits. The header ends with a digest of itself.
+//   H   settings of the run (InputHeader)
 //   S   a state that became known, in the order of the state space (geometry/states/state_message.hpp)
-//   X   a state that did not: its solve failed, or it was set aside (scheduling/session/plausible.hpp)
+//   X   a state that did not become known: its solve failed, or it was set aside (scheduling/session/plausible.hpp)
 //   M   a model was made (ModelInput)
 //   F   a frame (FrameInput)
-//   E   the run ended by itself; a file without it was cut, and holds what was written until then
-// States and models stand before the first frame that knows them. 118 bytes a frame, 7.1 MB a minute at 1 kHz.
+//   E   the end of the run; a file without it is of an interrupted run, and has the records written until then
+// States and models come before the first frame that uses them. 118 bytes a frame, 7.1 MB a minute at 1 kHz.
 
 #include <cstdint>
 #include <string>
@@ -28,7 +28,7 @@ inline constexpr std::string_view inputs_magic = "forefeel inputs 1\n";
 enum class InputKind : char { header = 'H', state = 'S', failed = 'X', model = 'M', frame = 'F', end = 'E' };
 
 struct InputHeader {
-  std::string made_by;  // program and instruction set: other ones may round otherwise
+  std::string made_by;  // program and instruction set: others may round differently
   bool real = false;    // clock
   std::uint64_t frames = 0, spare = 0;
   RenderOptions render = {};
@@ -44,13 +44,13 @@ struct ModelInput {
   bool published = false;    // to the loop
 };
 
-// A text that changes with the program and the instruction set that this process uses.
+// A text that names the program and the instruction set of this process.
 std::string inputs_made_by(std::string_view program);
 
 void pack(Packer& out, const InputHeader& header);
 void pack(Packer& out, const ModelInput& model);
 void pack(Packer& out, const FrameInput& frame);
-// MalformedMessage where the bytes hold something else.
+// Throws MalformedMessage if the bytes are not a header.
 InputHeader unpack_header(Unpacker& in);
 ModelInput unpack_model(Unpacker& in);
 FrameInput unpack_frame(Unpacker& in);

@@ -1,11 +1,11 @@
 #pragma once
-// Records what came into a run, so that it can be rendered again bit by bit (input_replay.hpp). The format is in
-// input_format.hpp. Three threads take part:
+// Records the inputs of a run, so that it can be rendered again bit by bit (input_replay.hpp). The format is in
+// input_format.hpp. Three threads use the log:
 //   loop      frame(): a copy into a queue, which neither allocates nor locks
-//   planner   learn(), failed(), model(): bytes under a lock that nobody holds for long
+//   planner   learn(), failed(), model(): bytes under a lock that is held only briefly
 //   writer    drain(): to the disk; a thread of the log, or the caller under the virtual clock
-// Every record reaches the file within about 20 ms, so what a killed run wrote can be replayed. When the disk fails,
-// or is so slow that the queue is full (8 s of frames), recording ends there, the run goes on, and failure() says so.
+// Every record reaches the file within about 20 ms, so the file of a killed run can be replayed. If the disk fails, or
+// is so slow that the queue is full (8 s of frames), recording ends, the run continues, and failure() says so.
 
 #include <atomic>
 #include <cstdint>
@@ -23,7 +23,7 @@ namespace forefeel {
 
 class InputLog {
  public:
-  // Makes the file, and writes the header. With `thread` the log drains itself. InputError where the file
+  // Makes the file and writes the header. With `thread`, a thread of the log calls drain(). InputError if the file
   // cannot be written.
   InputLog(std::filesystem::path file, const InputHeader& header, bool thread);
   ~InputLog();
@@ -32,7 +32,7 @@ class InputLog {
 
   void frame(const FrameInput& frame) noexcept;  // the loop's thread
 
-  // Before a model is made of it: the states of the space that are not recorded yet. Always the same space.
+  // Call before a model is made from the space: records its states that are not recorded yet. Always the same space.
   void learn(const StateSpace& space);
   void model(const ModelInput& model);  // before the model is published
   void failed(const State& state);      // any thread

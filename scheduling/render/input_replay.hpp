@@ -1,10 +1,10 @@
 #pragma once
 // Renders a recorded run again, without a clock, a device or a worker, and compares every force with the recorded one,
-// bit by bit. The states come in their order, each model is made by the same calls at the same states, and each frame
-// gets the position, the newest model and the two times that it had. What renders is the code of the session itself:
+// bit by bit. States are added in the recorded order, each model is made by the same calls from the same states, and
+// each frame gets its recorded position, newest model and two times. The code of the session itself renders:
 // SessionModel and RenderLoop.
 //
-// The forces are equal where the same program runs on the same instruction set; another one may round otherwise.
+// The forces are equal if the same program runs on the same instruction set; another one may round differently.
 // Error bars and labels are not replayed: no force depends on them.
 
 #include <cstddef>
@@ -33,7 +33,7 @@ struct ReplayReport {
   std::size_t states = 0, failed = 0, models = 0;
   double seconds = 0;       // time of the last frame [s]
   std::uint64_t bytes = 0;  // of the file, as far as it was read
-  bool whole = false;       // false: the run was killed or its disk was full; what is there was replayed
+  bool whole = false;       // false: the run was killed or its disk was full; the existing records were replayed
   std::string made_by, replayed_by;
   std::optional<ForceDifference> first = {};  // none: all are equal
 };

@@ -1,7 +1,7 @@
 #pragma once
-// Makes the models that the loop renders, from the states of a space, and their error bars (bar_keeper.hpp). It
-// makes a new model when states have come or the HIP has moved far enough, passes it to the render loop
-// (RenderLink), and reuses models that the loop returns.
+// Makes the models that the loop renders, from the states of a space, and their error bars (bar_keeper.hpp). It makes a
+// new model when states have been added or the HIP has moved far enough, passes it to the render loop (LoopLink), and
+// reuses models that the loop returns.
 
 #include <cstdint>
 #include <memory>
@@ -20,7 +20,7 @@ class ModelKeeper {
   ModelKeeper(const StateSpace& space, const ModelRecipe& recipe, LoopLink& link);
 
   void update(double now, const Vec3& hip, bool time_it = false);
-  Label label() const { return label_; }  // of the region that chose the newest model
+  Label label() const { return label_; }  // of the HIP when the newest model was made
   // When each state first entered a model [s], by id; NaN or missing: never.
   const std::vector<double>& first_used() const { return first_used_; }
   std::vector<SwitchRecord> take_switches() { return std::move(updates_); }  // one per published model

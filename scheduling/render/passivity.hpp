@@ -1,5 +1,5 @@
 #pragma once
-// Keeps the loop passive while models change. It is part of the safety rules, so it counts the energy of the force that
+// Keeps the loop passive while models change. It is one of the safety rules, so it counts the energy of the force that
 // is sent, after force limit and slew limit. f [N]: force before these limits, x [m]: measured tip, F [N]: force sent.
 //   coupling   f <- s f,  s = min(1, K_c / K),  K [N/m]: largest stiffness of the newest model at x. For a linear body
 //              this is a virtual coupling by a spring K_vc in series, 1 / K_vc = 1 / K_c - 1 / K, with the proxy at
@@ -21,9 +21,10 @@
 //              the force fades early.
 //   controller F <- F - a dx with the smallest a that keeps E + q >= 0, as far as force and slew limit allow
 //              (Hannaford and Ryu 2002). It acts where the tip was faster than v.
-// g has no memory: a g that rises slowly made oscillations grow in 1 to 65 of 504 simulated loops, this one in none.
-// The price: a spring K gets |F|^2 / (2 K) from the hand. So a hand faster than S / (2 K) feels a spring softer than K,
-// and a force that no motion of the hand has paid for stays small until the hand presses further.
+// g has no memory: a g that rises slowly made oscillations grow in 1 to 65 of 504 simulated loops; without memory they
+// grew in none. The price: the hand stores |F|^2 / (2 K) in a spring K. So a hand faster than S / (2 K) feels a spring
+// softer than K. And a force that appears without work of the hand, as after a switch of models, stays small until the
+// hand presses further.
 // q [J]: dead zone of one quantum of the encoder, sqrt(3) r |F|max, because the rounding of positions is not energy of
 // the loop. Energy tanks: F. Ferraguti, C. Secchi, C. Fantuzzi, ICRA 2013. Virtual coupling: J. E. Colgate, M. C.
 // Stanley, J. M. Brown, IROS 1995. The reserve follows from the equations above. Nothing here allocates, locks or

@@ -5,15 +5,13 @@
 // rendered frame, skipped frames included. An elastic body has no filter.
 // frame() allocates nothing, locks nothing, throws nothing; the log is allocated beforehand.
 //
-// The end. The force that is sent is zero when the loop ends, and it gets there within the slew limit:
-//   a session that runs to its end   its last frames are a ramp to zero: as many as the force needs, and a quarter
-//                                    more because real frames are not equally long. The number of frames stays the
-//                                    same.
+// The end. When the loop ends, the force that is sent is zero; it falls to zero within the slew limit:
+//   a session that runs to its end   its last frames are a ramp to zero: the frames needed at the slew limit, plus 25 %
+//                                    because real frames are not equally long. The number of frames does not change.
 //   a session that is ended early    end() begins the ramp; the frames that follow are recorded as usual
-// This holds under both clocks: they share the loop, and a simulated run records what a real one would send.
-// Frames of the ramp are rendered, recorded and judged like all others; only `sent` differs. Under the real clock late
-// frames may leave some force at the last frame. Further frames then follow until it is zero; up to `spare` of them are
-// recorded.
+// Both clocks share the loop, so a simulated run records what a real one would send. Frames of the ramp are rendered,
+// recorded and judged like all others; only `sent` differs. Under the real clock, late frames may leave some force at
+// the last frame. Further frames then follow until it is zero; up to `spare` of them are recorded.
 
 #include <atomic>
 #include <cmath>
@@ -66,8 +64,8 @@ struct LoopLink {
   std::atomic<std::uint32_t> known{0};      // planner -> loop: number of known states
   std::atomic<double> planner_beat{0};      // planner -> loop: session time of its last step [s]
   TripleBuffer<BarEstimate> bars;           // planner -> loop
-  SpscQueue<RenderedFrame, 1024> rendered;  // loop -> planner; full: frames are left out
-  InputLog* inputs = nullptr;               // both record there what came in; null: nothing is recorded
+  SpscQueue<RenderedFrame, 1024> rendered;  // loop -> planner; if it is full, frames are dropped
+  InputLog* inputs = nullptr;               // both record their inputs here; null: nothing is recorded
 };
 
 // Frames in which the device failed.
@@ -76,10 +74,10 @@ struct DeviceFaults {
   std::size_t jumps = 0;  // it moved faster than SwitchOptions::jump_speed
 };
 
-// What only a loop under the real clock has.
+// Settings of a loop under the real clock only.
 struct RealTime {
-  // Session time on the steady clock that LoopLink::planner_beat is written with [s]; must neither allocate
-  // nor throw. Empty: each frame takes place at its own time.
+  // Session time [s], on the same steady clock as LoopLink::planner_beat; must neither allocate nor throw. Empty: each
+  // frame takes place at its nominal time.
   std::function<double()> now = {};
   std::size_t spare = 0;  // records beyond those of the session's frames, for the ramp at the end
 };
@@ -89,8 +87,8 @@ class RenderLoop {
   RenderLoop(Device& device, LoopLink& link, const RenderOptions& options, std::size_t frames,
              RealTime real = {});
 
-  // Runs frame k, at t = k * frame. Frames may be left out. The slew limit takes the wall time since the
-  // frame before: the shorter one of the times from start to start and from force to force.
+  // Runs frame k, at t = k * frame. Frames may be skipped. The slew limit uses the wall time since the frame before:
+  // the shorter of the times from start to start and from force to force.
   // started: when the frame began, by RealTime::now [s].
   void frame(std::size_t k, double started = 0) noexcept;
   // Begins the ramp at the end with the next frame; later calls change nothing.

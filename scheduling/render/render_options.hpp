@@ -1,5 +1,5 @@
 #pragma once
-// What a render loop is made with.
+// Settings of a render loop.
 
 #include "approx/switch/force_switch.hpp"
 #include "approx/switch/relaxation.hpp"

@@ -10,8 +10,8 @@
 //   controller         of passivity, within the same limits
 //   end                while the session ends, the last force shrinks to zero at the slew limit, whatever is
 //                      rendered
-// dt [s] is the wall time that has passed since the force before, but at most one frame: neither a frame that
-// comes early nor the first one after a pause changes the force by more than an ordinary frame may.
+// dt [s] is the wall time since the force before, but at most one frame: neither an early frame nor the first one after
+// a pause changes the force by more than an ordinary frame may.
 // An energy observer (Hannaford and Ryu 2002) sums the work of the hand, -sum F . dx, by the trapezoid rule.
 // A passive body never returns more energy than it received. Nothing here allocates or throws.
 
@@ -25,7 +25,7 @@
 namespace forefeel {
 
 struct SafetyOptions {
-  double force_limit = 12;     // that of an omega.3 [N]; a device's lower limit prevails
+  double force_limit = 12;     // that of an omega.3 [N]; a lower limit of the device is used instead
   double slew_limit = 1000;    // [N/s]
   double ramp_seconds = 0.1;   // start-up [s]
   double stale_seconds = 0.5;  // watchdog [s]
@@ -59,7 +59,7 @@ class Safety {
   Vec3 apply(const Vec3& rendered, const Vec3& x, double t, double age) noexcept {  // a frame after the last
     return apply(rendered, x, SafetyMoment{.t = t, .age = age});
   }
-  // Ordinary frames until the force is zero if the ramp at the end begins now.
+  // Number of frames until the force is zero, if the ramp at the end begins now and no frame is late.
   std::size_t frames_to_zero() const noexcept;
 
   const SafetyCounts& counts() const { return counts_; }

@@ -3,9 +3,9 @@
 //   rbf                    radial basis functions on a neighbour set that follows the HIP (approx/model/updater.hpp).
 //                          With stiffness, models of at most three states assume a spacing of 2 h, because the first
 //                          states lie farther apart than the lattice.
-//   trilinear, tricubic    interpolation in the lattice cell around the HIP, the method before RBF models
-//                          (approx/model/lattice_field.hpp). If a corner of the cell is unknown: the value at the
-//                          nearest point of a complete cell, or the force of the nearest state if that is nearer.
+//   trilinear, tricubic    interpolation in the lattice cell around the HIP, the older method
+//                          (approx/model/lattice_field.hpp). If a corner of the cell is unknown, the force is that at
+//                          the nearest point of a complete cell, or that of the nearest state if this is nearer.
 // While no state is known, the model is the linear force of the first guess, if there is one.
 
 #include <memory>

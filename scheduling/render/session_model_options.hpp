@@ -12,22 +12,22 @@ enum class SessionMethod {
 };
 
 struct SessionModelOptions {
-  // Of method rbf. A scene without [model] has the same. It uses the stiffness of states, which every solved
-  // state has.
+  // Model of method rbf; also the default of scenes without [model]. It uses the stiffness of states, which every
+  // solved state has.
   ModelOptions fit = {.kernel = Kernel::quintic, .data = Data::force_and_stiffness, .neighbours = 25};
   SessionMethod method = SessionMethod::rbf;
   double update_travel = 0.25;  // HIP travel that triggers an update, in spacings
   // While no state is known, render the stiffness of the body at rest (solver/equilibrium/first_guess.hpp): one
-  // factorisation before the session. The first solved state replaces it, faded in like any new model.
-  // Ignored if states come from files or are known at the start, and where the body is so large that the
-  // factorisation takes long. A note then says so, and nothing is rendered.
+  // factorisation before the session. The first solved state replaces it, faded in like any new model. Ignored if
+  // states come from files or are known at the start. If the body is so large that the factorisation takes long, there
+  // is no guess: a note says so, and nothing is rendered until a state is known.
   bool first_guess = true;
 };
 
 // Throws InputError with the key of an invalid value.
 void check(const SessionModelOptions& options);
 
-// The same options after the session's plan has filled in what they leave open.
+// The same options, completed by the plan of the session.
 struct ModelRecipe {
   ModelOptions fit = {};  // neighbours capped at the number of states (for_states)
   SessionMethod method = SessionMethod::rbf;

@@ -2,7 +2,7 @@
 // Checks whether states without an identity belong to a body, by tight solves at a few of their positions.
 //   fits   |f - g| <= 1 % of max(|f|, |g|, F / 10)
 // f: force of the state; g: force of the body at the same position; F: largest force of the states [N]. Solves of the
-// same body on two computers differ by far less than 1 %; a change of stiffness, clamp or contact differs by more.
+// same body on two computers differ by far less than 1 %; bodies of other stiffness, clamp or contact differ by more.
 
 #include <cstddef>
 #include <optional>
@@ -30,8 +30,8 @@ struct BodyAnswer {
   bool fits() const;
 };
 
-// farthest [m]: no state of the body can be farther from rest. At most 8 positions are asked, near and far
-// from rest, on all sides.
+// farthest [m]: no state of the body can be farther from rest. At most 8 positions are solved, near and far from rest,
+// on all sides.
 BodyAnswer ask_body(std::span<const State> states, double farthest, ReferenceService& references);
 
 // "at 7 of 8 positions asked the forces differ: at (0, 0, -0.02) m they hold (0, 0, 1.3) N, the body gives …"

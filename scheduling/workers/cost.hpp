@@ -13,17 +13,15 @@
 // In code, options.workers.cost = Registered("deeper") then selects it. Scenes, studies and options
 // know the name only in a command built with it (apps/examples/command_policy.cpp); `forefeel` itself is not.
 //
-// Order of calls: before the session for a coarse grid of positions, whose median is the planner's first
-// estimate; then once for each dispatched state. Thread: that of the session. The cost must depend on
-// position and seed alone: then every policy pays the same for the same state, and runs repeat bit by bit.
-// The minimum charge is a nanosecond.
+// Order of calls: before the session for a coarse grid of positions, whose median is the planner's first estimate; then
+// once for each dispatched state. Thread: that of the session. The cost must depend only on position and seed: then a
+// state costs the same under every policy, and runs repeat bit by bit. The least cost is a nanosecond.
 //
-// The state at rest is cheaper if the session requests it as such (PlanningOptions::rest_first): it is in
-// equilibrium, so it takes no iteration, only one factorisation for its stiffness. For this state `recorded`
-// charges its measured time. The other models charge a quarter of seconds(): one of about four Newton
-// iterations per state. Measured iterations of full Newton to 1e-6: 3.0 on average from a parent 6 mm away,
-// 4.7 from 12 mm, 5.6 from 24 mm, 7.4 from rest (liver phantom, 48 random positions of its box; St.
-// Venant-Kirchhoff 6.2 to 10).
+// The state at rest is cheaper if the session requests it as such (PlanningOptions::rest_first): it is in equilibrium,
+// so it takes no iteration, only one factorisation for its stiffness. The model `recorded` uses its measured time. The
+// other models use a quarter of seconds(): one of about four Newton iterations per state. Measured iterations of full
+// Newton to 1e-6: 3.0 on average from a state 6 mm away, 4.7 from 12 mm, 5.6 from 24 mm, 7.4 from rest (liver phantom,
+// 48 random positions of its box; St. Venant-Kirchhoff 6.2 to 10).
 
 #include <functional>
 #include <memory>
@@ -64,7 +62,7 @@ std::vector<std::string> registered_costs();  // sorted, without the built-in on
 std::unique_ptr<CostModel> make_cost(const CostSpec& cost, const FactoryContext& context,
                                      const std::function<RecordedCosts()>& recorded);
 
-// The accepted models, for the error about an unknown one: "constant:SECONDS, lognormal:MEDIAN,SIGMA,
+// The accepted models, for the error message about an unknown one: "constant:SECONDS, lognormal:MEDIAN,SIGMA,
 // recorded or paper", then the registered names.
 std::string cost_kinds();
 

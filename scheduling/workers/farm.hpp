@@ -1,7 +1,7 @@
 #pragma once
-// Distributes pieces of work over all ranks of a run. The calling thread of rank 0 gives each free rank its
-// next piece and collects the results. A second thread of rank 0 solves pieces like the other ranks. If a
-// rank is lost, its pieces are given out again.
+// Distributes pieces of work over all ranks (MPI processes) of a run. The calling thread of rank 0 gives each free rank
+// its next piece and collects the results. A second thread of rank 0 solves pieces like the other ranks. If a rank is
+// lost, its pieces are given out again.
 
 #include <functional>
 #include <optional>
@@ -39,7 +39,7 @@ class FarmWork {
 };
 
 struct FarmOptions {
-  int queue = 1;                    // pieces that a rank holds; 2: it never waits for the next
+  int queue = 1;                    // pieces that a rank has at a time; with 2 it never waits for the next
   std::stop_token stop = {};        // ends the farm; running pieces are dropped
   std::function<void()> tick = {};  // a few times in a second, and after each result
   std::function<void(const std::string&)> note = {};  // about lost ranks, when it happens
@@ -48,7 +48,7 @@ struct FarmOptions {
 struct FarmReport {
   bool stopped = false;
   int ranks = 1;  // that took part, rank 0 included
-  int lost = 0;   // of them, and not back at the end
+  int lost = 0;   // of these, lost at the end
 };
 
 // Runs on rank 0, after pool.begin(). `own` makes the worker of rank 0's solving thread. At the end all ranks

@@ -68,7 +68,7 @@ class Generator {
  public:
   virtual ~Generator() = default;
   virtual int workers() const = 0;                                // ready to take jobs; may grow
-  virtual bool takes_jobs(int /*worker*/) const { return true; }  // false: it is out of reach for now
+  virtual bool takes_jobs(int /*worker*/) const { return true; }  // false: it cannot be reached at present
   virtual void dispatch(int worker, Job job) = 0;                 // to an idle worker
   virtual void cancel(int worker) = 0;  // results still come: cancelled, or solved if too late
 };
@@ -79,16 +79,17 @@ class RealWorkers : public Generator {
   virtual void begin(std::function<double()> now) = 0;  // now(): session time [s], from any thread
   virtual bool serves() const { return false; }         // whether the session's threads must call serve()
   virtual void serve() {}  // runs one worker; returns after stop(). Does not throw
-  // Puts the results since the last call into `out`, which is empty; waits up to `timeout` seconds for one. Each
-  // names a dispatch that its worker has, once.
+  // Puts the results since the last call into `out`, which is empty; waits up to `timeout` seconds for one. Each result
+  // belongs to a dispatch of its worker; each dispatch gets one result.
   virtual void collect(std::vector<JobResult>& out, double timeout) = 0;
   virtual void stop() = 0;  // cancels running solves; collect() then returns the rest
-  // Of all workers; null: none. Nothing is dispatched any more, and the session goes on with what is known.
+  // Set if all workers have failed; else null. Nothing more is dispatched, and the session continues with the known
+  // states.
   virtual std::exception_ptr failure() const = 0;
   virtual int lost() const {
     return 0;
-  }  // how often a worker failed or was out of reach while others went on
-  // After stop(): what the user should know of the workers, one line each.
+  }  // how often a worker failed or could not be reached while others continued
+  // After stop(): what the user should know about the workers, one line each.
   virtual std::vector<std::string> notes() const { return {}; }
 };
 
@@ -98,7 +99,7 @@ class VirtualWorkers : public Generator {
   using Time = std::chrono::nanoseconds;  // of the session
   virtual void set_now(Time now) = 0;
   virtual std::optional<Time> next_event() const = 0;  // not before now; nullopt: no job is running
-  // Puts the results of the next event into `results`, which is empty. There may be none, if its job has been cancelled
+  // Puts the results of the next event into `results`, which is empty. There are none if its job has been cancelled
   // since.
   virtual void take_event(std::vector<JobResult>& results) = 0;
 };

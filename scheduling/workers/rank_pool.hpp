@@ -14,7 +14,7 @@
 namespace forefeel {
 
 struct RankEvent {
-  // lost: hangs or failed; what it was given must be done by others
+  // lost: the rank hangs or has failed; others must do its work
   enum class Kind { ready, result, question, lost };
   Kind kind = Kind::result;
   int rank = 0;
@@ -25,12 +25,12 @@ struct RankEvent {
 class RankPool {
  public:
   using Clock = std::function<double()>;  // [s]
-  // patience: seconds of silence after which a rank counts as hanging; while rank 0 itself is stopped, no
-  // time counts. clock: empty for the steady clock.
+  // patience: seconds of silence after which a rank counts as hanging; time in which rank 0 itself was stopped does not
+  // count. clock: empty for the steady clock.
   explicit RankPool(Transport& transport, double patience = 10, Clock clock = {});
 
   // Tells the other ranks to load. identity: of build and input; a rank with a different identity gets no work.
-  // said: data that only rank 0 has, such as a spacing that it measured (RankContext::begun()).
+  // said: a message with data that only rank 0 has, such as a spacing that it measured (RankContext::begun()).
   void begin(std::string identity, const Bytes& said = {});
   int ranks() const;                // without rank 0
   bool takes_jobs(int rank) const;  // has loaded its input, and answers
@@ -49,7 +49,7 @@ class RankPool {
   std::vector<RankEvent> stop();
   bool all_left() const;  // after stop(); false: a rank hangs, and the run can only be ended from outside
 
-  // Ranks that were lost and have not come back, and what else a person should know, one line each.
+  // Ranks that are lost, and what else the user should know, one line each.
   int lost() const;
   const std::vector<std::string>& notes() const { return notes_; }
   void distrust(int rank);  // its result could not be read: the rank counts as failed

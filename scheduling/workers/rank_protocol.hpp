@@ -3,9 +3,9 @@
 //   rank 0 -> r   begin (load the input) · job (number, content) · cancel · answer · beat · stop
 //   r -> rank 0   ready (identity) · result (number of the job, content) · question · failure (text) · beat · left, the
 //                 last one
-// Every rank sends a beat each half second, also while it loads or solves. If a rank is silent for longer than rank 0's
-// patience, it counts as hanging, and its work goes to others. If rank 0 is silent for orphaned_seconds, the other
-// ranks end.
+// Every rank sends a heartbeat each half second, also while it loads or solves. If a rank is silent for longer than the
+// patience of rank 0, it counts as hanging, and others get its work. If rank 0 is silent for orphaned_seconds, the
+// other ranks end.
 
 #include <chrono>
 

@@ -1,7 +1,7 @@
 #pragma once
 // Workers of a session under the real clock in other processes: worker w is rank w + 1. `mpirun -n 5 forefeel
-// session --mpi …` plans and renders in rank 0 and solves in ranks 1 to 4, one job at a time in each. States given to a
-// rank that is lost come back as cancelled, so the planner can give them to others.
+// session --mpi …` plans and renders in rank 0 and solves in ranks 1 to 4, one job at a time in each. If a rank is
+// lost, its states are returned as cancelled, so the planner can give them to others.
 
 #include <memory>
 
@@ -12,10 +12,10 @@
 
 namespace forefeel {
 
-// Rank 0. The pool must outlive them; one thread at a time may use both.
+// For rank 0. The pool must outlive the workers; one thread at a time may use both.
 std::unique_ptr<RealWorkers> make_rank_workers(RankPool& pool);
 
-// The other ranks.
+// For the other ranks.
 std::unique_ptr<RankWorker> make_state_worker(std::shared_ptr<const Body> body,
                                               const StateSolverOptions& options);
 

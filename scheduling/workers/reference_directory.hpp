@@ -1,7 +1,7 @@
 #pragma once
 // Decides which rank solves which reference state. Rank 0 keeps one directory for all ranks, so that each state is
 // solved once.
-//   worker -> rank 0   ask (body, x) · told (body, state)
+//   worker -> rank 0   ask (body, x): may it be solved here? · told (body, state): it was solved here
 //   rank 0 -> worker   state (body, state) · grant (body, x): solve it · put off (body, x): another rank solves it
 
 #include <cstddef>
@@ -43,7 +43,7 @@ class ReferenceDirectory {
   std::vector<FarmWork::Answer> answers_;
 };
 
-// A process's side: asks through the rank.
+// The side of the other ranks: asks rank 0.
 std::shared_ptr<ReferenceExchange> make_reference_exchange(std::size_t body, std::function<void(Bytes)> ask);
 void take_answer(Unpacker answer, std::size_t bodies, const ServiceOfBody& services);
 

@@ -46,8 +46,8 @@ class ReferenceExchange {
   virtual void tell(const State& state) = 0;  // it was solved here
 };
 
-// Number of threads that solve, if `wanted` are asked for (0: all of the machine). At most four for each
-// core, or eight: more would only take memory.
+// Number of threads that solve, if `wanted` are asked for (0: all of the machine). At most the larger of eight and four
+// for each core: more would only take memory.
 int reference_threads(int wanted);
 
 class ReferenceService {
@@ -66,15 +66,15 @@ class ReferenceService {
   std::size_t solved() const;  // number of solves not found in the cache
   // Adds states solved elsewhere, tight and on the reference branch. They are not written to the file.
   void learn(std::span<const State> states);
-  // From now on the other processes are asked about each position that the cache does not hold, before it is
-  // solved. Null ends this; positions without an answer are then solved here.
+  // From now on the service asks the other processes about each position that is not in the cache, before it solves
+  // it. Null ends this; positions without an answer are then solved here.
   void share(std::shared_ptr<ReferenceExchange> exchange);
   void grant(const Vec3& x);                       // solve it here
   void put_off(const Vec3& x);                     // it is solved elsewhere: learn() or grant() will follow
   void learn_and_keep(const State&);               // as learn(), and it is written to the cache
   std::optional<State> find(const Vec3& x) const;  // if it is ready
 
-  // If a cache was requested: why there is none, or why it is read-only.
+  // If a cache was requested but there is none, or it is read-only: the reason.
   const std::optional<std::string>& note() const { return note_; }
   // Set if records of the cache had a wrong checksum: one line with file and count. They are solved again and
   // replaced.

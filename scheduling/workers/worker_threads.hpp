@@ -1,8 +1,8 @@
 #pragma once
 // Workers of the real clock: threads of this process. Each thread that calls serve() is one worker. All calls
 // share one lock, held for a few instructions.
-// A thread whose solve throws is lost: the state that it was solving counts as failed, so that it costs no other
-// worker, the rest of its job is given back, and the others go on. failure() is that of the last thread.
+// A thread whose solve throws is lost. The state that it was solving counts as failed, so that no other worker fails at
+// it. The rest of its job is given back, and the others continue. failure() is set when the last thread is lost.
 
 #include <condition_variable>
 #include <deque>
