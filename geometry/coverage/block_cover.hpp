@@ -1,14 +1,15 @@
 #pragma once
 // Labels the voxels of one block from the Delaunay triangulation of the states in and around it.
 //
-// A cell of this triangulation is one of the triangulation of all states exactly if its ball holds no other state.
-// This is certain for a ball within the box whose states are all there, and is tested otherwise. So
+// A cell of this triangulation is also a cell of the triangulation of all states if and only if its ball (circumsphere)
+// contains no other state. This is certain for a ball inside the box whose states are all included; otherwise it is
+// tested. So
 //   pi(q) <= kappa_s h here implies the same with all states (the spread never grows when states are added), and
 //   pi(q) > kappa_s h in a cell whose ball is empty is final.
-// For a place that the states within reach of the cone enclose, and whose cell is not of the whole triangulation, the
-// states in its ball are added until it is. No other place can be safe.
-// A state whose cells are all certain needs no further triangulation. The cells of the others (large ones, and those
-// at the hull) are left to the caller.
+// If the states within reach of the cone enclose a place, but its cell is not in the triangulation of all states, the
+// states in the ball of the cell are added until it is. No other place can be safe.
+// A state whose cells are all certain needs no further triangulation. The caller triangulates the others: those with
+// large cells, and those at the hull.
 
 #include <memory>
 #include <optional>
@@ -66,7 +67,7 @@ class BlockCover {
   VoxelLabels& voxels_;
   Box known_;                         // all states in it are triangulated [m]
   std::vector<std::uint32_t> local_;  // state of each number of the triangulation
-  std::vector<std::uint32_t> seen_;   // by state: the last run that took it
+  std::vector<std::uint32_t> seen_;   // by state: the last run that included it
   std::uint32_t runs_ = 0;
 
   std::unique_ptr<DelaunayIndex> delaunay_;

@@ -1,8 +1,8 @@
 #pragma once
-// The sides of a bridge: clusters of the directions in which known states lie, seen from inside a gap. Two
-// directions belong to one side if a chain of directions joins them in steps of at most the link angle.
-// Two states at a distance h, seen from kappa_p h [m] or farther, appear at most 2 asin(1 / (2 kappa_p)) apart
-// (39 degrees for kappa_p = 1.5). With that link angle, states of spacing h always form one side.
+// The sides of a bridge: clusters of the directions in which known states lie, seen from inside a gap (an unknown
+// region between known ones). Two directions belong to one side if a chain of directions joins them in steps of at most
+// the link angle. Two states at a distance h, seen from kappa_p h [m] or farther, are at most 2 asin(1 / (2 kappa_p))
+// apart (39 degrees for kappa_p = 1.5). With that link angle, states of spacing h always form one side.
 
 #include <cstddef>
 #include <set>

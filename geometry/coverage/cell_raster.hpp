@@ -2,8 +2,8 @@
 // Marks the voxels of a block whose centres q lie in a Delaunay cell with corners v_i. Barycentric weights w_i are
 // affine in q, so each row of voxels meets the cell in one interval, and
 //   pi^2(q) = sum w_i |v_i - q|^2
-// takes a few products for each voxel. A mark is only set where rounding cannot change it; where it could, and where
-// the cell alone does not decide (coverage_query.hpp), the voxel is asked about later.
+// takes a few products for each voxel. A mark is set only if rounding cannot change it. Otherwise, or if the cell alone
+// does not decide (coverage_query.hpp), the voxel is queried later.
 //
 //   safe     pi is within the limit, and all corners lie in reach of the cone but not at q: they enclose q
 //   sparse   pi is beyond the limit in a cell whose ball is empty, and a corner is near

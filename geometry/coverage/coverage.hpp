@@ -1,14 +1,15 @@
 #pragma once
-// How well the force at a place q is known. In the Delaunay triangulation of the known states, let q lie in a
-// finite cell of circumcentre c and circumradius R:
+// Measures how well the force at a place q is known. In the Delaunay triangulation of the known states, q lies in a
+// finite cell with circumcentre c and circumradius R:
 //   spread    pi(q) = sqrt(R^2 - |q - c|^2)      [m]  infinite outside the hull; factor of Waldron's bound
 //             (1998) on the error of linear interpolation
 //   distance  delta(q) to the nearest state      [m]
 //   cone      gamma(q, rho): half-angle of the largest cone of directions from q that holds no state within
 //             rho
-// The label is the coverage class of q, the first of safe, sparse, gap, blank that holds (thresholds below).
-// Safe means densely known; it says nothing of stability. A gap lies between known regions; blank is beyond
-// them. Sparse only needs a near state, so a sparse place may lie outside the hull, with infinite spread.
+// The label is the coverage class of q: the first of safe, sparse, gap, blank whose condition holds (thresholds below).
+// Safe means densely known; it says nothing of stability. A gap lies between known regions (it is not a contact gap);
+// blank is beyond them. Sparse only needs a near state, so a sparse place may lie outside the hull, with infinite
+// spread.
 
 #include <cstdint>
 #include <limits>

@@ -1,8 +1,8 @@
 #pragma once
 // Coverage of a box by a fixed set of states: the labels of all voxels of side h/4 (regions.hpp), computed block by
-// block. It answers what Regions answers, with the same labels, but keeps no triangulation and takes no further state:
-// each block is triangulated with the states around it, used and dropped (block_cover.hpp). All threads work at once;
-// the results do not depend on their number.
+// block. The labels are those of Regions, but no triangulation is kept and no state can be added: each block is
+// triangulated with the states around it, labelled, and its triangulation dropped (block_cover.hpp). All threads work
+// at once; the results do not depend on their number.
 // Memory: 80 bytes a state, 1 byte a voxel, 8 bytes for each run of equal labels along x while components are
 // found, and for each thread the triangulation of a block (up to 60 thousand states and those around them).
 
@@ -18,8 +18,8 @@ namespace forefeel {
 
 class CoverageMap {
  public:
-  // options.lattice must be null. States nearer than the merge distance to an earlier one are left out. progress is
-  // called by one thread with the share done.
+  // options.lattice must be null. States nearer than the merge distance to an earlier one are ignored. One thread calls
+  // progress with the share done.
   CoverageMap(std::vector<Vec3> states, const StateSpaceOptions& options,
               const std::function<void(double)>& progress = {});
   ~CoverageMap();

@@ -1,9 +1,9 @@
 #pragma once
 // The labels of coverage.hpp at a place, from an octree and a Delaunay triangulation of the same states.
 //
-// Thresholds have a relative tolerance of 1e-9. A lattice meets several of them exactly (pi = sqrt(3)/2 h in its
-// cells, delta = 1.5 h between its points); without a tolerance, rounding would decide there. For the same
-// reason gamma = 90 degrees, as on the face of a slab, counts as enclosed if the states are not coplanar.
+// Thresholds have a relative tolerance of 1e-9. In a lattice several of them are met exactly (pi = sqrt(3)/2 h in its
+// cells, delta = 1.5 h between its points), and without a tolerance rounding would decide. For the same reason gamma =
+// 90 degrees, as on the face of a slab, counts as enclosed if the states are not coplanar.
 
 #include <optional>
 

@@ -8,8 +8,8 @@
 
 namespace forefeel {
 
-// Labels every voxel with mark::unset (cell_raster.hpp). Cubes of voxels that are all far from every state are
-// labelled together where a bound proves one label for all of them.
+// Labels every voxel that has mark::unset (cell_raster.hpp). Cubes of voxels that are all far from every state are
+// labelled together if a bound proves one label for all of them.
 void label_far(const PointOctree& points, std::span<const Vec3> at, const Thresholds& limits,
                VoxelLabels& voxels);
 

@@ -1,6 +1,6 @@
 #pragma once
-// Proves gap or blank for all places within a distance of a place, if all of them are farther than kappa_p h from
-// every state (coverage.hpp).
+// Proves the label gap or blank for all places within a given distance of a place, if all of them are farther than
+// kappa_p h from every state (coverage.hpp).
 
 #include <optional>
 
@@ -12,8 +12,8 @@ class FarProof {
  public:
   explicit FarProof(const PointOctree& points) : points_(&points) {}
 
-  // Turns `axis` until, seen from every point within e of q, each state within the radius is farther from it
-  // than arccos(cosine). False if six turns do not suffice.
+  // Turns `axis` until, seen from every point within e of q, the angle between it and each state within the radius
+  // exceeds arccos(cosine). False if six turns do not suffice.
   bool find_axis(const Vec3& q, double radius, double cosine, double e, Vec3& axis) const;
 
   // Gap or blank for all places within e of q; nothing if neither is proven. nearest: offset of the state nearest

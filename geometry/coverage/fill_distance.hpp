@@ -15,8 +15,8 @@ struct FillDistance {
   double bound = 0;    // no place of the box is farther from its nearest state [m]
 };
 
-// delta: distance to the nearest state [m]. known: a value that delta is known to reach [m]; parts that stay
-// below it are skipped. Stops when bound - reached <= tolerance [m], or after `budget` evaluations of delta.
+// delta: distance to the nearest state [m]. known: a value that delta is known to reach [m]; parts where delta is below
+// it are skipped. Stops when bound - reached <= tolerance [m], or after `budget` evaluations of delta.
 FillDistance largest_distance(const std::function<double(const Vec3&)>& delta, const Box& box, double known,
                               double tolerance, std::size_t budget);
 

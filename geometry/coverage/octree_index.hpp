@@ -1,5 +1,5 @@
 #pragma once
-// Coverage from the states around a place, without a triangulation: cheap to insert into and to erase from.
+// Coverage from the states around a place, without a triangulation; inserting and erasing states is fast.
 // With s = h(q), the spacing at q:
 //   safe     pi_rho(q) <= kappa_s s over the states within rho = 1.45 s (local_spread.hpp), and these states
 //            are not coplanar. A place that is safe here is also safe for the triangulation. The converse

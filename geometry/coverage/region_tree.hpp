@@ -1,7 +1,7 @@
 #pragma once
-// The octree behind Regions. Its finest cells are voxels of side h/4; each carries the label of its centre,
-// exactly. A larger leaf exists only where a bound proves that all its voxels have one label, or where its
-// eight children have. So the leaves do not depend on the order in which states were inserted.
+// The octree behind Regions. Its finest cells are voxels of side h/4; each has exactly the label of its centre. A
+// larger leaf exists only if a bound proves that all its voxels have one label, or if its eight children have one
+// label. So the leaves do not depend on the order in which states were inserted.
 //
 // An insertion marks the leaves whose proof it may break, and no others:
 //   safe     is never marked: it stays safe
@@ -10,10 +10,10 @@
 //   sparse   a voxel whose spread is too wide: only when the Delaunay cell around it is destroyed.
 //            Any other: within the safe radius, if the state lies in the leaf's empty cone
 //
-// The marking is lazy. An insertion is stored with the root cubes in its reach; label_at() passes it on by one
-// level at each node of its path. Marked leaves are unresolved. label_at() resolves those on its path; settle()
-// resolves all of them and visits nothing else. On an adaptive lattice a leaf is proven only where h(q) is
-// constant, and the coarsest h decides which leaves an insertion marks.
+// The marking is lazy. An insertion is stored with the root cubes in its reach; label_at() passes it on by one level at
+// each node of its path. Marked leaves are unresolved. label_at() resolves those on its path; settle() resolves all of
+// them and visits no other leaves. On an adaptive lattice a leaf is proven only where h(q) is constant, and the
+// coarsest h decides which leaves an insertion marks.
 //
 // The first settle() shares the root cubes among threads. Each root is settled in a tree of its own, and
 // these are joined in the order of the roots. So nodes and labels are the same for any number of threads.

@@ -47,7 +47,7 @@ class Regions {
   std::array<double, 4> volumes() const;            // [m^3], settles first
   RegionSummary summary() const;                    // settles first; O(leaves)
   double fill_distance() const;                     // [m]; at most 1e-3 h too small; infinite without states
-  std::optional<LargestHole> largest_hole() const;  // nothing if no cell has its centre there
+  std::optional<LargestHole> largest_hole() const;  // nullopt if no cell has its circumcentre in box and hull
 
   // To be called after each insertion into the indexes; disturbed: of DelaunayIndex.
   void inserted(const Vec3& at, std::span<const std::uint32_t> disturbed);

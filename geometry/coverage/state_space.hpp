@@ -1,7 +1,7 @@
 #pragma once
-// The state space: all known states, indexed by position. One owner (the thread of the planner) inserts;
-// const members except regions() may run in many threads while nobody inserts. Ids are numbers from 0 in
-// order of insertion.
+// The state space: the known equilibria over positions of the tip, indexed by position (Peterlík: configuration space).
+// One thread (that of the planner) inserts. While it does not insert, many threads may call const members except
+// regions(). Ids are numbers from 0 in order of insertion.
 
 #include <cstddef>
 #include <memory>
@@ -37,8 +37,8 @@ class StateSpace {
     StateId id;           // of the new state, or of the known one
     bool is_new = false;  // false: a state lies within merge_distance; the known one is kept
   };
-  // InputError for a state that is not usable(), or whose position or force is not finite; nothing is inserted
-  // then. A force of three NaN (unknown) is accepted: such a state counts for coverage only.
+  // InputError, and nothing is inserted, if the state is not usable() or its position or force is not finite. A force
+  // of three NaN (unknown) is accepted: such a state counts for coverage only.
   Insertion insert(State state);
 
   Coverage coverage(const Vec3& q) const;            // label and measures at q

@@ -1,5 +1,5 @@
 #pragma once
-// What a state space is made with: spacing, box and the thresholds of the labels.
+// Settings of a state space: spacing, box and the thresholds of the labels.
 
 #include <memory>
 
@@ -14,8 +14,8 @@ struct StateSpaceOptions {
   Box box{};               // where states are placed [m]; the HIP may leave it
   CoverageOptions coverage{};
   double merge_distance = 1e-9;  // states nearer than this count as one [spacings]
-  // If given, labels use its h(q) instead of `spacing`. Then `spacing` sets only the finest regions (spacing
-  // / 4) and the merge distance. Shared, never changed.
+  // If given, labels use its h(q) instead of `spacing`, which then sets only the side of the finest regions
+  // (spacing / 4) and the merge distance. Shared, never changed.
   std::shared_ptr<const AdaptiveLattice> lattice = nullptr;
 };
 

@@ -1,6 +1,6 @@
 #pragma once
-// Check solves: forces at random places of the box that were solved to measure the error of a finished set, and are not
-// states of it. A state file keeps them as the note "checks", one line "x,y,z,fx,fy,fz" for each [m, N].
+// Check solves measure the error of a finished set of states: forces solved at random places of the box, which do not
+// become states of the set. A state file keeps them as the note "checks", one line "x,y,z,fx,fy,fz" for each [m, N].
 
 #include <filesystem>
 #include <span>
@@ -11,7 +11,8 @@
 
 namespace forefeel {
 
-// Replaces the check solves of a state file by the usable ones of these. The caller holds the file open for appending.
+// Replaces the check solves of a state file by the usable ones of `checks`. The caller has opened the file for
+// appending.
 void keep_checks(const std::filesystem::path& file, std::span<const State> checks);
 // Empty without such a note. InputError (key "notes") for a line that does not hold six finite numbers.
 std::vector<State> check_solves(const StateFileHeader& header);

@@ -13,7 +13,7 @@
 
 namespace forefeel {
 
-// True if both are usable and their forces differ as above, by more than two tight solves of one state do.
+// True if both are usable and their forces differ as above: by more than two tight solves of the same state differ.
 bool contradict(const State& a, const State& b);
 
 struct RepeatedStates {

@@ -1,6 +1,5 @@
 #pragma once
-// A state: the static equilibrium of the body with the HIP (haptic interaction point, the tip) at position x
-// [m].
+// A state: the static equilibrium of the body with the HIP (haptic interaction point, the tip) at position x [m].
 //   f = -dW/dx   force of the body on the HIP [N]      K = -df/dx   stiffness [N/m], k_ij = -df_i/dx_j
 //   W = sum V (psi(F) - psi(I))   stored energy [J]
 // Values that are not known are NaN: a measured force comes without stiffness.

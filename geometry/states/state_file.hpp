@@ -38,9 +38,9 @@ namespace forefeel {
 
 class StateFile {
  public:
-  // Opens for appending; creates the file if it is missing. InputError: unreadable, no state file, of another
-  // body. States with and without an identity (measured ones) never share a file: one that holds states
-  // without an identity is refused to a body, and the other way round.
+  // Opens for appending; creates the file if it is missing. InputError: unreadable, no state file, or of another body.
+  // A file has either states of a body with an identity, or states without one (measured). A header of the other kind
+  // is refused.
   static StateFile open_or_create(const std::filesystem::path& file, const StateFileHeader& header);
   static StateFile open_read_only(const std::filesystem::path& file);
   ~StateFile();

@@ -1,8 +1,7 @@
 #pragma once
-// The outcome of a solve, as it is counted, printed and written. In memory, `converged` means that the equations
-// hold. They can also hold when an element is turned inside out (least det F <= 0), which no real body does. Such a
-// state stays usable, because its force is that of the mesh. Its outcome is `inverted`, and it does not count as
-// converged.
+// The outcome of a solve, as it is counted, printed and written. In memory, `converged` means that the equations are
+// satisfied. This is possible even with an element turned inside out (least det F <= 0), which no real body does. Such
+// a state is usable, because its force is that of the mesh, but its outcome is `inverted`, not converged.
 
 #include <cstddef>
 #include <string>

@@ -1,10 +1,9 @@
 #pragma once
-// One writer at a time: the lock of a state file that is open for appending. It holds under every name of the
-// file.
+// The lock of a state file that is open for appending: one writer at a time, under whichever name the file is opened.
 //   NAME-lock   a separate lock file beside the database, NAME with its symbolic links followed. It also protects
 //               the database while it is being created.
 //   the file    the database itself (device and inode), locked by flock(2), for mounts that show one file in two
-//               places. Network file systems turn flock into the kind of lock that SQLite uses; it is not taken there.
+//               places. Not used on network file systems, which turn flock into the kind of lock that SQLite uses.
 //   hard links  SQLite keeps the newest states in NAME-wal, which belongs to one name. A file with several names
 //               is therefore never written.
 // The operating system releases the locks when the process ends, however it ends.

@@ -1,18 +1,18 @@
 #pragma once
 // `spacing = "auto"`: finds the coarsest lattice on which the label safe implies an error below a tolerance.
 //
-// It is a reduced calibration of the label safe. For decreasing spacings
+// It is a reduced calibration of the label safe (densely known; says nothing of stability). For decreasing spacings
 //   h = L/2, L/3, L/4, L/6, L/8, L/12, L/16, L/24,   L the longest side of the box,
 // the lattice of the box is solved. The model is compared with tight solves on the reference branch at n =
-// 200 positions, drawn independently and uniformly from the safe region. Let the error exceed the tolerance
-// at k of them. Then, at 95 % confidence, it exceeds the tolerance in a share of the safe region of at most
+// 200 positions, drawn independently and uniformly from the safe region. If the error exceeds the tolerance at k of
+// them then, at 95 % confidence, it exceeds the tolerance in a share of the safe region of at most
 //   b(k, n):  sum_{i <= k} C(n, i) b^i (1 - b)^(n - i) = 0.05        (Clopper, Pearson 1934, one-sided).
 // The result is the first h with b <= 5 %, that is k <= 4 of 200. So, with 95 % confidence, at least 95 % of
 // the safe region lies within the tolerance. The worst error is not bounded: only the largest one found is
-// reported. Positions are evaluated in batches, and a spacing is rejected when more than 4 exceed the
-// tolerance; a spacing that is far too coarse costs a few dozen solves. If few positions of the box are safe,
-// n and the allowed k are smaller (at least 59 positions, none above). A safe position without an equilibrium
-// counts as above. The result depends on the arguments alone, not on threads or earlier solves.
+// reported. Positions are evaluated in batches, and a spacing is rejected as soon as more than 4 exceed the tolerance;
+// a spacing that is far too coarse costs a few dozen solves. If few positions of the box are safe, n and the allowed k
+// are smaller (at least 59 positions, with k = 0). A safe position without an equilibrium counts as above the
+// tolerance. The result depends on the arguments alone, not on threads or earlier solves.
 
 #include <atomic>
 #include <functional>
@@ -54,7 +54,7 @@ struct AutoSpacingTrial {
 };
 
 struct AutoSpacingReport {
-  double spacing = 0;  // [m]; the finest tried if none holds
+  double spacing = 0;  // [m]; the finest one tried if none is good enough
   bool holds = false;
   bool interrupted = false;
   std::size_t solves = 0;                // states and references

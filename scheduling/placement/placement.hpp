@@ -5,13 +5,13 @@
 // The model holds an error E over a box if 95 % of the box is within E and all of it within 2 E. The share is
 // estimated at 512 points of a Halton sequence; the largest error at these and at a 7 x 7 x 7 grid that
 // includes the faces. The order of states is:
-//   rest, four corners of a tetrahedron at 3/4 of the box, while needed its other four, then the point of the
-//   largest estimate, until the estimate holds.
+//   rest; four corners of the box scaled by 3/4, which form a tetrahedron; its other four, if needed; then the point of
+//   the largest estimate, until the estimate holds.
 // Then the true error is checked by tight solves on the reference branch at random positions and, for the
-// largest error, at corners, edges and faces of the box. If it does not hold, the worst position becomes a
-// state (it is solved already) and placement continues. If it holds, but some of these positions have become
-// states, new positions are drawn, up to four times. The next state depends only on the states so far, so an
-// interrupted run can be resumed with the same result. A linear body takes three solves.
+// largest error, at corners, edges and faces of the box. If it is above E, the worst position becomes a state (it is
+// solved already) and placement continues. If it is within E, but some of these positions have become states, new
+// positions are drawn, up to four times. The next state depends only on the states so far, so an interrupted run can be
+// resumed with the same result. A linear body takes three solves.
 //
 // Liver of 1725 tetrahedra, neo-Hookean, 2 cm patch, box 72 x 72 x 60 mm, quintic on force and stiffness: 8
 // states hold 7 %, 22 states hold 1 %. With a one-node contact 49 states hold 7 %.
@@ -30,9 +30,9 @@
 
 namespace forefeel {
 
-// The candidate to solve next in a session: that with the largest weight x estimated error. Where no estimate
-// is possible yet, the error counts as 1 + (distance to the nearest state) / h. Candidates at known states or
-// of weight 0 are never chosen; nullopt if no other is left. weights: #candidates, >= 0.
+// The candidate to solve next in a session: the one with the largest weight x estimated error. If no estimate is
+// possible yet, the error counts as 1 + (distance to the nearest state) / h. Candidates at known states or of weight 0
+// are never chosen; nullopt if no other is left. weights: #candidates, >= 0.
 struct WorstPosition {
   std::size_t index = 0;  // of the candidate
   double estimate = 0;    // its estimated error [1]; infinite if unknown
@@ -49,7 +49,7 @@ struct ErrorQuantiles {
 struct PlacementOptions {
   double error = 0.01;              // E [1], > 0
   StateSpaceOptions space;          // box; spacing is the continuation step of the reference branch
-  EstimateOptions estimate;         // the model whose error counts
+  EstimateOptions estimate;         // the model whose error is estimated
   std::size_t max_states = 0;       // 0: as many as the lattice of the box has
   std::size_t truth_samples = 100;  // 0: no check of the true error
   std::uint64_t seed = 0;           // of the truth's positions

@@ -6,9 +6,9 @@
 // Approximation, 2005, ch. 16). m = 2 q + 1: |y|^9 with quartic p, |y|^7 with cubic p, |y|^5 with quadratic
 // p.
 //
-// The result is a conservative force field from 9 numbers per state. Its error is several times smaller than
-// that of interpolating each force component separately, but the fit costs O((9 n)^3). It replaces the
-// unknown truth when an error is estimated.
+// The result is a conservative force field from 9 numbers per state. Its error is several times smaller than that of
+// interpolating each force component separately, but the fit costs O((9 n)^3). It is used in place of the unknown truth
+// when an error is estimated.
 
 #include <Eigen/Core>
 #include <array>

@@ -1,7 +1,7 @@
 #pragma once
-// Estimates the error of the model where nothing was solved. Let f~ be the force of the model at the HIP, and
-// g, h two interpolants of the stored energy from the same states (placement_energy.hpp: |y|^9 with quartic,
-// |y|^7 with cubic p):
+// Estimates the error of the model where nothing was solved. f~: force of the model at x. g, h: forces of two
+// interpolants of the stored energy from the same states (placement_energy.hpp: |y|^9 with quartic, |y|^7 with cubic
+// p):
 //   estimate(x) = 1.1 (|f~ - g| + 1/2 |g - h|) / max(|f~|, f0)                                        [1]
 // g is nearer to the truth than f~, so |f~ - g| is close to the error itself. |g - h| accounts for the error
 // of g while the states are few. The factor 1.1 was fitted on a liver whose true error is known: from 8

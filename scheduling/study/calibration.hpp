@@ -1,8 +1,8 @@
 #pragma once
-// Measures how well a label predicts the error on a given body. Several subsets of a lattice (known sets) are used,
-// so that every label occurs. At positions that are not states, the relative error of the model |f~ - f| /
-// max(|f|, f0), with f the true force there, is related to four quantities: the label, the distance delta to the
-// nearest state, the spread sqrt(R^2 - d^2) (Waldron's factor of the linear interpolation error), and the
+// Measures how well a label (coverage class) predicts the error on a given body. Several subsets of a lattice (known
+// sets) are used, so that every label occurs. At positions that are not states, the relative error of the model is
+// |f~ - f| / max(|f|, f0), with f the true force there. It is compared with four quantities: the label, the distance
+// delta to the nearest state, the spread sqrt(R^2 - d^2) (Waldron's factor of the linear interpolation error), and the
 // power function P (approx/error/power_function.hpp) of the states in the model.
 //   table   per kernel, data and label: P(error > tolerance | label) with its 95 % interval (Wilson 1927),
 //           and error quantiles
@@ -45,7 +45,7 @@ struct CalibrationSample {
   std::size_t kind = 0, set = 0, position = 0;
   Label label = Label::blank;
   double delta = 0, spread = 0, power = 0;  // [m], [m], [m^(k/2)]
-  double error = unknown;                   // [1]
+  double error = unknown;                   // relative error of the model [1]
 };
 
 struct CalibrationCell {  // of a kind and a label
@@ -73,9 +73,9 @@ struct Calibration {
 // Random positions in the box for the truth [m]. The same seed gives the same positions.
 std::vector<Vec3> calibration_positions(const Box& box, std::size_t count, std::uint64_t seed);
 
-// If nothing may be solved, a part of the states serves as truth: a fifth of them, at most `most`, in whole groups of
+// If nothing may be solved, a part of the states is used as truth: a fifth of them, at most `most`, in whole groups of
 // neighbouring positions (approx/error/position_groups.hpp; with more than 20,000 states, single positions). The rest
-// is the pool. The same seed leaves out the same states.
+// is the pool. The same seed holds out the same states.
 struct HeldOut {
   std::vector<State> pool, truth;
 };
@@ -85,7 +85,7 @@ HeldOut hold_out(std::vector<State> states, std::size_t most, std::uint64_t seed
 Calibration calibrate(const std::vector<State>& pool, const std::vector<State>& truth,
                       const CalibrationOptions& options);
 
-// Spearman's rank correlation. Ties get their mean rank; pairs with NaN are left out, infinities are ranked.
+// Spearman's rank correlation. Ties get their mean rank; pairs with NaN are ignored, infinities are ranked.
 double rank_correlation(const std::vector<double>& a, const std::vector<double>& b);
 struct ShareInterval {
   double low, high;

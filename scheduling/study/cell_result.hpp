@@ -24,7 +24,7 @@ class StudyCellResult {
   double number(std::string_view name) const;
   // An existing column keeps its position; a new one is appended.
   void set(std::string_view name, ColumnValue value);
-  // Those of the cell's session: what its parts did against their contract, which solves failed …
+  // The notes of the cell's session: violations of contracts by its parts, failed solves …
   const std::vector<std::string>& notes() const { return notes_; }
   void set_notes(std::vector<std::string> notes) { notes_ = std::move(notes); }
 

@@ -1,7 +1,7 @@
 #pragma once
-// An upper bound of the speed that a cell of a study with [sustained] can reach with exact models. It assumes
-// the exact force from the first moment at which a solve can be finished, so only the damped switch causes
-// errors (record/exact_rendering.hpp). It depends neither on the scheduler nor on the number of workers.
+// An upper bound of the speed that a cell of a study with [sustained] can reach with exact models. The exact force is
+// assumed to be known everywhere from the moment at which the first solve can be finished. So only the damped switch
+// causes errors (record/exact_rendering.hpp). The bound depends neither on the scheduler nor on the number of workers.
 // Inexact models may exceed it.
 
 #include "scheduling/study/study_plan.hpp"

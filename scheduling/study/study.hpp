@@ -26,9 +26,9 @@ struct StudyValue {
   std::optional<double> number = {};  // of the axes `target_load` and `speed`
 };
 
-// The study itself interprets three columns: `target_load` [1] sets the cost of solves, `speed` [m/s] sets
-// the speed of a path device, and `step` means that each value adds to the one before. The caller interprets
-// all others when it makes the sessions (StudySessions in study_plan.hpp).
+// The study itself interprets three columns: `target_load` [1] (load: utilisation of the workers) sets the cost of
+// solves, `speed` [m/s] sets the speed of a path device, and `step` means that each value adds to the one before. The
+// caller interprets all others when it makes the sessions (StudySessions in study_plan.hpp).
 struct StudyAxis {
   std::string column;
   std::vector<StudyValue> values;

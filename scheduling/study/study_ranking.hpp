@@ -1,7 +1,7 @@
 #pragma once
-// Evaluates a study: for each axis, which value is better, by how much, and with which confidence. One
-// observation is a trace with a seed. Other axes are averaged within it, over those settings where all
-// compared values have a result. So many settings of one recording do not count as many recordings.
+// Evaluates a study: for each axis, which value is better, by how much, and with which confidence. One observation is a
+// trace with a seed. Within it the other axes are averaged, over those settings where all compared values have a
+// result. So one recording under many settings does not count as many recordings.
 
 #include <optional>
 #include <string>
@@ -62,8 +62,8 @@ std::vector<Contrast> contrasts(const Study& study, const std::vector<StudyCellR
 // If the study varies the policy and includes `clairvoyant`: adds to each cell its deficit against the
 // clairvoyant cell with otherwise the same settings:
 //   regret.within_jnd, regret.first_visit.within_jnd
-// The clairvoyant policy takes the best of its rehearsed schedules: every policy except the placebos. Only a
-// policy that is not rehearsed can have a negative regret.
+// The clairvoyant policy takes the best of the schedules that it simulates: those of every policy except the placebos.
+// Only a policy that it does not simulate can have a negative regret.
 void add_regret(const Study& study, std::vector<StudyCellResult>& cells);
 
 }  // namespace forefeel

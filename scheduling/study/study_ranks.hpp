@@ -19,11 +19,11 @@ struct StudyRankOptions {
   FarmOptions farm = {};
 };
 
-// Rank 0, for StudyRunOptions::elsewhere. The pool has begun.
+// For rank 0 and StudyRunOptions::elsewhere. The pool has begun.
 FarmReport run_cells_with_ranks(RankPool& pool, const StudyPlan& plan, const std::vector<std::size_t>& cells,
                                 const StudyRunOptions::Take& take, const StudyRankOptions& options);
 
-// The other ranks. They write nothing.
+// For the other ranks. They write nothing.
 std::unique_ptr<RankWorker> make_cell_worker(std::shared_ptr<const StudyPlan> plan, const RankContext& rank);
 
 }  // namespace forefeel

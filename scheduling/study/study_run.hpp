@@ -38,7 +38,7 @@ struct StudyRunOptions {
   const std::atomic<bool>* hurried = nullptr;
   std::function<void(const StudyProgress&)> progress = {};
   std::function<void(const std::string&)> warn = {};
-  // Instead of threads of this process: runs those cells and hands each result to `take`, from the calling thread.
+  // Instead of threads of this process: runs those cells and gives each result to `take`, from the calling thread.
   using Take = std::function<void(std::size_t cell, StudyCellResult row)>;
   std::function<void(const std::vector<std::size_t>& cells, const Take& take)> elsewhere = {};
 };
@@ -75,7 +75,7 @@ class CellRunner {
   std::unique_ptr<Impl> impl_;
 };
 
-// Sessions of a study failed: a policy that throws, say. The line names the first such cell.
+// Sessions of a study failed, for example because a policy threw. The line names the first such cell.
 struct StudyFailure : std::runtime_error {
   using std::runtime_error::runtime_error;
 };
@@ -84,10 +84,10 @@ struct StudyFailure : std::runtime_error {
 // end the study. Results of finished cells stay stored in both cases.
 StudyResult run_study(const StudyPlan& plan, const StudyRunOptions& options);
 
-// Finds the cost that gives the cell's load_to_find. The force of a body slows a hand, so the hand needs
-// fewer states than in free motion; how many is known only from the session. The session is therefore
-// simulated and the cost corrected until the load is within 2.5 % of the requested one. The nearest of at
-// most 12 tries is used. A cell without load_to_find is returned unchanged.
+// Finds the cost that gives the cell's load_to_find (load: utilisation of the workers). The force of a body slows a
+// hand, so the hand needs fewer states than in free motion; only the session shows how many. So the session is
+// simulated and the cost corrected until the load is within 2.5 % of the requested one. The nearest of at most 12 tries
+// is used. A cell without load_to_find is returned unchanged.
 StudyCell with_load_found(const StudyCell& cell, const SessionInput& input);
 // One line of warning if cells with a hand still miss their load by more than 5 %; else nullopt.
 std::optional<std::string> loads_missed(const StudyPlan& plan, const std::vector<StudyCellResult>& cells);

@@ -11,15 +11,15 @@
 
 namespace forefeel {
 
-// "Best policy: coverage, with 93.1 % of first visits within the JND …: the difference is significant." For
-// the axis of policies, or else the first axis with two values; nothing if there is none. Policies that know
-// the motion (clairvoyant …) are upper bounds: they do not compete. A difference is significant if both 95 %
+// "Best policy: coverage, with 93.1 % of first visits within the JND …: the difference is significant." It compares the
+// values of the axis of policies, or else of the first axis with two values; nothing if there is none. Policies that
+// know the motion (clairvoyant …) are upper bounds and are not compared. A difference is significant if both 95 %
 // intervals exclude zero.
 std::optional<std::string> study_verdict(const Study& study, const std::vector<StudyCellResult>& cells);
 
-// Advice for the next study, one line each: how many more motions would make the difference significant, whether it
-// is hidden because nearly all values are at their maximum or minimum, and at which load to repeat the study. Empty if
-// no axis has two values.
+// Advice for the next study, one line each: how many more motions would make the difference significant; whether the
+// difference is hidden because nearly all values are at their maximum or minimum; and at which load (utilisation of the
+// workers) to repeat the study. Empty if no axis has two values.
 std::vector<std::string> study_advice(const Study& study, const std::vector<StudyCellResult>& cells);
 
 // Number of motions (groups) with which Student's 95 % interval of this difference excludes zero with a probability of

@@ -2,12 +2,12 @@
 // The highest speed that a session sustains: the largest v in [low, high] at which at least `share` of the
 // frames that visit a lattice cell for the first time are within the tolerance,
 //   |F - f| <= max(tolerance |f|, F_abs)
-// with F the rendered force, f the reference and F_abs the floor of the JND. Each trial runs the same way,
-// `travel` [m], in travel / v seconds.
+// with F the rendered force, f the reference and F_abs the floor of the JND (just noticeable difference). All trials
+// move along the same path of length `travel` [m], in travel / v seconds.
 //
-// The search first halves the speed, from `high` down, until it holds; fast runs are short, so this costs
-// little. Bisection in log v between that speed and the last failed one then narrows the result to 5 %. All
-// cells try speeds of the same set, so that they share reference solves.
+// The search begins at `high` and halves the speed until the criterion holds; fast runs are short, so this takes little
+// time. Bisection in log v between that speed and the last failed one then narrows the result to 5 %. All cells try
+// speeds of the same set, so that they share reference solves.
 
 #include <functional>
 
