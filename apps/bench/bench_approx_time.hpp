@@ -12,7 +12,8 @@ namespace forefeel::bench {
 template <class Force>
 double evaluation_us(const Globals& globals, const Force& force, const std::vector<Vec3>& at, int repeats) {
   Vec3 sum = Vec3::Zero();
-  const Vec3 *next = at.data(), *end = next + at.size();  // a modulo would be timed with it
+  const Vec3 *next = at.data(),
+             *end = next + at.size();  // not an index modulo the size, whose time would count
   const double start = now_us();
   for (int i = 0; i < repeats; ++i) {
     sum += force(*next);

@@ -26,7 +26,7 @@ std::vector<FrameTiming> timing_by_frame(std::span<const FrameRecord> records, d
                                          std::size_t frames);
 
 // Missed frames of one loop less those of the other, per 1000 frames. The interval is a bootstrap of 95 % over blocks
-// of a second, in which both loops met the same load.
+// of a second, in which both loops had the same load.
 ConfidenceInterval missed_difference(const LoopTimes& ours, const LoopTimes& bare, double frame);
 
 // Memory of this process that is resident now [bytes]; NaN if the system does not report it.

@@ -1,10 +1,10 @@
 #pragma once
 // The textbook way to solve a state, for comparison: full Newton with a general sparse Cholesky factorisation,
 //   H(u) d = -r(u),   u <- u + d     until |r| / |f| is small enough
-// r [N] residual, H [N/m] its tangent, factorised in every iteration, u [m] displacements, f [N] force. It starts
-// from a neighbour's equilibrium and includes the contact's move in the first step. Like Solver, it returns force
-// [N], condensed stiffness [N/m] and energy [J]. Both use the same element kernels and the same instruction set; the
-// Eigen version is compiled once for each instruction set.
+// r [N]: residual, H [N/m]: its tangent, factorised in every iteration, u [m]: displacements, f [N]: force. It starts
+// from a neighbour's equilibrium; the first step includes the displacement of the contact. Like Solver, it returns
+// force [N], condensed stiffness [N/m] and energy [J]. Both use the same element kernels and the same instruction set;
+// the Eigen version is compiled once for each instruction set.
 
 #include <cstdint>
 #include <memory>

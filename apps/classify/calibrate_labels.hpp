@@ -10,7 +10,7 @@ namespace forefeel {
 struct CalibrateArguments {
   std::string scene;
   std::string states;    // a file; "" uses the lattice of the scene
-  bool foreign = false;  // states of another body: nothing is solved, part of them is the truth
+  bool foreign = false;  // states of another body: nothing is solved, a part of them is used as truth
   std::string output;    // folder; "": none
 };
 

@@ -1,6 +1,7 @@
 #pragma once
-// classify --bars: how well the force is known. States are left out in groups to find the error bars of points, the
-// share of the box where the force is known within a tolerance, and the spacing that the data suggest.
+// classify --bars: how well the force is known. States are held out in groups (approx/error/left_out.hpp) to find the
+// error bars of points, the share of the box where the force is known within a tolerance, and the spacing that the data
+// suggest.
 
 #include <nlohmann/json_fwd.hpp>
 #include <optional>

@@ -1,5 +1,5 @@
 #pragma once
-// The subcommands of forefeel. Each function adds its command to the command line. Most live in a file
+// The subcommands of forefeel. Each function adds its command to the command line. Most are in a file
 // command_NAME.cpp of their own.
 
 #include "apps/console/command.hpp"
@@ -7,7 +7,7 @@
 namespace forefeel {
 
 void add_mesh(CommandLine& line);
-void add_import(CommandLine& line);  // import and export live in command_states.cpp
+void add_import(CommandLine& line);  // import and export are in command_states.cpp
 void add_export(CommandLine& line);
 void add_info(CommandLine& line);
 void add_solve(CommandLine& line);

@@ -25,8 +25,8 @@ struct Globals {
 void say(const Globals& globals, const std::string& line);
 // Prints a result for people: as say(), but also with --quiet.
 void answer(const Globals& globals, const std::string& line);
-// Prints "forefeel: warning: …" to stderr. It is held back until the command prints something else or
-// succeeds, so that a later input error is the only line on stderr.
+// Prints "forefeel: warning: …" to stderr. The warning waits until the command prints something else or succeeds, so
+// that a later input error is the only line on stderr.
 void warn(const Globals& globals, const std::string& line);
 void flush_warnings();
 

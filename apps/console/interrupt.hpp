@@ -1,6 +1,6 @@
 #pragma once
-// Ctrl-C (SIGINT), SIGTERM and SIGHUP (the terminal is gone) ask a command to stop. It finishes its current
-// step and writes its results so far. SIGHUP stays ignored where it was, as under nohup.
+// Ctrl-C (SIGINT), SIGTERM and SIGHUP (the terminal is gone) ask a command to stop. It finishes its current step and
+// writes its results so far. If SIGHUP was ignored at the start, as under nohup, it is still ignored.
 // SIGPIPE and SIGXFSZ are ignored: writing to a pipe without a reader, or beyond the size limit of a file, then fails
 // with an error (EPIPE, EFBIG) instead of silently ending the program.
 
@@ -16,7 +16,7 @@ void write_errors_without_signals();
 // Starts to record signals, as an InterruptWatch does. main calls it before commands that create their
 // InterruptWatch later.
 struct EarlyInterrupt {
-  bool leave = true;  // a signal not handled within half a second until then ends the program with code 1
+  bool leave = true;  // until then, a signal not handled within half a second ends the program with code 1
   bool json = false;  // and prints {"interrupted": true}
 };
 void watch_from_the_start(const EarlyInterrupt& early);

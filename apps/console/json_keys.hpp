@@ -1,7 +1,7 @@
 #pragma once
-// The keys that commands print with --json, for `forefeel help outputs`. Each list stands beside the code that prints
-// them; tests/apps/test_json_keys.cpp compares it with what is printed. Objects are joined by dots, "[]" is each entry
-// of a list of objects, words in capitals stand for any name.
+// The keys that commands print with --json, for `forefeel help outputs`. Each list is beside the code that prints the
+// keys; tests/apps/test_json_keys.cpp compares it with what is printed. Dots join nested keys, "[]" is each entry of a
+// list of objects, words in capitals stand for any name.
 
 #include <vector>
 

@@ -10,7 +10,7 @@ namespace forefeel {
 // indent -1: one line.
 std::string json_text(const nlohmann::ordered_json& document, int indent = -1);
 
-// SHA-256 of the text, in hexadecimal digits: kept values carry it, so that an altered file is noticed.
+// SHA-256 of the text, in hexadecimal digits. It is stored with kept values, so that an altered file is detected.
 std::string sum_of(const nlohmann::ordered_json& value);
 
 }  // namespace forefeel

@@ -1,5 +1,5 @@
 #pragma once
-// What `forefeel evaluate` found, and the document that it prints with --json.
+// The result of `forefeel evaluate`, and the document that it prints with --json.
 
 #include <algorithm>
 #include <nlohmann/json_fwd.hpp>

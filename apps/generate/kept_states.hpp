@@ -1,6 +1,6 @@
 #pragma once
-// States on their way into the file of `forefeel generate`. If the file can no longer be written (a full disk), the
-// solving is asked to stop, and what the file holds is counted.
+// Writes states to the file of `forefeel generate`. If the file can no longer be written (a full disk), solving is
+// asked to stop, and the states in the file are counted.
 
 #include <cstddef>
 #include <optional>
@@ -20,7 +20,7 @@ class KeptStates {
   void flush();            // what was kept is durable, or the file has failed
   bool failed() const { return failure_.has_value(); }
   std::size_t in_file() const;  // states, those of earlier runs and failed solves included
-  // Puts what the file really holds into the counts of a run.
+  // Corrects the counts of a run to the states that are in the file.
   void correct(std::size_t& solved, std::size_t& failed, std::size_t& inverted) const;
   // "g.states: cannot be written, the disk is full (…); 569 states are kept in it; free …"; only if failed()
   std::string in_words() const;

@@ -11,8 +11,8 @@ namespace forefeel {
 
 struct Findings;  // reproduce.hpp
 
-// Upper bound on the speed that the damped switch allows with any schedule
-// (scheduling/study/speed_bound.hpp). Means over the seeds; geometric means of speeds.
+// Upper bound of the speed: the session has the exact force everywhere as soon as a solve can be finished, so only the
+// damped switch limits it (scheduling/study/speed_bound.hpp). Means over the seeds; geometric means of speeds.
 struct SpeedBounds {
   double guessed = 1, without = 1;  // bound with and without the first guess [m/s]
   double known = 0;                 // time from which the force is known [s]

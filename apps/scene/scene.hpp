@@ -27,10 +27,10 @@ struct SceneSource {
   std::vector<std::string> warnings;
 };
 
-// What depends on whether, and where, the scene gives a key: liver.toml:30: session.device.
+// Values that depend on whether, and where, the scene gives a key: liver.toml:30: session.device.
 struct SceneWritten {
-  std::optional<std::string> device, cost;  // as written; nothing where the scene does not say it
-  // Arrivals: empty where the scene gives none.
+  std::optional<std::string> device, cost;  // as written; nullopt if the scene does not give the key
+  // arrivals_place is empty if the scene gives no arrivals.
   InputPlace device_place = {}, cost_place = {}, box_place = {}, arrivals_place = {};
   // The scheduling_keys() that the scene writes, each with its place.
   std::vector<std::pair<std::string, InputPlace>> scheduling;
@@ -38,7 +38,7 @@ struct SceneWritten {
 
 struct SceneSpacing {
   bool automatic = false;  // spacing = "auto"
-  // Of the relative error where the label is safe [1]; spacing = "auto" meets it.
+  // Tolerance of the relative error where the label is safe (densely known) [1]; spacing = "auto" meets it.
   double tolerance = usual_tolerance;
   std::optional<SpacingChoice> chosen;  // with spacing = "auto" only, if it was measured
 };
@@ -69,8 +69,8 @@ struct SceneUse {
 Scene load_scene(const std::filesystem::path& file, std::span<const std::string> overrides = {},
                  const Scene* like = nullptr, const SceneUse& use = {});
 
-// The built-in scene, where a command is given none: the liver phantom touched on its right lobe by a patch
-// of 2 cm, neo-Hookean, spacing 6 mm.
+// The built-in scene of commands that are given none: the liver phantom (synthetic body), grasped on its right lobe by
+// a patch of 2 cm; neo-Hookean, spacing 6 mm.
 Scene built_in_scene(std::span<const std::string> overrides = {});
 std::string_view built_in_scene_text();
 

@@ -17,7 +17,8 @@ namespace forefeel {
 // The keys of [hand]: profile, and the settings of hand:PROFILE.
 std::vector<Declared> hand_keys();
 
-// The device's text of the table; none where it has no keys. Values are checked where the text is read.
+// The text of the device that the table describes; nullopt if the table has no keys. Values are checked when the text
+// is read.
 std::optional<std::string> device_of_hand(const SceneTable& hand);
 
 }  // namespace forefeel

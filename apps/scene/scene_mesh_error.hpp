@@ -1,7 +1,7 @@
 #pragma once
 // The discretisation error of a scene's body (solver/equilibrium/mesh_error.hpp), measured once per body, box
-// and spacing and kept in the cache folder. Positions: half the way from rest to the faces of the box, into
-// the body and along two directions across that. A slender body has its error where it is soft.
+// and spacing and kept in the cache folder. Positions: halfway from rest to the faces of the box, into the body and
+// along two directions across, because a slender body has its error in the directions in which it is soft.
 //
 //   MeshErrorTask mesh(scene, MeshErrorTask::When::meanwhile);   // at low priority beside a session
 //   ...
@@ -22,8 +22,8 @@ namespace forefeel {
 
 std::vector<Vec3> mesh_error_positions(const Box& box, const Vec3& inward, double spacing);
 
-// From the cache if it is there. If folder is empty, nothing is cached. What is not measured is not kept.
-// Throws nothing: what fails is said in MeshError::why.
+// Read from the cache if it is there. If `folder` is empty, nothing is cached. An error that could not be measured is
+// not kept. Throws nothing: MeshError::why says what failed.
 MeshError scene_mesh_error(const Scene& scene, const std::filesystem::path& folder,
                            std::stop_token stop = {});
 
@@ -36,7 +36,7 @@ std::string discretisation_line(const MeshError& error, double shown);
 // discretisation_error, discretisation_positions, discretisation_by. Null where nothing was measured.
 void add_to(nlohmann::ordered_json& document, const MeshError& error);
 
-// One measurement, where the scene does not say session.discretisation_error = false.
+// One measurement, unless the scene has session.discretisation_error = false.
 class MeshErrorTask {
  public:
   enum class When {
@@ -44,7 +44,7 @@ class MeshErrorTask {
     at_the_end  // in get()
   };
   MeshErrorTask(const Scene& scene, When when);
-  ~MeshErrorTask();  // gives it up
+  ~MeshErrorTask();  // stops the measurement
   MeshErrorTask(const MeshErrorTask&) = delete;
   MeshErrorTask& operator=(const MeshErrorTask&) = delete;
 

@@ -1,5 +1,5 @@
 #pragma once
-// Reads state_space.tolerance of a scene: a share of the force (0.07), or newtons ("0.07 N").
+// Reads state_space.tolerance of a scene: a share of the force (0.07) or a force in newtons ("0.07 N").
 
 #include <filesystem>
 #include <optional>

@@ -1,5 +1,5 @@
 #pragma once
-// A spacing that is larger than the box of the states, usually because of another unit.
+// Detects a spacing that is larger than the box of the states, usually because of a wrong unit.
 
 #include <optional>
 #include <string>
@@ -8,8 +8,8 @@
 
 namespace forefeel {
 
-// One line if spacing [m] exceeds the longest side of a box that is not a point. place: where the spacing stands, as
-// "--spacing". of: what the box is of, as "the states".
+// One line if spacing [m] exceeds the longest side of a box that is not a point. place: where the spacing was given,
+// such as "--spacing". of: the owner of the box, such as "the states".
 std::optional<std::string> spacing_beyond(const std::string& place, double spacing, const Box& box,
                                           const std::string& of);
 

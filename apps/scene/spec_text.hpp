@@ -1,6 +1,6 @@
 #pragma once
-// Reads the text that a user types for a device, a cost model, a policy, a predictor or workers into typed
-// choices. Each choice keeps its text, so that it is printed as written. Such text is read nowhere else.
+// Converts the text that a user types for a device, a cost model, a policy, a predictor or workers to a typed choice.
+// Each choice keeps its text, so that it is printed as written. No other code reads such text.
 //
 //   device   path:NAME[,speed=V][,amplitude=A][,tremor=S][,noise=S]    NAME: path_names()
 //            trace:FILE[,scale=F][,offset=X/Y/Z][,columns=t/x/y/z][,rate=HZ][,unit=mm][,tool=NAME]

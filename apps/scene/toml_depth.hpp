@@ -1,5 +1,6 @@
 #pragma once
-// The parser of TOML recurses over the parts of a dotted key without a limit. This check comes before it.
+// Limits the number of parts of a dotted key, before the TOML parser reads it: the parser recurses over these parts
+// without a limit.
 
 #include <filesystem>
 #include <string_view>

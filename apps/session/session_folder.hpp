@@ -12,9 +12,9 @@ namespace forefeel {
 // InputError for the folder of the run that is replayed, which must not be overwritten.
 void keep_replayed(const SessionOptions& options, const std::filesystem::path& run);
 
-// Makes the folder, or empties it of an earlier run's files. InputError for a file of somebody else under one of the
-// names that the session writes; shape_files: names that it writes for shapes. States of an earlier run, unless they
-// are extended, are renamed to session-1.states, session-2.states, … and kept.
+// Makes the folder, or removes an earlier run's files from it. InputError if a file that forefeel has not written has
+// one of the names that the session writes; shape_files: names that it writes for shapes. States of an earlier run,
+// unless they are extended, are renamed to session-1.states, session-2.states, … and kept.
 void claim_run_folder(const Globals& globals, const SessionArguments& given,
                       std::vector<std::string> shape_files, const std::filesystem::path& run);
 

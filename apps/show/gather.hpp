@@ -11,7 +11,7 @@ namespace forefeel {
 struct ShowRequest {
   std::string what;  // file or folder
   std::string
-      scene;  // the scene of states or of a run; empty: that of the run's own command, if it is still there
+      scene;  // the scene of states or of a run; empty: that of the run's own command, if it still exists
   bool foreign = false;  // states of another body beside the scene
 };
 

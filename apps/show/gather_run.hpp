@@ -35,9 +35,9 @@ RunFolder read_run(const std::filesystem::path& folder);
 // The scene of that command, if its file is still there and unchanged.
 std::optional<Scene> scene_of(const MadeBy& made_by);
 
-// Shapes at times of the run. Those that it recorded (session.shape_rate), if it did; InputError if they are damaged
-// or of another body. Else from the displacements of the states known until then: at every time a weighted
-// least-squares fit, linear in position, of the nearest of them and of rest. Empty if no state has displacements.
+// Shapes at times of the run: those that it recorded (session.shape_rate); InputError if they are damaged or of another
+// body. If it recorded none, shapes are fitted to the displacements of the states known at each time: a weighted
+// least-squares fit, linear in position, of the nearest states and of rest. Empty if no state has displacements.
 std::vector<ShownShape> shapes_of_run(const RunFolder& run, const ShownBody& body);
 
 }  // namespace forefeel

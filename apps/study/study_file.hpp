@@ -42,7 +42,7 @@
 namespace forefeel {
 
 struct StudyFileValue {
-  std::string text;                    // as it stands in cells.csv
+  std::string text;                    // as in cells.csv
   std::vector<std::string> overrides;  // "key.path=TOML" for the scene
   std::optional<double> number;        // of `target_load` and `speed`, which are not keys of a scene
 };
@@ -72,7 +72,7 @@ struct StudyFile {
 // set: the values of --set. InputError for contradictory or meaningless input.
 StudyFile read_study(const std::filesystem::path& file, std::span<const std::string> set);
 
-// An error about an overridden scene key, said with the place in the study that gave the key.
+// The error about an overridden scene key, with the place in the study that gave the key.
 InputError located(const StudyFile& study, const InputError& error);
 
 // Every key of a study, for `forefeel help study`.

@@ -16,7 +16,7 @@ namespace forefeel {
 std::string cells_csv(const Study& study, const std::vector<StudyCellResult>& cells);
 
 // Rankings and contrasts. won, lost and verdict (1 better, -1 worse, 0 not significant) follow the metric's
-// direction: for some metrics less is better.
+// direction: for some metrics a smaller value is better.
 nlohmann::ordered_json ranking_json(const Study& study, const std::vector<AxisRanking>& rankings,
                                     const std::vector<Contrast>& contrasts);
 
