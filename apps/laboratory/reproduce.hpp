@@ -26,7 +26,7 @@ struct Findings {
   nlohmann::ordered_json summary;
   std::string html;                     // paragraphs, tables, figures; without a heading
   std::vector<std::string> lines;       // for the terminal
-  std::vector<std::string> unmet = {};  // claims about our settings that were not met; any gives exit code 1
+  std::vector<std::string> unmet = {};  // claims about our settings that do not hold; any gives exit code 1
 };
 
 struct Experiment {

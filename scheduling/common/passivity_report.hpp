@@ -9,7 +9,7 @@ struct PassivityReport {
   bool on = false;
   double coupling = 0;         // K_c: largest stiffness rendered [N/m]; infinite: no limit is known
   std::size_t coupled = 0;     // frames in which the coupling was softer than the body
-  std::size_t drained = 0;     // frames in which the tank held force back
+  std::size_t drained = 0;     // frames in which the tank lowered the force
   std::size_t controlled = 0;  // frames in which the controller damped
   double least_gain = 1;       // least factor s g of coupling and tank together [1]
   double lowest = 0;  // least energy E + q of the tank [J]; below zero: the limits did not allow more damping

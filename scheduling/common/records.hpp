@@ -85,8 +85,8 @@ struct DispatchRecord {
 
 enum class SwitchCause {
   guess,   // no state is known: the first guess
-  first,   // the first state came
-  states,  // more states came
+  first,   // the first state became known
+  states,  // more states became known
   travel   // the HIP moved away from the model's position
 };
 std::string_view name(SwitchCause cause);

@@ -34,8 +34,8 @@ struct LoopReport {
   double longest_pause = 0;        // between the starts of two frames [s]; virtual clock: 0
   double paused_at = 0;            // when it began [s]
   double planner_stall = 0;        // longest time between two steps of the planner [s]; virtual clock: 0
-  std::size_t planner_stalls = 0;  // how often it stood still for longer than the watchdog allows
-  std::size_t clock_steps = 0;     // of the clock of the day (render/clock_watch.hpp)
+  std::size_t planner_stalls = 0;  // number of pauses longer than the watchdog allows
+  std::size_t clock_steps = 0;     // of the system clock (render/clock_watch.hpp)
   std::size_t device_held = 0;     // frames in which the device's position was not finite
   std::size_t device_jumps = 0;    // frames in which it moved faster than SwitchOptions::jump_speed
   std::size_t ending_frames = 0;   // of the ramp at the end
@@ -46,7 +46,7 @@ struct SolverReport {
   std::vector<double> seconds;  // of each solve, virtual or real; without the first one at rest [s]
   std::size_t jobs = 0;         // number of jobs of these solves; each job also costs two messages
   int workers = 0;              // number that took part
-  int lost = 0;                 // of these, how often one failed or was out of reach
+  int lost = 0;                 // how often one of these failed or could not be reached
 };
 
 struct ProcessReport {             // real clock only
@@ -76,8 +76,8 @@ struct SessionResult {
   RunEnd end = RunEnd::whole;
   std::vector<std::string> notes;     // what the system refused, what failed
   std::vector<std::string> warnings;  // about input files and the cache, one line each
-  // What ended the session or cost it results: a failing planner or worker, a full disk of the states' file.
-  // One line each; the rest of the result holds.
+  // Failures that ended the session or lost results: a failing planner or worker, a full disk of the states' file.
+  // One line each; the rest of the result is valid.
   std::vector<std::string> failures;
   bool interrupted() const { return end != RunEnd::whole; }
 };

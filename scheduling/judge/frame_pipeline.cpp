@@ -18,23 +18,23 @@ struct FramePipeline::Impl {
     std::uint32_t known;
     bool ending = false;
   };
-  struct Lot {
+  struct Batch {
     std::vector<Frame> frames;
     std::vector<State> states;
   };
-  static constexpr std::size_t lot_size = 100;
+  static constexpr std::size_t batch_size = 100;
 
   explicit Impl(const StateSpaceOptions& options) : space(options) {}
 
   // ---- of the run's thread
-  void hand_over() {
-    if (lot.frames.empty()) return;
+  void flush() {
+    if (batch.frames.empty()) return;
     {
       const std::lock_guard lock(mutex);
-      lots.push_back(std::move(lot));
+      batches.push_back(std::move(batch));
       if (!thread.joinable()) thread = std::jthread([this](const std::stop_token& stop) { work(stop); });
     }
-    lot = {};
+    batch = {};
     changed.notify_all();
   }
 
@@ -43,9 +43,9 @@ struct FramePipeline::Impl {
     try {
       std::unique_lock lock(mutex);
       for (;;) {
-        if (!changed.wait(lock, stop, [&] { return !lots.empty(); })) return;
-        const Lot mine = std::move(lots.front());
-        lots.pop_front();
+        if (!changed.wait(lock, stop, [&] { return !batches.empty(); })) return;
+        const Batch mine = std::move(batches.front());
+        batches.pop_front();
         lock.unlock();
         arrived.insert(arrived.end(), mine.states.begin(), mine.states.end());
         for (const Frame& frame : mine.frames) {
@@ -72,8 +72,8 @@ struct FramePipeline::Impl {
   }
 
   // of the run's thread
-  Lot lot;
-  std::size_t handed = 0, states = 0;
+  Batch batch;
+  std::size_t given = 0, states = 0;
   // of the pipeline's
   StateSpace space;
   std::vector<std::shared_ptr<FrameStage>> stages;
@@ -82,7 +82,7 @@ struct FramePipeline::Impl {
   // of both, under the mutex
   std::mutex mutex;
   std::condition_variable_any changed;
-  std::deque<Lot> lots;
+  std::deque<Batch> batches;
   std::size_t worked = 0;
   std::exception_ptr failure;
   std::jthread thread;  // the last member: it ends first
@@ -100,35 +100,35 @@ const StateSpace& FramePipeline::known() const {
 }
 
 void FramePipeline::pass(const Vec3& at, std::uint32_t known, const StateSpace& space, bool ending) {
-  impl_->lot.frames.push_back({at, known, ending});
-  ++impl_->handed;
-  if (impl_->lot.frames.size() == Impl::lot_size) hand_over(space);
+  impl_->batch.frames.push_back({at, known, ending});
+  ++impl_->given;
+  if (impl_->batch.frames.size() == Impl::batch_size) flush(space);
 }
 
-void FramePipeline::hand_over(const StateSpace& space) {
+void FramePipeline::flush(const StateSpace& space) {
   Impl& my = *impl_;
   for (; my.states < space.size(); ++my.states)
-    my.lot.states.push_back(space[StateId{static_cast<std::uint32_t>(my.states)}]);
-  my.hand_over();
+    my.batch.states.push_back(space[StateId{static_cast<std::uint32_t>(my.states)}]);
+  my.flush();
 }
 
 void FramePipeline::pass_rest(std::span<const FrameRecord> frames, std::span<const State> states) {
   Impl& my = *impl_;
-  for (; my.states < states.size(); ++my.states) my.lot.states.push_back(states[my.states]);
-  for (; my.handed < frames.size(); ++my.handed)
-    my.lot.frames.push_back({frames[my.handed].at, frames[my.handed].known});
-  my.hand_over();
+  for (; my.states < states.size(); ++my.states) my.batch.states.push_back(states[my.states]);
+  for (; my.given < frames.size(); ++my.given)
+    my.batch.frames.push_back({frames[my.given].at, frames[my.given].known});
+  my.flush();
 }
 
 void FramePipeline::wait(const ShowProgress& show) {
   Impl& my = *impl_;
   std::unique_lock lock(my.mutex);
-  const auto done = [&] { return my.failure || my.worked == my.handed; };
+  const auto done = [&] { return my.failure || my.worked == my.given; };
   while (!my.changed.wait_for(lock, std::chrono::milliseconds(show ? 50 : 10'000), done))
     if (show)
       show({.phase = SessionPhase::labels,
             .t = static_cast<double>(my.worked),
-            .seconds = static_cast<double>(my.handed),
+            .seconds = static_cast<double>(my.given),
             .known = my.states});
   if (my.failure) std::rethrow_exception(my.failure);
 }

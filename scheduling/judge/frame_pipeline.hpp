@@ -1,5 +1,5 @@
 #pragma once
-// Processes the frames of a run while it goes on. The run passes on each frame; one thread takes the frames
+// Processes the frames of a run during the run. The run passes on each frame; one thread takes the frames
 // in order through all stages.
 //   run  --(HIP, number of known states; the states)-->  pipeline  -->  stage 1  -->  stage 2 …
 // During each frame, known() holds exactly the states that the run knew in that frame. Nothing flows back to
@@ -51,8 +51,8 @@ class FramePipeline {
   void pass(const Vec3& at, std::uint32_t known, const StateSpace& space, bool ending = false);
   // Passes on the frames not passed on during the run; `states` in the order of pass().
   void pass_rest(std::span<const FrameRecord> frames, std::span<const State> states);
-  void hand_over(const StateSpace& space);  // frames go to the thread in batches: flushes the last one
-  // Returns when all frames handed over have been processed. Rethrows an exception of a stage.
+  void flush(const StateSpace& space);  // frames go to the thread in batches: sends the last, incomplete one
+  // Returns when all frames have been processed. Rethrows an exception of a stage.
   void wait(const ShowProgress& show = {});
 
  private:

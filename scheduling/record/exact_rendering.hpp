@@ -1,5 +1,5 @@
 #pragma once
-// The loss due to the damped switch alone. It is an upper bound for sessions: the exact force is known at
+// The loss due to the damped switch alone. It gives an upper bound for sessions: the session with the exact force at
 // every place from the first moment t0 at which a solve can be finished.
 //   F = g before t0,   F = f + e after it,   e = g(x) - f(x) at t0, shrinking by the rule `smooth`
 // where f is the exact force [N] and g the first guess, or zero. t0 is the least time [s] of any solve with

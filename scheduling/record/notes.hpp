@@ -8,7 +8,7 @@
 
 namespace forefeel {
 
-// The notes of one session in their order. Of a kind with more than three lines, only the first stays; it tells the
+// The notes of one session in their order. Of a kind with more than three lines only the first is kept; it gives the
 // number of the others.
 std::vector<std::string> shortened_notes(std::span<const std::string> notes);
 

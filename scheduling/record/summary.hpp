@@ -90,8 +90,8 @@ struct SessionSummary {
     ByLabel<Bars> by_label;
     std::size_t without = 0;  // samples without a bar
   };
-  // What the mesh itself gets wrong (solver/equilibrium/mesh_error.hpp), of the body alone: the caller measures
-  // it. It is no part of the other errors.
+  // The discretisation error of the body (solver/equilibrium/mesh_error.hpp). The caller measures it. The other errors
+  // do not contain it.
   struct Mesh {
     double error = unknown;                                   // relative force
     std::size_t positions = 0;                                // at which it was measured
@@ -130,8 +130,8 @@ struct SessionSummary {
     // Error of each registered predictor on this motion, if the caller measured it (PredictorScores).
     std::vector<PredictorErrors> prediction = {};
   };
-  // What went wrong around the loop while it ran on (scheduling/common/session_result.hpp, session/plausible.hpp).
-  // Skipped frames and the actions of the safety rules are under Loop and Safety.
+  // Faults around the loop that did not stop it (scheduling/common/session_result.hpp, session/plausible.hpp). Skipped
+  // frames and the actions of the safety rules are under Loop and Safety.
   struct Faults {
     std::size_t states_set_aside = 0, workers_lost = 0, planner_stalls = 0, clock_steps = 0;
     std::size_t device_held = 0, device_jumps = 0;  // frames
@@ -164,7 +164,7 @@ struct SessionSummary {
     double wall_seconds = 0;
     bool realtime_priority = false, memory_locked = false;
     std::vector<std::string> notes;     // what the system refused, what failed
-    std::vector<std::string> failures;  // what ended the session or cost it results
+    std::vector<std::string> failures;  // what ended the session or lost results
   };
 
   Settings settings;
@@ -174,7 +174,7 @@ struct SessionSummary {
   ByLabel<double> time_in;  // share of the frames
   Switching switching;
   Error error;
-  double load = unknown;  // states needed per second / states solved per second
+  double load = unknown;  // utilisation of the workers: states needed per second / states solved per second
   Energy energy;
   Safety safety;
   Loop loop;

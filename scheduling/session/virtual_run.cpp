@@ -124,7 +124,7 @@ class VirtualRun {
 
   void finish(SessionResult& result) {
     if (parts_.renderer) {
-      parts_.pipeline.hand_over(planner_.space());
+      parts_.pipeline.flush(planner_.space());
       parts_.pipeline.wait();
     }
     take_loop(parts_.renderer ? parts_.renderer->loop() : *loop_, plan_.frames, result);

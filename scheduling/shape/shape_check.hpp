@@ -21,8 +21,8 @@ struct CheckedShape {
   double node_p95 = 0;         // 95th percentile over the nodes, relative to the same displacement [1]
 };
 
-// Compares log.options().checks shapes, evenly spaced in time. The result is sorted by record. A shape is left out
-// if its solve fails or if the interrupted session does not wait for it; a note in `result` then tells how many.
+// Compares log.options().checks shapes, evenly spaced in time. The result is sorted by record. A shape is skipped if
+// its solve fails or if the interrupted session does not wait for it; a note in `result` says how many.
 // The references must hold displacements.
 std::vector<CheckedShape> check_shapes(const ShapeLog& log, ReferenceService& references,
                                        const StopOptions& stop, SessionResult& result,

@@ -1,7 +1,7 @@
 #pragma once
 // Makes shapes under the real clock, in a separate thread:
 //   planner  --(newest HIP: triple buffer; new states: a list under a mutex)-->  shape thread  -->  ShapeLog
-// The 1 kHz loop does nothing for the shapes: the planner receives the HIP from the loop in any case and passes it on.
+// The 1 kHz loop does nothing for the shapes: the planner receives the HIP from the loop anyway, and passes it on.
 // The thread has no real-time priority. At each instant k / rate it takes the newest HIP. Instants that it misses are
 // counted. It never waits for a disk: the files are written from the records after the run.
 

@@ -67,7 +67,7 @@ TEST_CASE("triple buffer: values are whole, never go back, and the last one arri
     for (auto& thread : threads) thread.join();
     CHECK(broken == 0);
     CHECK(backwards == 0);
-    CHECK(lost == reported);  // each value is either taken or handed back, none is both
+    CHECK(lost == reported);  // each value is either taken or given back, none is both
   }
 }
 

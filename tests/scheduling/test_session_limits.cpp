@@ -32,10 +32,10 @@ TEST_CASE("an interrupted rehearsal leaves a session that was not begun") {
   rest.at = rest.force = Vec3::Zero();
   rest.solve.status = SolveStatus::converged;
   input.known = {rest};
-  std::size_t handed_over = 0, positions = 0;
+  std::size_t delivered = 0, positions = 0;
   const SessionResult result =
       run_session(input, options,
-                  {.when_run = [&](const SessionResult& so_far) { handed_over += 1 + so_far.frames.size(); },
+                  {.when_run = [&](const SessionResult& so_far) { delivered += 1 + so_far.frames.size(); },
                    .each_position = [&](const Vec3&) { ++positions; }});
   CHECK(result.interrupted());
   CHECK(result.end == RunEnd::not_begun);
@@ -45,7 +45,7 @@ TEST_CASE("an interrupted rehearsal leaves a session that was not begun") {
   CHECK(result.counts.start == 1);
   CHECK(result.counts.solved == 0);
   CHECK(result.counts.failed == 0);
-  CHECK(handed_over == 1);
+  CHECK(delivered == 1);
   CHECK(positions == 0);
   REQUIRE(result.notes.size() == 1);
   CHECK_THAT(result.notes[0], Catch::Contains("interrupted while simulating schedule"));
