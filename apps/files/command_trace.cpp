@@ -139,7 +139,7 @@ void tell(const Globals& globals, const TraceCheck& check) {
            fmt::format("{} rows repeat a time, {} go back in time: a session refuses them; -o leaves "
                        "them out",
                        times.repeated, times.backward));
-  for (const std::string& line : sayings(check)) answer(globals, line);
+  for (const std::string& line : trace_warnings(check)) answer(globals, line);
 }
 
 int run_trace(const Globals& globals, const TraceArguments& given) {
@@ -166,7 +166,7 @@ int run_trace(const Globals& globals, const TraceArguments& given) {
     print_json(document);
   } else {
     tell(globals, check);
-    for (const std::string& line : sayings(rows)) answer(globals, line);
+    for (const std::string& line : trace_notes(rows)) answer(globals, line);
   }
   if (result.left_out > 0)
     warn(globals, fmt::format("{} rows whose time repeats or goes back are left out", result.left_out));

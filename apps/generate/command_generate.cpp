@@ -51,7 +51,7 @@ struct GenerateResult {
   std::size_t inverted = 0;              // of the usable
   bool interrupted = false;              // also by a file that could not be written
   std::optional<std::string> why = {};   // of the file
-  bool told = false;                     // the user knows that it was interrupted
+  bool shown = false;                    // the user knows that it was interrupted
   std::optional<FarmReport> ranks = {};  // with --mpi
 
   double states_per_second() const {
@@ -158,9 +158,9 @@ GenerateResult fill_lattice(const Globals& globals, const Scene& scene, StateFil
                               seconds > 0 ? static_cast<double>(fresh) / seconds : 0.0));
   };
   const auto tick = [&] {
-    if (!raised() || result.told) return;
+    if (!raised() || result.shown) return;
     stop.request_stop();
-    result.told = true;
+    result.shown = true;
     tell_ended_ranks(kept, output);
   };
   if (ranks && !is_linear(*scene.body)) {
@@ -242,7 +242,7 @@ int run_generate(const Globals& globals, const GenerateArguments& arguments, Ran
   if (is_gone(globals, arguments.output)) return 1;
   say(globals, look_at_it(globals, arguments.output, arguments.scene));
   if (result.interrupted) {
-    if (!result.told || result.why)
+    if (!result.shown || result.why)
       warn(globals, result.why.value_or("interrupted; rerun the same command to resume"));
     return 1;
   }

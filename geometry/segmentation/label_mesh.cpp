@@ -178,7 +178,7 @@ void check_volume(const std::vector<LabelRegion>& regions, const LabelMeshOption
                     100 * meshed / wanted));
 }
 
-std::vector<std::string> sayings(const std::vector<LabelRegion>& regions) {
+std::vector<std::string> region_warnings(const std::vector<LabelRegion>& regions) {
   std::vector<std::string> words;
   for (const LabelRegion& r : regions) {
     const double change = r.mesh_volume / r.voxel_volume - 1;
@@ -254,7 +254,7 @@ TetMesh mesh_labels(const LabelVolume& volume, const LabelMeshOptions& options, 
   measure(mesh, made.mesh, volume, domain, scale, report.regions);
   report.hausdorff = scale * made.hausdorff;
   check_volume(report.regions, options);
-  report.warnings = sayings(report.regions);
+  report.warnings = region_warnings(report.regions);
   return mesh;
 }
 

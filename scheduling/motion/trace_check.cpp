@@ -113,7 +113,7 @@ TraceCheck check_trace(const TraceRows& rows, const std::optional<Box>& space) {
   return check;
 }
 
-std::vector<std::string> sayings(const TraceCheck& check) {
+std::vector<std::string> trace_warnings(const TraceCheck& check) {
   std::vector<std::string> lines;
   if (check.starts_pressed_in())
     lines.push_back(
@@ -132,7 +132,7 @@ std::vector<std::string> sayings(const TraceCheck& check) {
   return lines;
 }
 
-std::vector<std::string> sayings(const TraceRows& rows) {
+std::vector<std::string> trace_notes(const TraceRows& rows) {
   std::vector<std::string> lines;
   if (rows.missing > 0)
     lines.push_back(fmt::format("{} rows without a position are left out, the motion is interpolated there",

@@ -16,11 +16,12 @@
 
 namespace forefeel {
 
-constexpr double rest_radius = 1e-4;   // [m]
-constexpr double rest_seconds = 1;     // [s]
-constexpr double pressed_in = 5e-4;    // a motion that starts farther from rest starts pressed in [m]
-constexpr double long_gap = 0.1;       // above it sayings() mentions gaps [s]
-constexpr double outside_much = 0.05;  // share of rows outside the box above which sayings() mentions it
+constexpr double rest_radius = 1e-4;  // [m]
+constexpr double rest_seconds = 1;    // [s]
+constexpr double pressed_in = 5e-4;   // a motion that starts farther from rest starts pressed in [m]
+constexpr double long_gap = 0.1;      // above it trace_warnings() mentions gaps [s]
+constexpr double outside_much =
+    0.05;  // share of rows outside the box above which trace_warnings() mentions it
 
 struct TraceCheck {
   struct Times {
@@ -53,9 +54,9 @@ struct TraceCheck {
 TraceCheck check_trace(const TraceRows& rows, const std::optional<Box>& space);
 // Warnings for a session with this motion: it starts away from rest, leaves the box, has long gaps, or rests. One line
 // each; empty if there are none.
-std::vector<std::string> sayings(const TraceCheck& check);
+std::vector<std::string> trace_warnings(const TraceCheck& check);
 // Notes on rows left out and columns not read: "orientation is not used …". Empty if there are none.
-std::vector<std::string> sayings(const TraceRows& rows);
+std::vector<std::string> trace_notes(const TraceRows& rows);
 
 // The first row of each time; rows that go back are left out.
 TraceRows growing(const TraceRows& rows);

@@ -60,8 +60,9 @@ class References {
   const State& operator[](std::size_t i) const { return *states_[i]; }
   std::size_t solved() const { return solved_; }
 
-  // Calls told(done, total) as positions are solved.
-  void solve(std::span<const std::size_t> wanted, const std::function<void(std::size_t, std::size_t)>& told) {
+  // Calls progress(done, total) as positions are solved.
+  void solve(std::span<const std::size_t> wanted,
+             const std::function<void(std::size_t, std::size_t)>& progress) {
     std::vector<std::size_t> missing;
     for (const std::size_t i : wanted)
       if (!states_[i]) missing.push_back(i);
@@ -76,7 +77,7 @@ class References {
         states_[missing[k]] =
             wanted_to_end(options_) ? State{} : solver.reference(at_[missing[k]], step_).state;
 #pragma omp critical(forefeel_auto_spacing)
-        told(++finished, missing.size());
+        progress(++finished, missing.size());
       }
     }
   }

@@ -67,9 +67,9 @@ void note_motion(SessionPlan& plan) {
   const std::filesystem::path file = found_from(plan.input.files.scene, motion->file);
   TraceRows rows = read_trace_rows(file, motion->format, MissingPositions::leave_out);
   for (Vec3& x : rows.positions) x = motion->scale * x + motion->offset;
-  plan.motion_notes = sayings(rows);
+  plan.motion_notes = trace_notes(rows);
   const TraceRows used = window(rows, 0, plan.options.clock.seconds);
-  for (std::string& line : sayings(check_trace(used, plan.input.touched.space.box)))
+  for (std::string& line : trace_warnings(check_trace(used, plan.input.touched.space.box)))
     plan.motion_notes.push_back(std::move(line));
   for (std::string& line : plan.motion_notes) line = fmt::format("trace {}: {}", motion->file.string(), line);
 }

@@ -222,8 +222,8 @@ class Farm {
   }
 
   void tell_notes() {
-    for (; told_ < pool_.notes().size(); ++told_)
-      if (options_.note) options_.note(pool_.notes()[told_]);
+    for (; notes_sent_ < pool_.notes().size(); ++notes_sent_)
+      if (options_.note) options_.note(pool_.notes()[notes_sent_]);
   }
 
   RankPool& pool_;
@@ -233,7 +233,7 @@ class Farm {
   std::vector<std::vector<std::uint64_t>> held_;  // by each worker
   std::set<std::uint64_t> open_;                  // given out, not done
   std::set<int> taken_part_;
-  std::size_t told_ = 0;
+  std::size_t notes_sent_ = 0;
 };
 
 }  // namespace

@@ -132,7 +132,7 @@ NewtonReport Continuation::advance(const Vec3& x, double max_step, double tolera
     if (report.status == SolveStatus::converged) {
       done = next;
       share = std::min(1 / steps, 2 * share);
-      if (told_) told_(done);
+      if (progress_) progress_(done);
     } else if (report.status == SolveStatus::cancelled || share <= least) {
       break;
     } else {

@@ -30,8 +30,8 @@ class Continuation {
   NewtonReport advance(const Vec3& x, double max_step, double tolerance, int max_iterations,
                        const std::stop_token& stop, double between = 0);
 
-  // Calls told(share of the way) after each step of advance().
-  void watch(std::function<void(double)> told) { told_ = std::move(told); }
+  // Calls progress(share of the way) after each step of advance().
+  void watch(std::function<void(double)> progress) { progress_ = std::move(progress); }
 
   const Vec3& at() const { return at_; }
   int iterations() const { return iterations_; }  // since begin
@@ -70,7 +70,7 @@ class Continuation {
   bool has_factor_ = false;  // newton_.factor() belongs to field_ or to a field near it
   int iterations_ = 0;
   std::array<double, 2> kinks_{};  // of the last step and the one before
-  std::function<void(double)> told_;
+  std::function<void(double)> progress_;
 };
 
 namespace detail {

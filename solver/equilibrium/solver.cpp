@@ -107,8 +107,8 @@ struct Solver::Impl {
 
   // True if the trapezium rule on the stiffnesses leads from one force to the other: both lie on one branch.
   bool fits(const State& a, const State& b) const {
-    const Vec3 foretold = a.force - 0.5 * (a.stiffness + b.stiffness) * (b.at - a.at);
-    return (foretold - b.force).norm() <= 0.1 * std::max({a.force.norm(), b.force.norm(), d->force_floor});
+    const Vec3 predicted = a.force - 0.5 * (a.stiffness + b.stiffness) * (b.at - a.at);
+    return (predicted - b.force).norm() <= 0.1 * std::max({a.force.norm(), b.force.norm(), d->force_floor});
   }
 
   SolveOutcome outcome(const NewtonReport& report, const Vec3& x, const Vec3& parent,
@@ -175,8 +175,8 @@ const Body& Solver::body() const {
   return *impl_->body;
 }
 
-void Solver::watch(std::function<void(double)> told) {
-  impl_->path.watch(std::move(told));
+void Solver::watch(std::function<void(double)> progress) {
+  impl_->path.watch(std::move(progress));
 }
 
 std::shared_ptr<const Equilibrium> Solver::rest() const {

@@ -72,8 +72,8 @@ class Solver {
 
   const Body& body() const;
   std::shared_ptr<const Equilibrium> rest() const;
-  // Calls told(share of the way) after each continuation step of reference() and from(); a linear body has no steps.
-  void watch(std::function<void(double)> told);
+  // Calls progress(share of the way) after each continuation step of reference() and from(); a linear body has no steps.
+  void watch(std::function<void(double)> progress);
   // On the reference branch (the primary equilibrium path): from rest straight to x in equal steps of at most `spacing`
   // [m], each solved to tolerance.
   SolveOutcome reference(const Vec3& x, double spacing, const SolveOptions& options = {});

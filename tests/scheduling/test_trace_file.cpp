@@ -93,7 +93,7 @@ TEST_CASE("one motion in many forms is the same motion") {
     REQUIRE(rows.times.size() == 3);
     CHECK(rows.times[2] == 1);
     CHECK(rows.positions[0] == Vec3(0.4, 0.3, 1));
-    CHECK(sayings(rows).size() == 1);
+    CHECK(trace_notes(rows).size() == 1);
   }
   SECTION("a motion that begins at rest, or passes through it, has lost nothing") {
     const TraceRows rows = read("t,x,y,z\n0,0,0,0\n1,0,0,-.001\n2,0,0,0\n3,0,.005,0\n", with({}, "m/s"));
@@ -257,9 +257,9 @@ TEST_CASE("a motion is checked, shifted, cut and resampled") {
   CHECK(check.rests.longest_from == Approx(1).margin(0.011));
   CHECK(*check.outside_from == Approx(0.51).margin(0.011));
   CHECK(*check.outside == Approx(351.0 / 402).margin(0.01));
-  const std::vector<std::string> said = sayings(check);
-  REQUIRE(said.size() == 4);
-  CHECK_THAT(said[2], Catch::Contains("1 gaps in time, the longest 0.5 s"));
+  const std::vector<std::string> lines = trace_warnings(check);
+  REQUIRE(lines.size() == 4);
+  CHECK_THAT(lines[2], Catch::Contains("1 gaps in time, the longest 0.5 s"));
 
   const TraceRows grown = growing(rows);
   CHECK(grown.times.size() == 402);
