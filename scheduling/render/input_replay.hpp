@@ -33,7 +33,7 @@ struct ReplayReport {
   std::size_t states = 0, failed = 0, models = 0;
   double seconds = 0;       // time of the last frame [s]
   std::uint64_t bytes = 0;  // of the file, as far as it was read
-  bool whole = false;       // false: the run was killed or its disk was full; the existing records were replayed
+  bool whole = false;  // false: the run was killed or its disk was full; the existing records were replayed
   std::string made_by, replayed_by;
   std::optional<ForceDifference> first = {};  // none: all are equal
 };

@@ -44,7 +44,8 @@ struct PlannerSetup {
   ModelRecipe model = {};
   SwitchOptions jnd = {};  // unit of PlannerView::surprises
   AuditPlan audits = {};
-  Mat3 stiffest = Mat3::Zero();  // K_b, bound of the body's stiffness at rest [N/m] (plausible.hpp); zero: unknown
+  Mat3 stiffest =
+      Mat3::Zero();  // K_b, bound of the body's stiffness at rest [N/m] (plausible.hpp); zero: unknown
 };
 
 class Planner {

@@ -32,10 +32,11 @@ struct TouchedBody {
 
 struct SessionFiles {
   std::optional<std::filesystem::path> states = {};  // new states are appended here
-  std::optional<std::filesystem::path> inputs = {};  // inputs of the run are recorded here (render/input_log.hpp)
-  std::string program = {};                          // name and version of the recording program
-  std::filesystem::path cache = {};                  // folder of this body's tight solves; empty: none
-  std::filesystem::path scene = {};                  // folder where relative trace files are looked up
+  std::optional<std::filesystem::path> inputs =
+      {};                            // inputs of the run are recorded here (render/input_log.hpp)
+  std::string program = {};          // name and version of the recording program
+  std::filesystem::path cache = {};  // folder of this body's tight solves; empty: none
+  std::filesystem::path scene = {};  // folder where relative trace files are looked up
 };
 
 // Parts given as objects. Each replaces the part named in the options. An object serves one session at a

@@ -25,8 +25,9 @@ class RankWorker {
 
 // What a worker may use of its rank, from any thread.
 struct RankContext {
-  std::stop_token ended = {};           // the rank must end
-  std::function<void(Bytes)> ask = {};  // sends a question to rank 0, which may answer at once, later or never
+  std::stop_token ended = {};  // the rank must end
+  std::function<void(Bytes)> ask =
+      {};  // sends a question to rank 0, which may answer at once, later or never
   // Sets the function that takes the answers; the thread that exchanges messages calls it. Null: answers are
   // dropped, and no call of the former function is running when listen() returns.
   std::function<void(std::function<void(Bytes)>)> listen = {};

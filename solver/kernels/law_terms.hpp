@@ -27,7 +27,8 @@ struct LawDefaults {
   static constexpr bool uses_j = false;        // dj is not zero everywhere
   static constexpr bool uses_11 = false;       // d11 is not zero everywhere
   static constexpr bool needs_positive_j = false;  // psi grows without bound as J -> 0
-  static constexpr bool softens = false;  // loses stiffness in compression: a neighbour's factor is less accurate
+  static constexpr bool softens =
+      false;  // loses stiffness in compression: a neighbour's factor is less accurate
 };
 
 // One point of the material: F and what the derivatives of the invariants need.
