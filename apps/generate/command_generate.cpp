@@ -115,8 +115,8 @@ FarmOptions farm_options(const Globals& globals, const std::stop_token& stop,
           }};
 }
 
-// When a rank has died, mpirun sends a signal to the others and ends them about a second later. So this is said at
-// once.
+// When a rank has died, mpirun sends a signal to the others and ends them about a second later. So the warning is
+// printed at once.
 void tell_ended_ranks(KeptStates& kept, const std::string& output) {
   kept.flush();
   std::cerr << "forefeel: "
@@ -210,7 +210,7 @@ Scene checked_scene(const Globals& globals, const GenerateArguments& arguments) 
   return scene;
 }
 
-// A file that was moved leaves its newest states in FILE-wal, where nobody finds them.
+// A file that was moved lacks its newest states: they remain in FILE-wal under the old name.
 bool is_gone(const Globals& globals, const std::string& output) {
   if (is_database(output)) return false;
   warn(globals, fmt::format("{}: was moved or removed while states were written, so it is incomplete; "

@@ -29,7 +29,7 @@ class MetaReader {
     const std::string other = local ? std::string() : read_beside(path_, source);
     std::string_view data = local ? content_.substr(data_) : std::string_view(other);
     const double skip = numbers("HeaderSize", {0})[0];
-    if (skip == -1 && !compressed) {  // the data stand at the end
+    if (skip == -1 && !compressed) {  // the data are at the end
       const std::size_t bytes = bytes_of(header.type) * checked_voxels(header, file_, 0);
       if (bytes < data.size()) data.remove_prefix(data.size() - bytes);
     } else if (skip < 0 || skip > static_cast<double>(data.size())) {

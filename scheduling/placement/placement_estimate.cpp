@@ -28,15 +28,14 @@ ErrorEstimator::ErrorEstimator(const StateSpace& space, EstimateOptions options)
 }
 
 Vec3 ErrorEstimator::force(const Vec3& x) {
-  // A model of its own for each x, as far as the set may differ; else one for each size of the space.
+  // If the neighbour set depends on x, each x gets its own model; else there is one model for each size of the space.
   if (space_.size() > options_.model.neighbours || space_.size() != seen_) updater_.forget();
   seen_ = space_.size();
   updater_.update(x, model_);
   return model_.force(x);
 }
 
-// All states, or where they are many those around the state nearest to x, so that many x share an
-// interpolant.
+// All states or, if there are many, those around the state nearest to x, so that many x share an interpolant.
 const ErrorEstimator::Pair& ErrorEstimator::interpolants(const Vec3& x) {
   const std::size_t most = options_.interpolated;
   space_.nearest(x, space_.size() <= most ? most : 1, ids_);

@@ -128,8 +128,8 @@ double ErrorNeed::median(double delta_over_h, double side) const {
   return std::exp(fit_.dot(Eigen::Vector3d(1, std::log(std::max(delta_over_h, nearest_of_all)), side)));
 }
 
-// path_share of the weight is on the predicted path. An uncertain prediction gives a part of its own to the cubes
-// around it. The rest is on the whole box, by the time to reach each cube.
+// path_share of the weight is on the predicted path. An uncertain prediction passes a part of its weight to the cubes
+// around it. The rest of the weight is on the whole box, by the time to reach each cube.
 void ErrorNeed::weigh(const PlannerView& view) {
   const Box& box = view.space.options().box;
   const bool truth = !view.predicted.empty() && view.predicted.back().deviation == 0;

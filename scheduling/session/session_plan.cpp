@@ -197,7 +197,7 @@ MemoryRequest memory_request(const SessionPlan& plan) {
           .threads = workers.threads};
 }
 
-// A rehearsed session is run several times with the same parts.
+// A clairvoyant session is simulated several times with the same parts.
 void check_reusable(const SessionParts& parts) {
   if (parts.predictor || parts.virtual_workers)
     throw InputError(

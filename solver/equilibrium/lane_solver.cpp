@@ -93,7 +93,7 @@ void LaneSolver::mix(int pairs, const LaneMask& active) {
   }
 }
 
-// Evaluates all lanes and decides for each: it has converged, goes on, goes back half of its last move, or is given up.
+// Evaluates all lanes. Each has converged, continues, undoes half of its last step, or is given up.
 void LaneSolver::judge(int count, double tolerance, int iteration, LaneProgress& at,
                        std::array<LaneResult, lane_count>& results) {
   const auto rows = static_cast<std::int64_t>(3 * d_->free_nodes);
