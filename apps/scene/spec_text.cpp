@@ -30,15 +30,16 @@ std::vector<Declared> path_settings() {
 std::vector<Declared> trait_settings() {
   const HandTraits usual;
   const auto shown = [](double value) { return fmt::format("{}", value); };
-  return {{"mass", "kg", shown(usual.mass), "of hand and device"},
-          {"zeta", "1", shown(usual.damping_ratio), "damping ratio of the grip, below 1"},
-          {"stiffening", "1", shown(usual.stiffening),
-           "the grip is stiffer by this share after a surprising force; 0: no reaction"},
-          {"surprise", "N", shown(usual.surprise), "change of the force within 0.1 s that is one"},
-          {"delay", "s", shown(usual.delay), "from the surprise to the reaction"},
-          {"calm", "s", shown(usual.calm), "in which the reaction falls to 37 %"},
-          {"drawn", "", "no",
-           "yes: grip (about the one given), mass, zeta, tremor and reaction are drawn from the seed"}};
+  return {
+      {"mass", "kg", shown(usual.mass), "of hand and device"},
+      {"zeta", "1", shown(usual.damping_ratio), "damping ratio of the grip, below 1"},
+      {"stiffening", "1", shown(usual.stiffening),
+       "the grip is stiffer by this share after a surprising force; 0: no reaction"},
+      {"surprise", "N", shown(usual.surprise), "change of the force within 0.1 s that counts as a surprise"},
+      {"delay", "s", shown(usual.delay), "time from the surprise to the reaction"},
+      {"calm", "s", shown(usual.calm), "time in which the reaction falls to 37 %"},
+      {"drawn", "", "no",
+       "yes: grip (about the one given), mass, zeta, tremor and reaction are drawn from the seed"}};
 }
 
 std::vector<Declared> hand_settings() {
@@ -319,7 +320,7 @@ std::vector<DeclaredTable> device_tables() {
     return fmt::format("{}", fmt::join(names, " | "));
   };
   std::vector<DeclaredTable> tables{
-      {"path", "path:NAME,key=value,… A closed curve, run for ever.",
+      {"path", "path:NAME,key=value,… A closed curve, repeated without end.",
        with("NAME", any_of(path_names()), path_settings())},
       {"trace", "trace:FILE,key=value,… A recorded motion.",
        with("FILE", "a table of numbers, relative to the scene; t,x,y,z in s and m unless said otherwise",

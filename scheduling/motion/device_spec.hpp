@@ -28,7 +28,7 @@ std::vector<std::string> hand_names();
 
 constexpr double usual_speed = 0.06;  // [m/s]
 
-// A closed curve, run for ever (path_shapes.hpp).
+// A closed curve, repeated without end (path_shapes.hpp).
 struct PathMotion {
   PathName path = PathName::press;
   std::optional<double> speed = {};  // [m/s], 1e-6 to 1000; unset: usual_speed
