@@ -1,5 +1,5 @@
 #pragma once
-// The six benches of `forefeel bench`. Each prints its rows and returns the exit code. An empty scene name
+// The five benches of `forefeel bench`. Each prints its rows and returns the exit code. An empty scene name
 // selects the built-in scene.
 
 #include <cstddef>
@@ -22,8 +22,5 @@ struct LoopBench {
   std::size_t states = 0;  // known at the start, at most; 0: the sessions begin as the scene says
 };
 int bench_loop(const Globals& globals, const std::string& scene, const LoopBench& bench);
-
-// folder: where viscosity.csv and viscosity.svg are written; "" writes no file. InputError for an elastic scene.
-int bench_viscosity(const Globals& globals, const std::string& scene, const std::string& folder);
 
 }  // namespace forefeel

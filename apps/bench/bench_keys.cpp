@@ -78,41 +78,6 @@ std::vector<Declared> switch_rows() {
           {"model", "", "", "that is switched"}};
 }
 
-std::vector<Declared> hard_case_rows() {
-  return {{"rows[].body", "", "", "hard-cases: one row a case"},
-          {"rows[].contact", "", "", "node or patch"},
-          {"rows[].motion", "", "", "of the contact"},
-          {"rows[].law", "", "", "of its material"},
-          {"rows[].young", "Pa", "", "E"},
-          {"rows[].poisson", "1", "", "nu"},
-          {"rows[].status", "", "", "how the solve ended"},
-          {"rows[].converged", "", "", "true: an equilibrium without inverted elements"},
-          {"rows[].iterations", "", "", "Newton iterations"},
-          {"rows[].residual", "1", "", "relative to the force"},
-          {"rows[].min_jacobian", "1", "", "least det F"},
-          {"rows[].force", "N", "", "on the tip"},
-          {"rows[].multivalued", "", "", "true: another path ends elsewhere; null: not tried"},
-          {"rows[].seconds", "s", "", "time of the solve"},
-          {"rows[].warnings", "", "", "list of lines"},
-          {"cases", "", "", "number of rows"},
-          {"converged", "", "", "of these"},
-          {"inverted", "", "", "equilibria with inverted elements"},
-          {"failed", "", "", "the others"}};
-}
-
-std::vector<Declared> element_rows() {
-  return {{"rows[].element", "", "", "elements: one row a kind of element and nu"},
-          {"rows[].poisson", "1", "", "nu"},
-          {"rows[].force", "N", "", "of the pressed patch"},
-          {"rows[].error", "1", "", "against the refined quadratic elements"},
-          {"rows[].over_nu_0.3", "1", "", "force over that at nu 0.3"},
-          {"rows[].free_nodes", "", "", "unknown positions"},
-          {"rows[].seconds", "s", "", "time of the solve"},
-          {"rows[].converged", "", "", "true: solved"},
-          {"elements", "", "", "of the mesh"},
-          {"provenance.KEY", "", "", "program and machine"}};
-}
-
 std::vector<Declared> loop_rows() {
   return {{"rows[].record", "", "", "bench loop: true: with the record of inputs"},
           {"rows[].seconds", "s", "", "time of the sessions"},
@@ -137,20 +102,6 @@ std::vector<Declared> loop_rows() {
           {"good", "", "", "true: no fault was found"}};
 }
 
-std::vector<Declared> viscosity_rows() {
-  return {{"viscosity[].share", "1", "", "bench viscosity: of the stiffness that relaxes, of each branch"},
-          {"viscosity[].time", "s", "", "of the branch"},
-          {"depth", "m", "", "of the press"},
-          {"relaxation.error", "1", "", "largest difference from the exact force"},
-          {"relaxation.long_term_share", "1", "", "of the first force that stays"},
-          {"creep.force", "N", "", "that is held"},
-          {"creep.from,to", "m", "", "displacement at its begin and end"},
-          {"creep.error", "1", "", "largest difference from the exact displacement"},
-          {"hysteresis", "", "", "list, one entry a period"},
-          {"hysteresis[].KEY", "", "", "period, work lost in a loop, the exact one, and the error"},
-          {"files", "", "", "list: written with -o"}};
-}
-
 std::vector<Declared> with_common(const std::vector<Declared>& more) {
   std::vector<Declared> rows = common_rows();
   rows.insert(rows.end(), more.begin(), more.end());
@@ -164,10 +115,7 @@ std::vector<DeclaredTable> declared_bench_json() {
           {"bench_solver.json", "Of bench solver --json.", with_common(solver_rows())},
           {"bench_coverage.json", "Of bench coverage --json.", with_common(coverage_rows())},
           {"bench_switch.json", "Of bench switch --json.", with_common(switch_rows())},
-          {"bench_loop.json", "Of bench loop --json.", with_common(loop_rows())},
-          {"bench_viscosity.json", "Of bench viscosity --json.", with_common(viscosity_rows())},
-          {"bench_hard_cases.json", "Of bench solver hard-cases --json.", hard_case_rows()},
-          {"bench_elements.json", "Of bench solver elements --json.", element_rows()}};
+          {"bench_loop.json", "Of bench loop --json.", with_common(loop_rows())}};
 }
 
 }  // namespace forefeel

@@ -1,5 +1,5 @@
-// forefeel bench approx|solver|coverage|switch|loop|viscosity [SCENE]: speed, error, and ratios to named baselines
-// measured in the same run.
+// forefeel bench approx|solver|coverage|switch|loop [SCENE]: speed, error, and ratios to named baselines measured in the
+// same run.
 
 #include <fmt/format.h>
 
@@ -7,8 +7,6 @@
 #include <optional>
 
 #include "apps/bench/bench.hpp"
-#include "apps/bench/bench_elements.hpp"
-#include "apps/bench/bench_hard_cases.hpp"
 #include "apps/console/commands.hpp"
 #include "apps/console/console.hpp"
 #include "apps/scene/scene.hpp"
@@ -27,23 +25,17 @@ struct BenchOptions {
 };
 
 int run_bench(const Globals& globals, const BenchOptions& options) {
-  if (!options.output.empty() && options.what != "approx" && options.what != "viscosity" &&
-      !(options.what == "solver" && options.scene == "hard-cases"))
-    throw InputError(
-        "--output",
-        "only bench approx, bench viscosity and bench solver hard-cases write files, expected none here");
+  if (!options.output.empty() && options.what != "approx")
+    throw InputError("--output", "only bench approx writes files, expected none here");
   if (options.what != "loop" && (options.seconds || options.blocks))
     throw InputError(options.seconds ? "--seconds" : "--blocks",
                      "only bench loop takes it, expected none here");
-  if (options.states > 0 && options.what != "loop" &&
-      (options.what != "solver" || options.scene == "hard-cases" || options.scene == "elements"))
-    throw InputError("--states", "only bench loop and bench solver of a scene take it, expected none here");
-  const bool own_bodies =
-      options.what == "solver" && (options.scene == "hard-cases" || options.scene == "elements");
-  if (!globals.set.empty() && (own_bodies || (options.what == "coverage" && options.scene.empty())))
-    throw InputError("--set",
-                     fmt::format("{}, without effect on bench {}{}, which reads no scene, expected none here",
-                                 globals.set.front(), options.what, own_bodies ? " " + options.scene : ""));
+  if (options.states > 0 && options.what != "loop" && options.what != "solver")
+    throw InputError("--states", "only bench loop and bench solver take it, expected none here");
+  if (!globals.set.empty() && options.what == "coverage" && options.scene.empty())
+    throw InputError(
+        "--set", fmt::format("{}, without effect on bench coverage, which reads no scene, expected none here",
+                             globals.set.front()));
   if (options.what == "coverage") {
     if (!options.scene.empty()) {
       load_scene(options.scene, globals.set, nullptr, {.spacing = false});
@@ -51,12 +43,8 @@ int run_bench(const Globals& globals, const BenchOptions& options) {
     }
     return bench_coverage(globals);
   }
-  if (options.what == "solver" && options.scene == "hard-cases")
-    return bench_hard_cases(globals, options.output);
-  if (options.what == "solver" && options.scene == "elements") return bench_elements(globals);
   if (options.what == "solver") return bench_solver(globals, options.scene, options.states);
   if (options.what == "approx") return bench_approx(globals, options.scene, options.output);
-  if (options.what == "viscosity") return bench_viscosity(globals, options.scene, options.output);
   if (options.what == "loop") {
     const LoopBench usual;
     return bench_loop(globals, options.scene,
@@ -77,17 +65,11 @@ void add_bench(CommandLine& line) {
          "WHAT", options->what,
          "approx, solver, coverage, switch,\n"
          "loop: the 1 kHz loop of a session beside a bare loop that only waits for its deadlines, at the\n"
-         "same time and under full load; viscosity: relaxation, creep and hysteresis of a viscous scene")
+         "same time and under full load")
       .required()
-      .one_of({"approx", "solver", "coverage", "switch", "loop", "viscosity"});
-  sub.option("SCENE", options->scene,
-             "Scene to take states from; default: the built-in one of each bench.\n"
-             "For solver also: hard-cases (a table of difficult bodies), elements (locking)");
-  sub.option(
-         "-o,--output", options->output,
-         "Folder: approx.csv and .svg of approx, viscosity.csv and .svg of viscosity, hard_cases.csv and\n"
-         ".html of hard-cases")
-      .shows("DIR");
+      .one_of({"approx", "solver", "coverage", "switch", "loop"});
+  sub.option("SCENE", options->scene, "Scene to take states from; default: the built-in one of each bench");
+  sub.option("-o,--output", options->output, "Folder: approx.csv and .svg of approx").shows("DIR");
   sub.option(
          "--states", options->states,
          "bench solver, for large bodies: shrink the box towards rest until its lattice has at most\n"

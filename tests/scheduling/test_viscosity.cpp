@@ -197,6 +197,37 @@ TEST_CASE("relaxation: a held step, a ramp, unequal steps and steps left out fol
   CHECK((coarse.step(0.007 * one, 0.007) - last).norm() < 1e-15);
 }
 
+TEST_CASE(
+    "relaxation: a force held constant creeps, and a loop loses energy, as of the standard linear solid") {
+  constexpr double g = 0.4, tau = 0.2, frame = 1e-3;
+  // Creep: the elastic force that keeps F = 1 is the compliance J(t) = 1 / (1 - g) - g / (1 - g) exp(-(1 - g) t / tau).
+  RelaxationFilter creep({{g, tau}});
+  creep.step(Vec3::UnitX(), 0);
+  for (int k = 1; k <= 2000; ++k) {
+    RelaxationFilter none = creep,
+                     one = creep;  // the filter is linear: two steps give the one that is wanted
+    const double without = none.step(Vec3::Zero(), frame).x(), with = one.step(Vec3::UnitX(), frame).x();
+    const double elastic = (1 - without) / (with - without);
+    creep.step(Vec3(elastic, 0, 0), frame);
+    CHECK(elastic == Approx((1 - g * std::exp(-(1 - g) * k * frame / tau)) / (1 - g)).epsilon(1e-5));
+  }
+  // A settled loop of sin(w t): the loss modulus is g w tau / (1 + w^2 tau^2), of second order in the frame.
+  const auto lost = [&](int frames) {
+    constexpr double turn = 2 * M_PI * tau;  // w tau, of a period of 1 s
+    RelaxationFilter loop({{g, tau}});
+    double work = 0, last = 0, before = 0;
+    for (int k = 0; k <= 5 * frames; ++k) {
+      const double place = std::sin(2 * M_PI * k / frames),
+                   force = loop.step(Vec3(place, 0, 0), 1.0 / frames).x();
+      if (k > 4 * frames) work += 0.5 * (force + last) * (place - before);
+      last = force, before = place;
+    }
+    return work / (M_PI * g * turn / (1 + turn * turn)) - 1;
+  };
+  CHECK(std::abs(lost(1000)) < 1e-4);
+  CHECK(lost(100) / lost(400) == Approx(16).epsilon(0.1));
+}
+
 TEST_CASE("relaxation: a force that is not finite leaves no trace") {
   RelaxationFilter with(two_branches), without(two_branches);
   const Vec3 a(1, 0, 0), b(3, 1, 0);
