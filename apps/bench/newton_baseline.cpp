@@ -1,6 +1,7 @@
 #include "apps/bench/newton_baseline.hpp"
 
 #include <cholmod.h>
+#include <omp.h>
 
 #include <algorithm>
 #include <cmath>
@@ -63,6 +64,19 @@ class EigenSolver : public SparseSolver {
   void* ldlt_;
 };
 
+// CHOLMOD opens teams of four threads for its own loops, which cost more than they bring beside our workers. No team is
+// opened while this lives.
+class OneThread {
+ public:
+  OneThread() : levels_(omp_get_max_active_levels()) { omp_set_max_active_levels(omp_get_active_level()); }
+  ~OneThread() { omp_set_max_active_levels(levels_); }
+  OneThread(const OneThread&) = delete;
+  OneThread& operator=(const OneThread&) = delete;
+
+ private:
+  int levels_;
+};
+
 class CholmodSolver : public SparseSolver {
  public:
   explicit CholmodSolver(const SparsePattern& p) {
@@ -74,6 +88,7 @@ class CholmodSolver : public SparseSolver {
     std::copy(p.start.begin(), p.start.end(), static_cast<int*>(matrix_->p));
     std::copy(p.row.begin(), p.row.end(), static_cast<int*>(matrix_->i));
     std::fill_n(static_cast<double*>(matrix_->x), p.row.size(), 0.0);
+    const OneThread one;
     factor_ = cholmod_analyze(matrix_, &common_);
     right_ = cholmod_allocate_dense(n, 1, n, CHOLMOD_REAL, &common_);
   }
@@ -88,11 +103,13 @@ class CholmodSolver : public SparseSolver {
 
   bool factor(const double* values) override {
     std::copy_n(values, matrix_->nzmax, static_cast<double*>(matrix_->x));
+    const OneThread one;
     cholmod_factorize(matrix_, factor_, &common_);
     return common_.status == CHOLMOD_OK && factor_->minor == factor_->n;
   }
   void solve(const double* b, double* x) override {
     std::copy_n(b, matrix_->nrow, static_cast<double*>(right_->x));
+    const OneThread one;
     cholmod_dense* result = cholmod_solve(CHOLMOD_A, factor_, right_, &common_);
     std::copy_n(static_cast<const double*>(result->x), matrix_->nrow, x);
     cholmod_free_dense(&result, &common_);
@@ -123,7 +140,7 @@ std::string cholmod_blas() {
   std::string version = openblas_get_config();  // "OpenBLAS 0.3.21 …"
   version = version.substr(0, version.find(' ', version.find(' ') + 1));
   return version + (openblas_get_corename ? std::string(", ") + openblas_get_corename() + " kernels" : "") +
-         ", one thread";
+         ", one thread, and CHOLMOD on one";
 }
 
 const char* cholmod_blas_wanted() {

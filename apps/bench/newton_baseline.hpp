@@ -32,7 +32,8 @@ struct SparseSolver {
 std::unique_ptr<SparseSolver> make_eigen_ldlt(
     const SparsePattern& pattern);  // of this processor's instruction set
 std::unique_ptr<SparseSolver> make_cholmod(const SparsePattern& pattern);
-std::string cholmod_blas();  // the BLAS it runs on, its kernels and threads
+// The BLAS it runs on, its kernels and threads. Of CHOLMOD itself and of OpenBLAS only one thread works for a solver.
+std::string cholmod_blas();
 // The value of OPENBLAS_CORETYPE that makes OpenBLAS use kernels for this processor's instruction set. Null if it
 // uses such kernels already.
 const char* cholmod_blas_wanted();
@@ -48,7 +49,6 @@ class BaselineNewton {
 
  private:
   bool factorise(const std::vector<double>& u);
-  void copy_values();
 
   std::shared_ptr<const Discretisation> d_;
   SparsePattern pattern_;
