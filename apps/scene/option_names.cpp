@@ -2,6 +2,36 @@
 
 namespace forefeel {
 
+const Words<Element>& element_words() {
+  static const Words<Element> words{{"linear", Element::linear}, {"quadratic", Element::quadratic}};
+  return words;
+}
+
+const Words<Law>& law_words() {
+  static const Words<Law> words = [] {
+    Words<Law> all;
+    for (const Law law : all_laws()) all.emplace_back(name(law), law);
+    return all;
+  }();
+  return words;
+}
+
+const Words<Axis>& axis_words() {
+  static const Words<Axis> words{{"x", Axis::x}, {"y", Axis::y}, {"z", Axis::z}};
+  return words;
+}
+
+const Words<Kernel>& kernel_words() {
+  static const Words<Kernel> words{
+      {"linear", Kernel::linear}, {"cubic", Kernel::cubic}, {"quintic", Kernel::quintic}};
+  return words;
+}
+
+const Words<Data>& data_words() {
+  static const Words<Data> words{{"force", Data::force}, {"force+stiffness", Data::force_and_stiffness}};
+  return words;
+}
+
 const Words<Clock>& clock_words() {
   static const Words<Clock> words{{"real", Clock::real}, {"virtual", Clock::virtual_time}};
   return words;

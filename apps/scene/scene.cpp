@@ -5,17 +5,14 @@
 #include <algorithm>
 #include <cmath>
 
-#include "apps/console/suggest.hpp"
 #include "apps/scene/cache_folder.hpp"
-#include "apps/scene/option_names.hpp"
 #include "apps/scene/scene_body.hpp"
 #include "apps/scene/scene_declared.hpp"
 #include "apps/scene/scene_hand.hpp"
 #include "apps/scene/scene_materials.hpp"
-#include "apps/scene/scene_shape.hpp"
 #include "apps/scene/scene_tolerance.hpp"
+#include "apps/scene/session_rows.hpp"
 #include "apps/scene/spacing_check.hpp"
-#include "apps/scene/spec_text.hpp"
 #include "geometry/common/sha256.hpp"
 #include "solver/body/body_digest.hpp"
 
@@ -72,14 +69,29 @@ void choose_spacing_of(const SceneTable& table, const SceneUse& use, Scene& scen
         100 - 100 * scene.spacing.chosen->allowed_share));
 }
 
+const SceneRows<Scene>& rows_of_space() {
+  static const auto rows =
+      SceneRows<Scene>("state_space", "Where states are placed.")
+          .row({"spacing", "m", "required; 0.006 with a phantom",
+                "side of the lattice of states; \"auto\": measured, so that safe means an error below "
+                "tolerance"})
+          .required("a number above 0 [m]")
+          .row({"box", "m", "required; made of the body with a phantom",
+                "[[x0, y0, z0], [x1, y1, z1]] of tip positions, low corner first; rest is [0, 0, 0]"})
+          .required("[[x0, y0, z0], [x1, y1, z1]]")
+          .flag("displacements", "true: states keep the displacements of all nodes", &Scene::displacements)
+          .row({"tolerance", "1", fmt::format("{}", usual_tolerance),
+                "error that spacing = \"auto\" allows where safe, and within which session and classify "
+                "--bars "
+                "say the force is known: a share of the force, or \"0.07 N\""});
+  return rows;
+}
+
 void read_state_space(const SceneTable& table, const TetMesh& mesh, bool defaults, const SceneUse& use,
                       Scene& scene) {
   const bool automatic = scene.spacing.automatic = table.is_text("spacing", "auto");
-  if (!defaults)
-    for (const std::string key : {"spacing", "box"})
-      if (!table.has(key))
-        throw table.wrong(key, key == "box" ? "[[x0, y0, z0], [x1, y1, z1]]" : "a number above 0 [m]");
-  const std::optional<Tolerance> tolerance = read_tolerance(table);
+  if (!defaults) rows_of_space().check_required(table);
+  const std::optional<Tolerance>& tolerance = scene.written.tolerance = read_tolerance(table);
   if (tolerance && tolerance->newtons && automatic)
     throw table.wrong("tolerance", "a share of the force beside spacing = \"auto\", as 0.07");
   if (tolerance && !tolerance->newtons) scene.spacing.tolerance = tolerance->value;
@@ -95,105 +107,33 @@ void read_state_space(const SceneTable& table, const TetMesh& mesh, bool default
   if (const auto line =
           spacing_beyond(table.where("spacing").text(), scene.space.spacing, scene.space.box, "the states"))
     scene.source.warnings.push_back(*line);
-  scene.displacements = table.boolean("displacements").value_or(false);
+  rows_of_space().read(table, scene);
+}
+
+const SceneRows<ModelOptions>& rows_of_model() {
+  using M = ModelOptions;
+  static const auto rows =
+      SceneRows<M>("model", "The interpolation of the force between states.", SessionModelOptions().fit)
+          .word("kernel", kernel_words(), ": radial basis function of order 1, 3, 5", &M::kernel)
+          .word("data", data_words(), ": what is fitted", &M::data)
+          .standard("force+stiffness; force with the linear kernel")
+          .whole("neighbours", 1, 100'000, "states of a model", &M::neighbours)
+          .standard("25; 100 with data = \"force\"")
+          .word("select", select_words(), ": rule that chooses the neighbours", &M::select)
+          .number("ridge", "1", not_negative(),
+                  "smoothing for noisy states, added to the kernel's diagonal; 0: none", &M::ridge);
+  return rows;
 }
 
 ModelOptions read_model(const SceneTable& table) {
   const ModelOptions usual = SessionModelOptions().fit;
   ModelOptions model = usual;
-  model.kernel =
-      table
-          .word<Kernel>("kernel",
-                        {{"linear", Kernel::linear}, {"cubic", Kernel::cubic}, {"quintic", Kernel::quintic}})
-          .value_or(usual.kernel);
-  model.data =
-      table.word<Data>("data", {{"force", Data::force}, {"force+stiffness", Data::force_and_stiffness}})
-          .value_or(model.kernel == Kernel::linear ? Data::force : usual.data);
+  rows_of_model().read(table, model);
+  if (model.kernel == Kernel::linear && !table.has("data")) model.data = Data::force;
   if (model.kernel == Kernel::linear && model.data == Data::force_and_stiffness)
     throw table.wrong("data", "\"force\" with the linear kernel, which has no derivative at a state");
-  model.neighbours = static_cast<std::size_t>(
-      table.integer("neighbours", 1, 100'000)
-          .value_or(model.data == usual.data ? static_cast<std::int64_t>(usual.neighbours) : 100));
-  model.select = table.word("select", select_words()).value_or(model.select);
-  model.ridge = table.number("ridge", not_negative()).value_or(model.ridge);
+  if (model.data != usual.data && !table.has("neighbours")) model.neighbours = 100;
   return model;
-}
-
-void read_switch(const SceneTable& session, SwitchOptions& options) {
-  options.rule = session.word("switch", switch_words()).value_or(options.rule);
-  const SceneTable jnd = session.sub("jnd", keys_of("session.jnd"));
-  options.jnd_share = jnd.number("share", share()).value_or(options.jnd_share);
-  options.jnd_floor = jnd.number("floor", positive()).value_or(options.jnd_floor);
-}
-
-void read_limits(const SceneTable& limits, SessionOptions& session) {
-  session.safety.force_limit = limits.number("force", positive()).value_or(session.safety.force_limit);
-  session.safety.slew_limit = limits.number("slew", positive()).value_or(session.safety.slew_limit);
-  session.safety.ramp_seconds = limits.number("ramp", not_negative()).value_or(session.safety.ramp_seconds);
-  session.safety.stale_seconds = limits.number("stale", positive()).value_or(session.safety.stale_seconds);
-  session.safety.coupling = limits.number("coupling", positive());
-}
-
-std::optional<fs::path> file_beside(const SceneTable& table, const std::string& key, const fs::path& folder) {
-  const std::optional<std::string> text = table.text(key);
-  if (!text) return {};
-  const fs::path path = folder / *text;
-  if (!fs::exists(path)) throw InputError(table.where(key), fmt::format("no such file '{}'", path.string()));
-  return path;
-}
-
-// A registered name, perhaps with settings: "mine:gain=2".
-std::optional<Registered> part_of(const SceneTable& table, const std::string& key,
-                                  const std::vector<std::string>& names) {
-  const std::optional<std::string> text = table.text(key);
-  if (!text) return {};
-  Registered part = part_from_text(key, *text);
-  chosen_word(table, key, part.name, names);
-  return part;
-}
-
-void read_session(const SceneTable& table, const fs::path& folder, SessionOptions& session) {
-  session.clock.kind = table.word("clock", clock_words()).value_or(session.clock.kind);
-  session.clock.seconds = table.number("seconds", positive()).value_or(session.clock.seconds);
-  session.planning.policy = part_of(table, "policy", policy_names()).value_or(session.planning.policy);
-  session.motion.predictor =
-      part_of(table, "predictor", predictor_names()).value_or(session.motion.predictor);
-  session.workers.kind = part_of(table, "workers_kind", workers_names()).value_or(session.workers.kind);
-  session.model.method = table.word("method", method_words()).value_or(session.model.method);
-  session.planning.placement =
-      table.word("placement", placement_words()).value_or(session.planning.placement);
-  if (session.model.method != SessionMethod::rbf && session.planning.placement != Placement::lattice)
-    throw table.wrong("placement",
-                      fmt::format("lattice with method = \"{}\", which interpolates between lattice states",
-                                  *table.text("method")));
-  session.workers.count =
-      static_cast<int>(table.integer("workers", 1, 100000).value_or(session.workers.count));
-  read_switch(table, session.switching);
-  session.model.update_travel =
-      table.number("update_travel", positive()).value_or(session.model.update_travel);
-  session.workers.latency = table.number("latency", not_negative()).value_or(session.workers.latency);
-  session.planning.arrivals = file_beside(table, "arrivals", folder);
-  session.planning.batch = static_cast<int>(table.integer("batch", 0, 8).value_or(session.planning.batch));
-  session.workers.batch_share = table.number("batch_share", positive()).value_or(session.workers.batch_share);
-  session.planning.rest_first = table.boolean("rest_first").value_or(session.planning.rest_first);
-  session.model.first_guess = table.boolean("first_guess").value_or(session.model.first_guess);
-  session.planning.rest_known = table.boolean("rest_known").value_or(session.planning.rest_known);
-  session.planning.audit = table.number("audit", {.low = 0, .high = 0.5, .text = "from 0 to 0.5"})
-                               .value_or(session.planning.audit);
-  session.planning.preempt = table.boolean("preempt").value_or(session.planning.preempt);
-  session.record = table.boolean("record").value_or(session.record);
-  session.seed = static_cast<std::uint64_t>(table.integer("seed", 0, INT64_MAX).value_or(0));
-  session.judging.error_floor = table.number("error_floor", positive()).value_or(session.judging.error_floor);
-  session.judging.reference_step =
-      table.number("reference_step", positive()).value_or(session.judging.reference_step);
-  session.judging.visit_cell =
-      table.number("visit_cell", not_negative()).value_or(session.judging.visit_cell);
-  session.judging.visit_stride =
-      static_cast<int>(table.integer("visit_stride", 1, 1000000).value_or(session.judging.visit_stride));
-  session.safety.passivity = table.word("passivity", passivity_words()).value_or(session.safety.passivity);
-  session.judging.discretisation_error =
-      table.boolean("discretisation_error").value_or(session.judging.discretisation_error);
-  read_limits(table.sub("limits", keys_of("session.limits")), session);
 }
 
 std::string hash_of(const SceneDocument& document, const BodyIdentity& identity) {
@@ -242,31 +182,25 @@ box = [[-0.036, -0.036, -0.036], [0.036, 0.036, 0.024]]
 
 Scene make_scene(const SceneDocument& document, const fs::path& file, const Scene* like,
                  const SceneUse& use = {}) {
-  const SceneTable root = document.root(keys_of(""));
-  const auto table = [&](const char* name) { return root.sub(name, keys_of(name)); };
-  const SceneTable space = table("state_space"), model = table("model"), session = table("session");
-  const BodySections sections{table("body"), root.subs("material", keys_of("material")), table("clamp"),
-                              table("contact")};
+  const SceneTable root = document.root(scene_sections());
+  const auto table = [&](const SceneRowList& rows) { return root.sub(rows.name(), rows.names()); };
+  const SceneTable space = table(state_space_rows()), model = table(model_rows()),
+                   session = table(session_rows());
+  const BodySections sections{table(body_rows()), root.subs("material", material_rows().names()),
+                              table(clamp_rows()), table(contact_rows())};
   Scene scene;
   scene.source.file = file;
   scene.model = read_model(model);
   if (model.has("select") && session.has("select"))
     throw session.wrong("select", "only one of model.select and session.select");
-  scene.model.select = session.word("select", select_words()).value_or(scene.model.select);
-  read_session(session, file.parent_path(), scene.session);
-  scene.written.device = session.text("device");
-  const SceneTable hand = table("hand");
+  read_session(session, scene);
+  const SceneTable hand = table(hand_rows());
   const std::optional<std::string> of_hand = device_of_hand(hand);
   if (of_hand && scene.written.device)
     throw session.wrong("device", "only one of session.device and the table [hand]");
   if (of_hand) scene.written.device = of_hand;
-  scene.written.cost = session.text("cost");
-  scene.written.device_place = of_hand ? hand.place() : session.where("device");
-  scene.written.cost_place = session.where("cost");
+  if (of_hand) scene.written.device_place = hand.place();
   scene.written.box_place = space.where("box");
-  if (session.has("arrivals")) scene.written.arrivals_place = session.where("arrivals");
-  for (const std::string& key : scheduling_keys())
-    if (session.has(key)) scene.written.scheduling.emplace_back("session." + key, session.where(key));
   scene.source.body = body_source(document, file);
   if (like && like->source.body == scene.source.body)
     share_body(*like, scene);
@@ -274,7 +208,7 @@ Scene make_scene(const SceneDocument& document, const fs::path& file, const Scen
     take_body(read_body(sections, file.parent_path(), file.string(), scene.source.warnings), scene);
   scene.viscosity = read_viscosity(sections.materials);
   read_state_space(space, scene.body->mesh, sections.body.has("phantom"), use, scene);
-  scene.displacements = scene.displacements || read_shape(session).rate > 0;
+  scene.displacements = scene.displacements || scene.shape.rate > 0;
   scene.model.length = scene.space.spacing;
   scene.session.model.fit = scene.model;
   scene.source.hash = hash_of(document, scene.identity);
@@ -282,6 +216,13 @@ Scene make_scene(const SceneDocument& document, const fs::path& file, const Scen
 }
 
 }  // namespace
+
+const SceneRowList& state_space_rows() {
+  return rows_of_space();
+}
+const SceneRowList& model_rows() {
+  return rows_of_model();
+}
 
 Scene load_scene(const fs::path& file, std::span<const std::string> overrides, const Scene* like,
                  const SceneUse& use) {

@@ -12,10 +12,11 @@
 #include <utility>
 #include <vector>
 
-#include "apps/scene/scene_keys.hpp"
 #include "apps/scene/scene_spacing.hpp"
 #include "geometry/common/error.hpp"
+#include "geometry/common/tolerance.hpp"
 #include "scheduling/session/session.hpp"
+#include "scheduling/shape/shape_options.hpp"
 
 namespace forefeel {
 
@@ -30,11 +31,15 @@ struct SceneSource {
 // Values that depend on whether, and where, the scene gives a key: liver.toml:30: session.device.
 struct SceneWritten {
   std::optional<std::string> device, cost;  // as written; nullopt if the scene does not give the key
+  std::optional<Tolerance> tolerance = {};  // state_space.tolerance
   // arrivals_place is empty if the scene gives no arrivals.
   InputPlace device_place = {}, cost_place = {}, box_place = {}, arrivals_place = {};
-  // The scheduling_keys() that the scene writes, each with its place.
+  // Keys of [session] that only control what is solved, each with its place. They have no effect if states arrive at
+  // given times.
   std::vector<std::pair<std::string, InputPlace>> scheduling;
 };
+
+inline constexpr double usual_tolerance = 0.07;  // state_space.tolerance where the scene gives none [1]
 
 struct SceneSpacing {
   bool automatic = false;  // spacing = "auto"
@@ -55,6 +60,7 @@ struct Scene {
   bool displacements = false;
   ModelOptions model;
   SessionOptions session;  // .model.fit equals model; device and cost: scene_session.hpp
+  ShapeOptions shape;      // a rate above 0 makes states keep their displacements
 };
 
 // How a command uses its scene. Measuring spacing = "auto" solves hundreds of states.

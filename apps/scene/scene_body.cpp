@@ -7,7 +7,6 @@
 #include <cmath>
 #include <numeric>
 
-#include "apps/console/suggest.hpp"
 #include "apps/scene/phantom_cache.hpp"
 #include "apps/scene/scene_declared.hpp"
 #include "apps/scene/scene_materials.hpp"
@@ -22,38 +21,85 @@ namespace fs = std::filesystem;
 
 constexpr std::int64_t most_elements = 10'000'000;
 
-TetMesh read_volume_or_surface(const SceneTable& body, const fs::path& folder) {
-  const fs::path file = folder / *body.text("mesh");
+// ---- the mesh
+
+struct BodyKeys {
+  std::string mesh, phantom;
+  std::optional<std::size_t> elements;
+  std::optional<double> length;  // [m]
+  Element element = Body().element;
+};
+
+constexpr double shortest = 1e-6,
+                 longest = 1e6;  // bodies [m]; beyond them sums of squares over- or underflow
+
+const SceneRows<BodyKeys>& rows_of_body() {
+  using B = BodyKeys;
+  static const auto rows =
+      SceneRows<B>("body", "What is pressed. One of mesh and phantom.")
+          .text("mesh",
+                "volume mesh (.msh .vtk .vtu .mesh), or a surface (.obj .off .stl .ply) with elements",
+                &B::mesh)
+          .alternative()
+          .text("phantom", "built-in body: " + in_words(phantom_names()), &B::phantom)
+          .alternative()
+          .whole("elements", 4, most_elements, "tetrahedra to make of a surface or a phantom, within 5 %",
+                 &B::elements)
+          .standard("the phantom's own")
+          .number("length", "m", {shortest, longest, false, false, "a number above 0, from 1e-6 to 1e6 [m]"},
+                  "longest side to scale the body to", &B::length)
+          .standard("as in the file")
+          .word("element", element_words(), " tetrahedra", &B::element);
+  return rows;
+}
+
+TetMesh read_volume_or_surface(const SceneTable& body, const BodyKeys& keys, const fs::path& folder) {
+  const fs::path file = folder / keys.mesh;
   if (!fs::is_regular_file(file))
     throw InputError(body.where("mesh"),
                      fmt::format("no such file '{}', expected a mesh, relative to the scene", file.string()));
-  const auto elements = body.integer("elements", 4, most_elements);
   if (!is_surface_file(file)) {
-    if (elements) throw body.wrong("elements", "only with a surface (.obj .off .stl .ply .vtp) or a phantom");
+    if (keys.elements)
+      throw body.wrong("elements", "only with a surface (.obj .off .stl .ply .vtp) or a phantom");
     return read_mesh(file);
   }
-  if (!elements)
+  if (!keys.elements)
     throw InputError(body.where("elements"), "missing, expected a tetrahedron count, for mesh is a surface");
-  return tetrahedralise(
-      read_surface(file),
-      {.elements = static_cast<std::size_t>(*elements), .length = {}, .name = file.string()});
+  return tetrahedralise(read_surface(file),
+                        {.elements = *keys.elements, .length = {}, .name = file.string()});
 }
 
-TetMesh make_phantom(const SceneTable& body) {
-  const std::vector<std::string> names = phantom_names();
-  const std::string name = names[chosen_word(body, "phantom", *body.text("phantom"), names)];
-  return cached_phantom(name,
-                        static_cast<std::size_t>(body.integer("elements", 4, most_elements).value_or(0)));
+TetMesh make_phantom(const SceneTable& body, const BodyKeys& keys) {
+  chosen_word(body, "phantom", keys.phantom, phantom_names());
+  return cached_phantom(keys.phantom, keys.elements.value_or(0));
 }
 
-std::vector<NodeIndex> group_nodes(const SceneTable& table, const TetMesh& mesh) {
+// ---- sets of nodes
+
+// What the keys of [clamp] or [contact] choose.
+struct NodeSet {
+  const TetMesh* mesh = nullptr;
+  std::vector<NodeIndex> nodes;
+  std::optional<double> radius;  // [m], of contact
+};
+using Choose = std::vector<NodeIndex> (*)(const SceneTable&, const std::string& key, const TetMesh&);
+
+// A row that chooses the nodes; one of these keys is given.
+SceneRows<NodeSet> with_choice(SceneRows<NodeSet> rows, Declared declared, Choose choose) {
+  return std::move(rows)
+      .row(std::move(declared), [choose](const SceneTable& table, const std::string& key,
+                                         NodeSet& set) { set.nodes = choose(table, key, *set.mesh); })
+      .alternative();
+}
+
+std::vector<NodeIndex> nodes_in_group(const SceneTable& table, const std::string& key, const TetMesh& mesh) {
   std::vector<std::string> names;
   for (const auto& [group, nodes] : mesh.groups) names.push_back(group);
-  const std::string wanted = *table.text("group");
+  const std::string wanted = *table.text(key);
   if (names.empty())
-    throw InputError(table.where("group"), fmt::format("'{}', but the mesh names no node groups", wanted));
-  const std::vector<NodeIndex>& nodes = mesh.groups.at(names[chosen_word(table, "group", wanted, names)]);
-  if (nodes.empty()) throw table.wrong("group", "a group with nodes in it");
+    throw InputError(table.where(key), fmt::format("'{}', but the mesh names no node groups", wanted));
+  const std::vector<NodeIndex>& nodes = mesh.groups.at(names[chosen_word(table, key, wanted, names)]);
+  if (nodes.empty()) throw table.wrong(key, "a group with nodes in it");
   return nodes;
 }
 
@@ -72,19 +118,41 @@ std::vector<NodeIndex> checked_nodes(const SceneTable& table, const std::string&
   return nodes;
 }
 
-std::vector<NodeIndex> read_clamp(const SceneTable& table, const TetMesh& mesh, bool defaults) {
-  if (defaults && !table.has("nodes") && !table.has("group") && !table.has("below"))
-    return mesh.groups.at("clamp");
-  const std::string kind = table.exactly_one_of({"nodes", "group", "below"});
-  if (kind == "nodes") return checked_nodes(table, "nodes", *table.integers("nodes"), mesh);
-  if (kind == "group") return group_nodes(table, mesh);
-  const SceneTable below = table.sub("below", keys_of("clamp.below"));
-  const std::optional<Axis> axis = below.word<Axis>("axis", {{"x", Axis::x}, {"y", Axis::y}, {"z", Axis::z}});
-  const std::optional<double> part = below.number("share", {0, 1, true, true, "a number between 0 and 1"});
-  if (!axis) throw below.wrong("axis", "one of x, y, z");
-  if (!part) throw below.wrong("share", "a number between 0 and 1");
-  const std::vector<NodeIndex> nodes = nodes_below(mesh, *axis, *part);
-  if (nodes.empty()) throw InputError(table.where("below"), "holds no node, expected a larger share");
+std::vector<NodeIndex> one_node(const SceneTable& table, const std::string& key, const TetMesh& mesh) {
+  return checked_nodes(table, key, {*table.integer(key, INT64_MIN, INT64_MAX)}, mesh);
+}
+
+std::vector<NodeIndex> numbered_nodes(const SceneTable& table, const std::string& key, const TetMesh& mesh) {
+  return checked_nodes(table, key, *table.integers(key), mesh);
+}
+
+struct BelowKeys {
+  Axis axis = Axis::x;
+  double share = 0;
+};
+
+const SceneRows<BelowKeys>& below_rows() {
+  using B = BelowKeys;
+  static const auto rows =
+      SceneRows<B>("clamp.below",
+                   "The part of the body that is clamped: clamp.below = { axis = \"z\", share = 0.15 }")
+          .word("axis", axis_words(), "", &B::axis)
+          .standard("required")
+          .required("one of x, y, z")
+          .number("share", "1", {0, 1, true, true, "a number between 0 and 1"},
+                  "of the body's extent along the axis, between 0 and 1", &B::share)
+          .standard("required")
+          .required("a number between 0 and 1");
+  return rows;
+}
+
+std::vector<NodeIndex> low_end(const SceneTable& table, const std::string& key, const TetMesh& mesh) {
+  const SceneTable below = table.sub(key, below_rows().names());
+  BelowKeys keys;
+  below_rows().read(below, keys);
+  below_rows().check_required(below);
+  const std::vector<NodeIndex> nodes = nodes_below(mesh, keys.axis, keys.share);
+  if (nodes.empty()) throw InputError(table.where(key), "holds no node, expected a larger share");
   return nodes;
 }
 
@@ -104,22 +172,59 @@ Vec3 checked_place(const SceneTable& table, const std::string& key, const TetMes
   return place;
 }
 
-std::vector<NodeIndex> read_contact(const SceneTable& table, const TetMesh& mesh, bool defaults) {
-  const std::optional<double> radius = table.number("radius", positive());
-  const bool any = table.has("node") || table.has("nodes") || table.has("nearest") || table.has("group");
-  std::vector<NodeIndex> nodes;
-  if (defaults && !any && !radius) return mesh.groups.at("contact");
-  const std::string kind = table.exactly_one_of({"node", "nodes", "nearest", "group"});
-  if (kind == "node")
-    nodes = checked_nodes(table, "node", {*table.integer("node", INT64_MIN, INT64_MAX)}, mesh);
-  if (kind == "nodes") nodes = checked_nodes(table, "nodes", *table.integers("nodes"), mesh);
-  if (kind == "group") nodes = group_nodes(table, mesh);
-  if (kind == "nearest") nodes = {nearest_surface_node(mesh, checked_place(table, "nearest", mesh))};
-  if (!radius) return nodes;
-  std::vector<NodeIndex> patch = nodes;
-  for (const NodeIndex node : nodes) {
+std::vector<NodeIndex> nearest_node(const SceneTable& table, const std::string& key, const TetMesh& mesh) {
+  return {nearest_surface_node(mesh, checked_place(table, key, mesh))};
+}
+
+const SceneRows<NodeSet>& rows_of_clamp() {
+  static const auto rows = [] {
+    SceneRows<NodeSet> all("clamp", "The nodes that do not move. One of nodes, group and below.");
+    all = with_choice(std::move(all), {"nodes", "", "", "node numbers from 0, in the order of the file"},
+                      numbered_nodes);
+    all = with_choice(std::move(all),
+                      {"group", "", "clamp, with a phantom", "name of a node group of the mesh"},
+                      nodes_in_group);
+    all = with_choice(std::move(all),
+                      {"below", "", "", "table: the part of the body at the low end of an axis"}, low_end);
+    return std::move(all).within(below_rows());
+  }();
+  return rows;
+}
+
+const SceneRows<NodeSet>& rows_of_contact() {
+  static const auto rows = [] {
+    SceneRows<NodeSet> all("contact",
+                           "The patch that moves with the tip. One of node, nodes, nearest and group.");
+    all = with_choice(std::move(all), {"node", "", "", "a node number, from 0"}, one_node);
+    all = with_choice(std::move(all), {"nodes", "", "", "node numbers, from 0"}, numbered_nodes);
+    all = with_choice(std::move(all),
+                      {"nearest", "m", "", "[x, y, z]: the surface node nearest to this place of the mesh"},
+                      nearest_node);
+    all = with_choice(std::move(all),
+                      {"group", "", "contact, with a phantom", "name of a node group of the mesh"},
+                      nodes_in_group);
+    return std::move(all)
+        .number("radius", "m", positive(), "also all surface nodes within this distance of them",
+                &NodeSet::radius)
+        .standard("only the nodes named");
+  }();
+  return rows;
+}
+
+// default_group: of a phantom, where the table is empty.
+std::vector<NodeIndex> read_nodes(const SceneTable& table, const SceneRows<NodeSet>& rows,
+                                  const TetMesh& mesh, const char* default_group) {
+  const std::vector<std::string> keys = rows.names();
+  if (default_group && std::ranges::none_of(keys, [&](const std::string& key) { return table.has(key); }))
+    return mesh.groups.at(default_group);
+  table.exactly_one_of(rows.alternatives());
+  NodeSet set{.mesh = &mesh, .nodes = {}, .radius = {}};
+  rows.read(table, set);
+  if (!set.radius) return set.nodes;
+  std::vector<NodeIndex> patch = set.nodes;
+  for (const NodeIndex node : set.nodes) {
     const std::vector<NodeIndex> near =
-        surface_nodes_within(mesh, mesh.nodes[static_cast<std::size_t>(node)], *radius);
+        surface_nodes_within(mesh, mesh.nodes[static_cast<std::size_t>(node)], *set.radius);
     patch.insert(patch.end(), near.begin(), near.end());
   }
   std::ranges::sort(patch);
@@ -131,49 +236,54 @@ std::vector<NodeIndex> read_contact(const SceneTable& table, const TetMesh& mesh
 InputError at_key(const InputError& error, const BodySections& sections, const std::string& file) {
   const std::string& problem = error.problem();
   const InputPlace& place = error.place();
-  const auto key_of = [](const SceneTable& table, std::initializer_list<const char*> keys) {
-    for (const char* key : keys)
+  const auto key_of = [](const SceneTable& table, const std::vector<std::string>& keys) {
+    for (const std::string& key : keys)
       if (table.has(key)) return table.where(key);
     return table.place();
   };
   if (place.file == file && place.key == "clamp")
-    return {key_of(sections.clamp, {"nodes", "group", "below"}), problem};
+    return {key_of(sections.clamp, clamp_rows().alternatives()), problem};
   if (place.file == file && place.key == "contact")
-    return {key_of(sections.contact, {"node", "nodes", "nearest", "group"}), problem};
+    return {key_of(sections.contact, contact_rows().alternatives()), problem};
   if (place.key == "phantom") return {key_of(sections.body, {"elements", "phantom"}), problem};
   return error;
 }
 
-constexpr double shortest = 1e-6,
-                 longest = 1e6;  // bodies [m]; beyond them sums of squares over- or underflow
-
 Body make_body(const BodySections& sections, const fs::path& folder, const std::string& file,
                std::vector<std::string>& warnings) {
-  const bool is_phantom = sections.body.exactly_one_of({"mesh", "phantom"}) == "phantom";
+  const bool is_phantom = sections.body.exactly_one_of(body_rows().alternatives()) == "phantom";
   Body body;
   const std::vector<MaterialTable> materials =
       read_materials(sections.materials, is_phantom);  // cheap checks first, before the mesh is made
-  const std::optional<double> length = sections.body.number(
-      "length", {shortest, longest, false, false, "a number above 0, from 1e-6 to 1e6 [m]"});
-  body.element =
-      sections.body.word<Element>("element", {{"linear", Element::linear}, {"quadratic", Element::quadratic}})
-          .value_or(body.element);
-  body.mesh = is_phantom ? make_phantom(sections.body) : read_volume_or_surface(sections.body, folder);
-  const std::string mesh_where =
-      is_phantom ? file + ": body.phantom" : (folder / *sections.body.text("mesh")).string();
+  BodyKeys keys;
+  rows_of_body().read(sections.body, keys);
+  body.element = keys.element;
+  body.mesh =
+      is_phantom ? make_phantom(sections.body, keys) : read_volume_or_surface(sections.body, keys, folder);
+  const std::string mesh_where = is_phantom ? file + ": body.phantom" : (folder / keys.mesh).string();
   const MeshCheck mesh_check = check_and_orient(body.mesh, mesh_where);
   for (const std::string& warning : mesh_check.warnings) warnings.push_back(mesh_where + ": " + warning);
-  if (length) scale_to_length(body.mesh, *length);
-  if (const std::string size = unlikely_size(bounding_box(body.mesh)); !length && !size.empty())
+  if (keys.length) scale_to_length(body.mesh, *keys.length);
+  if (const std::string size = unlikely_size(bounding_box(body.mesh)); !keys.length && !size.empty())
     warnings.push_back(mesh_where + ": " + size + "; body.length scales it");
   assign_materials(materials, body, warnings);
-  body.clamp = read_clamp(sections.clamp, body.mesh, is_phantom);
-  body.contact = read_contact(sections.contact, body.mesh, is_phantom);
+  body.clamp = read_nodes(sections.clamp, rows_of_clamp(), body.mesh, is_phantom ? "clamp" : nullptr);
+  body.contact = read_nodes(sections.contact, rows_of_contact(), body.mesh, is_phantom ? "contact" : nullptr);
   for (const std::string& warning : check(body, file)) warnings.push_back(file + ": " + warning);
   return body;
 }
 
 }  // namespace
+
+const SceneRowList& body_rows() {
+  return rows_of_body();
+}
+const SceneRowList& clamp_rows() {
+  return rows_of_clamp();
+}
+const SceneRowList& contact_rows() {
+  return rows_of_contact();
+}
 
 Body read_body(const BodySections& sections, const fs::path& folder, const std::string& file,
                std::vector<std::string>& warnings) {

@@ -2,6 +2,7 @@
 
 #include <fmt/format.h>
 
+#include "apps/scene/scene_declared.hpp"
 #include "apps/scene/spec_text.hpp"
 
 namespace forefeel {
@@ -13,33 +14,41 @@ bool is_word(const SceneTable& hand, const std::string& key) {
   return key == "target";
 }
 
-}  // namespace
+struct NoOptions {};  // a text is made of the keys
 
-std::vector<Declared> hand_keys() {
+SceneRows<NoOptions> rows_of_hand() {
+  SceneRows<NoOptions> rows("hand", "The same as session.device = \"hand:PROFILE,…\", in place of it.");
   for (const DeclaredTable& table : device_tables()) {
     if (table.name != "hand") continue;
-    std::vector<Declared> keys = table.rows;
-    keys.front().name = "profile";
-    for (Declared& key : keys)
+    for (Declared key : table.rows) {
+      if (key.name == "PROFILE") key.name = "profile";
       if (key.name == "drawn") key = {"drawn", "", "false", key.meaning.replace(0, 3, "true")};
-    return keys;
+      rows = std::move(rows).row(std::move(key));
+    }
   }
-  return {};
+  return rows;
+}
+
+}  // namespace
+
+const SceneRowList& hand_rows() {
+  static const SceneRows<NoOptions> rows = rows_of_hand();
+  return rows;
 }
 
 std::optional<std::string> device_of_hand(const SceneTable& hand) {
   bool any = false;
-  for (const Declared& key : hand_keys()) any = hand.has(key.name) || any;
+  for (const std::string& key : hand_rows().names()) any = hand.has(key) || any;
   if (!any) return {};
   std::string text = "hand:" + hand.text(hand.exactly_one_of({"profile"})).value_or("");
-  for (const Declared& key : hand_keys()) {
-    if (key.name == "profile" || !hand.has(key.name)) continue;
-    if (key.name == "drawn")
-      text += *hand.boolean(key.name) ? ",drawn=yes" : "";
-    else if (is_word(hand, key.name))
-      text += fmt::format(",{}={}", key.name, *hand.text(key.name));
+  for (const std::string& key : hand_rows().names()) {
+    if (key == "profile" || !hand.has(key)) continue;
+    if (key == "drawn")
+      text += *hand.boolean(key) ? ",drawn=yes" : "";
+    else if (is_word(hand, key))
+      text += fmt::format(",{}={}", key, *hand.text(key));
     else
-      text += fmt::format(",{}={}", key.name, *hand.number(key.name, not_negative()));
+      text += fmt::format(",{}={}", key, *hand.number(key, not_negative()));
   }
   return text;
 }

@@ -7,15 +7,10 @@
 
 #include <optional>
 #include <string>
-#include <vector>
 
 #include "apps/scene/scene_table.hpp"
-#include "geometry/common/declared.hpp"
 
 namespace forefeel {
-
-// The keys of [hand]: profile, and the settings of hand:PROFILE.
-std::vector<Declared> hand_keys();
 
 // The text of the device that the table describes; nullopt if the table has no keys. Values are checked when the text
 // is read.

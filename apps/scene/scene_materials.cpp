@@ -13,21 +13,53 @@
 namespace forefeel {
 namespace {
 
+const SceneRows<MaxwellBranch>& branch_rows() {
+  using B = MaxwellBranch;
+  static const auto rows =
+      SceneRows<B>(
+          "material.viscosity",
+          "[[material.viscosity]]: a branch of a generalised Maxwell material. The law gives the force "
+          "of a fast press; while the tip is held, it relaxes to (1 - sum of the shares) times that "
+          "force.")
+          .number("share", "1", {0, 1, true, true, "a number between 0 and 1, both excluded"},
+                  "share of the force that relaxes, between 0 and 1; their sum is below 1", &B::share)
+          .standard("required")
+          .required("a number between 0 and 1, both excluded")
+          .number("time", "s", {0, 1e9, true, false, "a number above 0 [s]"},
+                  "relaxation time, in which that share falls to 37 %", &B::time)
+          .standard("required")
+          .required("a number above 0 [s]");
+  return rows;
+}
+
+const SceneRows<Material>& rows_of_material() {
+  using M = Material;
+  static const auto rows =
+      SceneRows<M>(
+          "material",
+          "The law of the tissue. For several tissues: [[material]] tables, each with a group, and one "
+          "without.")
+          .row({"group", "", "",
+                "name of a group of tetrahedra of the mesh; without it, the table is for the rest"})
+          .word("law", law_words(), "", &M::law)
+          .required_with_mesh("a material law")
+          .number("young", "Pa",
+                  {softest_young, stiffest_young, false, false, "a number above 0, from 1e-3 to 1e15 [Pa]"},
+                  "Young's modulus at small strain", &M::young)
+          .required_with_mesh("a number")
+          .number("poisson", "1", {-1, 0.5, true, true, "a number between -1 and 0.5, both excluded"},
+                  "Poisson's ratio, between -1 and 0.5", &M::poisson)
+          .required_with_mesh("a number")
+          .row({"viscosity", "", "",
+                "[[material.viscosity]] tables: the tissue relaxes; the same for all materials"})
+          .within(branch_rows());
+  return rows;
+}
+
 Material read_material(const SceneTable& table, bool defaults) {
-  std::vector<std::pair<std::string, Law>> words;
-  for (const Law law : all_laws()) words.emplace_back(name(law), law);
-  if (!defaults)
-    for (const std::string key : {"law", "young", "poisson"})
-      if (!table.has(key)) throw table.wrong(key, key == "law" ? "a material law" : "a number");
+  if (!defaults) rows_of_material().check_required(table);
   Material material;
-  material.law = table.word("law", words).value_or(material.law);
-  material.young = table
-                       .number("young", {softest_young, stiffest_young, false, false,
-                                         "a number above 0, from 1e-3 to 1e15 [Pa]"})
-                       .value_or(material.young);
-  material.poisson =
-      table.number("poisson", {-1, 0.5, true, true, "a number between -1 and 0.5, both excluded"})
-          .value_or(material.poisson);
+  rows_of_material().read(table, material);
   return material;
 }
 
@@ -45,13 +77,10 @@ const std::vector<TetIndex>& tets_of(const MaterialTable& of, const TetMesh& mes
 // The [[material.viscosity]] tables of one material.
 Viscosity viscosity_of(const SceneTable& material) {
   Viscosity viscosity;
-  for (const SceneTable& branch : material.subs("viscosity", keys_of("material.viscosity"))) {
-    const auto share = branch.number("share", {0, 1, true, true, "a number between 0 and 1, both excluded"});
-    const auto time = branch.number("time", {0, 1e9, true, false, "a number above 0 [s]"});
+  for (const SceneTable& branch : material.subs("viscosity", branch_rows().names())) {
+    branch_rows().read(branch, viscosity.emplace_back());
     if (!material.has("viscosity")) return {};
-    if (!share) throw branch.wrong("share", "a number between 0 and 1, both excluded");
-    if (!time) throw branch.wrong("time", "a number above 0 [s]");
-    viscosity.push_back({*share, *time});
+    branch_rows().check_required(branch);
   }
   const std::string problem = problem_of(viscosity);
   if (!problem.empty()) throw InputError(material.where("viscosity"), "has " + problem);
@@ -59,6 +88,10 @@ Viscosity viscosity_of(const SceneTable& material) {
 }
 
 }  // namespace
+
+const SceneRowList& material_rows() {
+  return rows_of_material();
+}
 
 Viscosity read_viscosity(const std::vector<SceneTable>& tables) {
   const Viscosity first = viscosity_of(tables.front());

@@ -7,7 +7,7 @@
 #include <utility>
 #include <vector>
 
-#include "apps/scene/scene_keys.hpp"
+#include "apps/scene/scene_declared.hpp"
 #include "geometry/common/error.hpp"
 
 namespace forefeel {
@@ -26,10 +26,9 @@ toml::table parse_value(const std::string& text) {
 }
 
 void drop_alternatives(const std::string& section, const std::string& key, toml::table& table) {
-  for (const auto& [name, keys] : alternative_keys())
-    if (name == section && std::ranges::find(keys, key) != keys.end())
-      for (const std::string& other : keys)
-        if (other != key) table.erase(other);
+  for (const SceneRowList* rows : scene_rows())
+    for (const std::string& other : rows->alternatives())
+      if (exclude_each_other(section + "." + key, rows->name() + "." + other)) table.erase(other);
 }
 
 // The table of a list [[key]] that an override means: the one whose group is `next`, else the one without a

@@ -79,7 +79,7 @@ struct SceneTable::Source {
   const toml::node* node(const std::string& key) const {
     const std::string full = path.empty() ? key : path + "." + key;
     if (std::ranges::find(known, key) == known.end())
-      throw std::logic_error("the key " + full + " is read but not declared (scene_declared.cpp)");
+      throw std::logic_error("the key " + full + " is read but not declared (scene_declared.hpp)");
     asked->insert(full);
     return given(key);
   }

@@ -21,7 +21,7 @@ std::optional<Tolerance> read_tolerance(const SceneTable& state_space) {
 std::optional<Tolerance> written_tolerance(const std::filesystem::path& file,
                                            std::span<const std::string> overrides) {
   const SceneDocument document = SceneDocument::read(file, overrides);
-  return read_tolerance(document.root(keys_of("")).sub("state_space", keys_of("state_space")));
+  return read_tolerance(document.root(scene_sections()).sub("state_space", state_space_rows().names()));
 }
 
 }  // namespace forefeel

@@ -29,7 +29,6 @@
 #include "apps/console/tolerance_json.hpp"
 #include "apps/scene/given_states.hpp"
 #include "apps/scene/scene_mesh_error.hpp"
-#include "apps/scene/scene_tolerance.hpp"
 #include "apps/session/report.hpp"
 #include "apps/session/session_arguments.hpp"
 #include "apps/session/session_folder.hpp"
@@ -239,7 +238,7 @@ struct RunDocuments {
   void begin(const SessionShapes& shapes) {
     document = document_of(summary, scene);
     shapes.add_to(document);
-    tolerance = written_tolerance(given.scene, globals.set);
+    tolerance = scene.written.tolerance;
     if (tolerance) document["tolerance"] = to_json(tolerance_share(result, *tolerance), *tolerance);
   }
 
@@ -277,7 +276,7 @@ int run_session_command(const Globals& globals, const SessionArguments& given,
                         const std::shared_ptr<RankPool>& ranks) {
   take_figures(given.figures);
   const Scene scene = load_scene(given.scene, globals.set, nullptr, {.quiet = globals.quiet});
-  const ShapeOptions shape = shape_options(globals, given);
+  const ShapeOptions shape = shape_options(scene, given);
   SessionPlan plan = planned_run(globals, given, scene, ranks, shape.rate > 0);
   const SessionOptions& options = plan.options;
   const fs::path run = given.output;
@@ -340,7 +339,7 @@ int run_with_mpi(const Globals& globals, const SessionArguments& given) {
     const StateSolverOptions solving{
         .spacing = received_spacing(scene, rank),
         .tolerance = 1e-6,
-        .displacements = scene.displacements || shape_options(globals, given).rate > 0};
+        .displacements = scene.displacements || shape_options(scene, given).rate > 0};
     return LoadedWorker{.worker = make_state_worker(scene.body, solving),
                         .identity = rank_identity(scene.source.hash)};
   };

@@ -7,15 +7,14 @@
 #include <nlohmann/json.hpp>
 
 #include "apps/console/summary_json.hpp"
-#include "apps/scene/scene_shape.hpp"
 #include "apps/session/shape_view.hpp"
 #include "geometry/common/error.hpp"
 #include "scheduling/record/shape_files.hpp"
 
 namespace forefeel {
 
-ShapeOptions shape_options(const Globals& globals, const SessionArguments& given) {
-  ShapeOptions options = load_shape(given.scene, globals.set);
+ShapeOptions shape_options(const Scene& scene, const SessionArguments& given) {
+  ShapeOptions options = scene.shape;
   if (!given.shape_rate) return options;
   options.rate = *given.shape_rate;
   if (!(options.rate >= 0 && options.rate <= 200))

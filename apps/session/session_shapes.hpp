@@ -16,7 +16,7 @@
 namespace forefeel {
 
 // The scene's, with --shape-rate. An InputError names the place that gave the value.
-ShapeOptions shape_options(const Globals& globals, const SessionArguments& given);
+ShapeOptions shape_options(const Scene& scene, const SessionArguments& given);
 
 class SessionShapes {
  public:

@@ -11,6 +11,7 @@
 
 #include "apps/console/interrupt.hpp"
 #include "apps/console/provenance.hpp"
+#include "apps/scene/scene_declared.hpp"
 #include "apps/scene/scene_session.hpp"
 #include "apps/scene/toml_depth.hpp"
 #include "geometry/common/scanner.hpp"

@@ -9,7 +9,7 @@
 #include <utility>
 
 #include "apps/console/suggest.hpp"
-#include "apps/scene/scene.hpp"
+#include "apps/scene/scene_declared.hpp"
 #include "apps/study/study_keys.hpp"
 #include "apps/study/study_toml.hpp"
 
@@ -18,7 +18,7 @@ namespace {
 
 namespace fs = std::filesystem;
 using study_keys::ClaimedKeys, study_keys::identity, study_keys::rebased, study_keys::scene_key,
-    study_keys::scene_sections, study_keys::sustained_keys;
+    study_keys::sustained_keys;
 using study_toml::in_file_order, study_toml::shown, study_toml::toml_of;
 
 constexpr std::size_t most_cells = 100'000;
@@ -91,7 +91,8 @@ void Reader::check_root() const {
   std::vector<std::string> known;
   for (const Key& key : keys())
     if (key.name) known.emplace_back(key.name);
-  known.insert(known.end(), scene_sections().begin(), scene_sections().end());
+  const std::vector<std::string> sections = scene_sections();
+  known.insert(known.end(), sections.begin(), sections.end());
   for (const auto& [key, node] : root_) {
     const std::string name(key.str());
     if (std::ranges::find(known, name) == known.end())
@@ -195,8 +196,7 @@ StudyFileValue Reader::read_together(const std::string& section, const toml::nod
 StudyFileValue Reader::read_value(const std::string& column, const toml::node& node,
                                   const InputPlace& place) {
   const std::string key = scene_key(column, place, true);
-  if (std::ranges::find(scene_sections(), key) != scene_sections().end())
-    return read_together(key, node, place);
+  if (is_scene_section(key)) return read_together(key, node, place);
   StudyFileValue value{.text = shown(node), .overrides = {}, .number = {}};
   if (key == "target_load" || key == "speed") {
     value.number = node.value<double>();

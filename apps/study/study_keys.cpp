@@ -9,7 +9,6 @@
 
 #include "apps/console/suggest.hpp"
 #include "apps/scene/scene_declared.hpp"
-#include "apps/scene/scene_keys.hpp"
 #include "apps/study/study_toml.hpp"
 
 namespace forefeel::study_keys {
@@ -88,11 +87,6 @@ DeclaredTable declared_sustained() {
   return table;
 }
 
-std::span<const std::string> scene_sections() {
-  static const std::vector<std::string> all = keys_of("");
-  return all;
-}
-
 std::string scene_key(const std::string& written, const InputPlace& place, bool pseudo_allowed) {
   for (const ShortKey& key : short_keys())
     if (key.declared.name == written && (key.of_scene || pseudo_allowed))
@@ -100,12 +94,12 @@ std::string scene_key(const std::string& written, const InputPlace& place, bool 
   if (written == "model.select") return "session.select";  // one and the same
   const std::string section = written.substr(0, written.find('.'));
   const bool dotted = section.size() + 1 < written.size();
-  if (dotted && std::ranges::find(scene_sections(), section) != scene_sections().end()) return written;
+  const bool known = is_scene_section(section);
+  if (dotted && known) return written;
   if (dotted)
     throw InputError(place, "unknown section" + expected_instead(section, scene_sections(), "",
                                                                  written.substr(section.size())));
-  if (pseudo_allowed && std::ranges::find(scene_sections(), written) != scene_sections().end())
-    return written;
+  if (pseudo_allowed && known && section == written) return written;
   throw InputError(place, fmt::format("unknown key{}, or a scene key in quotes (\"model.kernel\")",
                                       expected_instead(written, words(!pseudo_allowed))));
 }

@@ -4,7 +4,6 @@
 
 #include <filesystem>
 #include <map>
-#include <span>
 #include <string>
 #include <utility>
 #include <vector>
@@ -26,8 +25,6 @@ struct SustainedKey {
 };
 const std::vector<SustainedKey>& sustained_keys();
 
-// The sections of a scene that a study may set.
-std::span<const std::string> scene_sections();
 // "policy" -> "session.policy". pseudo_allowed: also `target_load`, `speed` and whole sections, which are no
 // keys of a scene. InputError at `place` for an unknown word.
 std::string scene_key(const std::string& written, const InputPlace& place, bool pseudo_allowed);
