@@ -141,8 +141,8 @@ StateSpace space_of(std::span<const State> states, double spacing) {
 EvaluatedBars bars_of(const StateSpace& space, std::span<const State> states, std::span<const Vec3> points,
                       const EvaluatedPoints& made, const OfflineBarOptions& options,
                       const EvaluateOptions& given) {
-  const auto checked = [&](const Vec3& x) { return given.checked.contains(x); };
-  EvaluatedBars bars{.at = {}, .measured = checked_bars(space, given.checks, options)};
+  const auto checked = [&](const Vec3& x) { return given.checks.box.contains(x); };
+  EvaluatedBars bars{.at = {}, .measured = checked_bars(space, given.checks.states, options)};
   OfflineBars left_out;
   if (!bars.measured.checked())
     bars.measured = measure_bars(states, options);

@@ -17,6 +17,7 @@
 #include "approx/methods/auto_model.hpp"
 #include "approx/methods/older_methods.hpp"
 #include "geometry/coverage/coverage.hpp"
+#include "geometry/states/check_solves.hpp"
 #include "geometry/states/repeated_states.hpp"
 
 namespace forefeel {
@@ -36,9 +37,8 @@ struct EvaluateOptions {
   bool choose_ridge = false;  // by leaving out single states (leave_one_out.hpp)
   bool bars = false;          // error bars of each point, for method rbf only (offline_bar.hpp)
   double spacing = unknown;   // h [m]; unknown: the median distance of the states
-  // Check solves, drawn evenly from a box and not used as states: within the box, their errors give the bars.
-  std::span<const State> checks = {};
-  Box checked = {};                           // [m]
+  // Check solves are not used as states: within their box, their errors give the bars.
+  CheckSolves checks = {};
   std::function<void(double)> choosing = {};  // called with the share done while the model is chosen
 };
 

@@ -3,17 +3,18 @@
 
 #include <array>
 #include <memory>
-#include <nlohmann/json_fwd.hpp>
 #include <optional>
 #include <string>
 #include <vector>
 
 #include "apps/console/console.hpp"
+#include "apps/console/document_keys.hpp"
 #include "geometry/coverage/agreement.hpp"
 #include "geometry/coverage/coverage_map.hpp"
 #include "geometry/coverage/octree_index.hpp"
 #include "geometry/coverage/regions.hpp"
 #include "geometry/coverage/state_space.hpp"
+#include "geometry/states/check_solves.hpp"
 #include "geometry/states/state_file.hpp"
 
 namespace forefeel {
@@ -49,31 +50,44 @@ struct ClassifyArguments {
   std::string output, palette = {};
 };
 
-// States in the chosen index. With the index `delaunay`, regions come from a map, which needs little memory, or from a
-// state space; questions about single places need the state space.
+// How far places of the box are from the states.
+struct Holes {
+  double fill_distance = unknown,
+         fill_bound = unknown;  // the largest distance as found, and an upper bound [m]
+  std::optional<LargestHole> largest;
+};
+
+// With the index `delaunay`, regions come from a map, which needs little memory, or from a state space; questions about
+// single places need the state space.
+struct ChosenIndex {
+  std::unique_ptr<CoverageMap> map;     // delaunay, one spacing
+  std::unique_ptr<StateSpace> space;    // delaunay, where it is needed
+  std::unique_ptr<OctreeIndex> octree;  // octree
+};
+
+// States in the chosen index.
 struct Classified {
   std::vector<State> states;  // usable ones, in the order of the file
   std::size_t unusable = 0;
   double spacing = unknown;  // [m]
   bool spacing_estimated = false;
   Box box;
-  std::vector<State> checks;              // check solves (check_solves.hpp), from places of `checked`
-  Box checked;                            // [m]
-  std::unique_ptr<CoverageMap> map;       // index delaunay, one spacing
-  std::unique_ptr<StateSpace> space;      // index delaunay, where it is needed
-  std::unique_ptr<OctreeIndex> octree;    // index octree
+  CheckSolves checks;
+  ChosenIndex index;
   std::vector<std::array<Vec3, 3>> body;  // triangles of the outline; empty without a scene
   RegionSummary regions;
-  double fill_distance = unknown,
-         fill_bound = unknown;  // largest distance to a state: as found, and an upper bound [m]
-  std::optional<LargestHole> hole;
+  Holes holes;
   std::shared_ptr<const AdaptiveLattice> lattice;  // set if the spacing varies from place to place
 
-  Coverage coverage(const Vec3& q) const { return space ? space->coverage(q) : octree->coverage(q); }
-  Label label(const Vec3& q) const { return space ? space->label(q) : octree->label(q); }
+  Coverage coverage(const Vec3& q) const {
+    return index.space ? index.space->coverage(q) : index.octree->coverage(q);
+  }
+  Label label(const Vec3& q) const { return index.space ? index.space->label(q) : index.octree->label(q); }
   // Of the leaf that contains q, a place of the box.
   Label region_label(const Vec3& q) const {
-    return map ? map->label_at(q) : space ? space->regions().label_at(q) : octree->label(q);
+    return index.map     ? index.map->label_at(q)
+           : index.space ? index.space->regions().label_at(q)
+                         : index.octree->label(q);
   }
 };
 
@@ -84,9 +98,8 @@ constexpr double largest_spacing = 1e6;  // [m]; larger values may overflow when
 struct OwnFrame {
   double spacing = unknown;
   std::optional<Box> box = std::nullopt;
-  BodyIdentity identity = {};      // known for a state file only
-  std::vector<State> checks = {};  // check solves, from places of `checked`
-  Box checked = {};                // [m]
+  BodyIdentity identity = {};  // known for a state file only
+  CheckSolves checks = {};
 };
 struct StatesInFrame {
   std::vector<State> states;
@@ -105,15 +118,18 @@ void label_regions(Classified& result, const ClassifyArguments& arguments, const
                    bool with_holes);
 
 // The JSON keys volume, components, gaps, fill_distance and largest_hole.
-void regions_json(nlohmann::ordered_json& out, const RegionSummary& regions, double fill_distance,
-                  double fill_bound, const std::optional<LargestHole>& hole);
+struct RegionsShown {
+  const RegionSummary& regions;
+  const Holes& holes;
+};
+const JsonKeys<RegionsShown>& region_keys();
 
 int classify_run(const Globals& globals, const ClassifyArguments& arguments);  // writes a .pvd series of RUN/
 int classify_diff(const Globals& globals, const ClassifyArguments& arguments);  // --diff A B
 
 // Compares both indexes on the same states and box, by volume. Sampled at the centres of cubes of h/2.
 Agreement agreement_of(const Classified& set, const ClassifyArguments& arguments);
-nlohmann::ordered_json agreement_json(const Agreement& agreement);
+const JsonKeys<Agreement>& agreement_keys();
 void print_agreement(const Globals& globals, const Agreement& agreement);
 
 nlohmann::ordered_json by_label(const std::array<double, 4>& values);

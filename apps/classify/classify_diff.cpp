@@ -131,7 +131,7 @@ nlohmann::ordered_json to_json(const DiffResult& result) {
       {"diff", {{"from_to", table}, {"changed", moved}, {"better", better}, {"worse", moved - better}}},
       {"states", {result.set[0].states.size(), b.states.size()}},
       {"spacing", result.spacing}};
-  regions_json(out, b.regions, b.fill_distance, b.fill_bound, b.hole);
+  add_to(out, region_keys(), {b.regions, b.holes});
   out["seconds"] = result.seconds;
   out["peak_bytes"] = peak_bytes();
   return out;

@@ -155,8 +155,7 @@ struct SeriesResult {
   double spacing = unknown;
   Box box;
   RegionSummary regions;  // at the end
-  double fill_distance = unknown;
-  std::optional<LargestHole> hole;
+  Holes holes;
   double seconds = 0;
 };
 
@@ -173,8 +172,7 @@ nlohmann::ordered_json to_json(const SeriesResult& result) {
                              {"states", result.states},
                              {"spacing", result.spacing},
                              {"box", {vector3(result.box.low), vector3(result.box.high)}}};
-  regions_json(out, result.regions, result.fill_distance, result.fill_distance + 1e-3 * result.spacing,
-               result.hole);
+  add_to(out, region_keys(), {result.regions, result.holes});
   out["seconds"] = result.seconds;
   out["peak_bytes"] = peak_bytes();
   return out;
@@ -249,9 +247,10 @@ SeriesResult make_series(const Globals& globals, const ClassifyArguments& argume
   result.box = set.box;
   result.seconds = seconds_since(start);
   if (!globals.json) return result;
-  result.fill_distance = space.regions().fill_distance();
+  result.holes.fill_distance = space.regions().fill_distance();
+  result.holes.fill_bound = result.holes.fill_distance + 1e-3 * result.spacing;
   result.regions = space.regions().summary();
-  result.hole = space.regions().largest_hole();
+  result.holes.largest = space.regions().largest_hole();
   return result;
 }
 

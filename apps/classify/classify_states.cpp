@@ -171,20 +171,20 @@ std::unique_ptr<StateSpace> make_space(const Classified& set, const ClassifyArgu
 
 // Fill distance and largest hole depend on states and box, not on the index.
 void measure_holes(Classified& result, const StateSpace& space) {
-  result.fill_distance = space.regions().fill_distance();
-  result.fill_bound = result.fill_distance + 1e-3 * result.spacing;
-  result.hole = space.regions().largest_hole();
+  result.holes.fill_distance = space.regions().fill_distance();
+  result.holes.fill_bound = result.holes.fill_distance + 1e-3 * result.spacing;
+  result.holes.largest = space.regions().largest_hole();
 }
 
 void label_octree(Classified& result, const ClassifyArguments& arguments, bool with_holes) {
-  result.octree = make_octree(result, arguments);
+  result.index.octree = make_octree(result, arguments);
   const double rim = rim_reach(arguments.space.coverage.sparse_distance,
                                result.lattice ? result.lattice->coarsest() : result.spacing);
   result.regions = sample_regions(result.box, result.spacing, rim, [&](const Vec3& q) {
     thread_local PathWalk walk;  // along the rows of voxels
-    return result.octree->label(q, walk);
+    return result.index.octree->label(q, walk);
   });
-  find_sides(*result.octree, result, arguments.space.coverage, result.regions.components);
+  find_sides(*result.index.octree, result, arguments.space.coverage, result.regions.components);
   if (!with_holes) return;
   const std::unique_ptr<StateSpace> space = make_space(result, arguments, [](double) {});
   measure_holes(result, *space);
@@ -195,25 +195,35 @@ void label_octree(Classified& result, const ClassifyArguments& arguments, bool w
 Agreement agreement_of(const Classified& set, const ClassifyArguments& arguments) {
   std::unique_ptr<OctreeIndex> octree;
   std::unique_ptr<StateSpace> space;
-  if (!set.octree) octree = make_octree(set, arguments);
-  if (!set.space) {
+  if (!set.index.octree) octree = make_octree(set, arguments);
+  if (!set.index.space) {
     space = make_space(set, arguments, [](double) {});
   }
-  return compare_indexes(set.space ? *set.space : *space, set.octree ? *set.octree : *octree);
+  return compare_indexes(set.index.space ? *set.index.space : *space,
+                         set.index.octree ? *set.index.octree : *octree);
 }
 
-nlohmann::ordered_json agreement_json(const Agreement& agreement) {
-  nlohmann::ordered_json out, table;
-  for (std::size_t d = 0; d < 4; ++d)
-    table[std::string(name(static_cast<Label>(d)))] = by_label(agreement.volume[d]);
-  out["share"] = agreement.share;
-  out["volume_delaunay_octree"] = table;
-  out["worst"] = nullptr;
-  if (const auto& worst = agreement.worst)
-    out["worst"] = {{"at", vector3(worst->at)},
-                    {"delaunay", std::string(name(worst->delaunay))},
-                    {"octree", std::string(name(worst->octree))}};
-  return out;
+const JsonKeys<Agreement>& agreement_keys() {
+  using A = Agreement;
+  static const JsonKeys<A> keys{
+      {"agreement.share", "1",
+       "with --agreement: share of the volume where both indexes agree, common blank left out", &A::share},
+      {"agreement.volume_delaunay_octree.LABEL.LABEL", "m^3", "with --agreement: by the label of each index",
+       [](const A& a) {
+         Json table;
+         for (std::size_t d = 0; d < 4; ++d)
+           table[std::string(name(static_cast<Label>(d)))] = by_label(a.volume[d]);
+         return table;
+       }},
+      {"agreement.worst", "", "with --agreement: labels and volume of the largest disagreement",
+       [](const A& a) {
+         if (!a.worst) return Json();
+         return Json{{"at", vector3(a.worst->at)},
+                     {"delaunay", std::string(name(a.worst->delaunay))},
+                     {"octree", std::string(name(a.worst->octree))}};
+       }},
+      {"agreement.worst.KEY", "", "the same"}};
+  return keys;
 }
 
 void print_agreement(const Globals& globals, const Agreement& agreement) {
@@ -240,7 +250,6 @@ Classified prepare_states(const ClassifyArguments& arguments, const std::string&
   result.unusable = all - states.size();
   result.states = std::move(states);
   result.checks = own.checks;
-  result.checked = own.checked;
   result.spacing = arguments.space.spacing.value_or(unknown);
   bool have_box = !arguments.space.box.empty();
   if (!arguments.input.scene.empty()) {
@@ -285,11 +294,12 @@ void label_regions(Classified& result, const ClassifyArguments& arguments, const
                    bool with_holes) {
   if (arguments.space.index == "octree") return label_octree(result, arguments, with_holes);
   Progress progress(globals, "classify");
-  result.space = make_space(result, arguments, [&](double share) { progress.show(0.5 * share, "states"); });
-  result.space->regions().settle(static_cast<std::size_t>(-1),
-                                 [&](double share) { progress.show(0.5 + 0.5 * share, "regions"); });
-  result.regions = result.space->regions().summary();
-  if (with_holes) measure_holes(result, *result.space);
+  result.index.space =
+      make_space(result, arguments, [&](double share) { progress.show(0.5 * share, "states"); });
+  result.index.space->regions().settle(static_cast<std::size_t>(-1),
+                                       [&](double share) { progress.show(0.5 + 0.5 * share, "regions"); });
+  result.regions = result.index.space->regions().summary();
+  if (with_holes) measure_holes(result, *result.index.space);
 }
 
 namespace {
@@ -301,16 +311,16 @@ void label_by_map(Classified& result, const ClassifyArguments& arguments, const 
   std::vector<Vec3> at;
   at.reserve(result.states.size());
   for (const State& state : result.states) at.push_back(state.at);
-  result.map = std::make_unique<CoverageMap>(
+  result.index.map = std::make_unique<CoverageMap>(
       std::move(at),
       StateSpaceOptions{.spacing = result.spacing, .box = result.box, .coverage = arguments.space.coverage},
       [&](double share) { progress.show(0.8 * share, "regions"); });
-  result.regions = result.map->summary(wanted.leaves);
-  result.fill_distance = result.map->fill_distance();
-  result.fill_bound = result.fill_distance + 1e-3 * result.spacing;
-  result.hole = result.map->largest_hole();
+  result.regions = result.index.map->summary(wanted.leaves);
+  result.holes.fill_distance = result.index.map->fill_distance();
+  result.holes.fill_bound = result.holes.fill_distance + 1e-3 * result.spacing;
+  result.holes.largest = result.index.map->largest_hole();
   if (wanted.space)
-    result.space =
+    result.index.space =
         make_space(result, arguments, [&](double share) { progress.show(0.8 + 0.2 * share, "states"); });
 }
 
@@ -322,8 +332,7 @@ StatesInFrame load_set(const std::string& file) {
     LoadedStates loaded = load_states(file);
     if (loaded.damaged > 0) warn({}, damage_in_words(file, loaded.damaged));
     set.states = std::move(loaded.states);
-    set.own = {loaded.header.spacing, std::nullopt, loaded.header.identity, check_solves(loaded.header),
-               loaded.header.box};
+    set.own = {loaded.header.spacing, std::nullopt, loaded.header.identity, check_solves(loaded.header)};
     return set;
   }
   const SetupOptions options;

@@ -15,6 +15,7 @@
 #include "apps/console/commands.hpp"
 #include "apps/console/console.hpp"
 #include "apps/console/json.hpp"
+#include "apps/console/outputs.hpp"
 #include "apps/console/values.hpp"
 #include "apps/evaluate/offline_bars.hpp"
 #include "apps/picture/coverage_picture.hpp"
@@ -80,19 +81,40 @@ std::vector<Coverage> cover(const Classified& set, const std::vector<Vec3>& poin
   return result;
 }
 
+struct PointRow {
+  const Vec3& at;
+  const Coverage& found;
+  const ErrorKnown* errors;
+  std::size_t i;  // of the point
+};
+
+CsvColumns<PointRow> point_columns(bool barred) {
+  using R = PointRow;
+  CsvColumns<R> columns{
+      {"x,y,z", "m", "position", [](const R& r) { return cells(r.at); }},
+      {"label", "", "safe, sparse, gap or blank",
+       [](const R& r) { return std::string(name(r.found.label)); }},
+      {"spread", "m", "sqrt(R^2 - d^2) in its Delaunay cell: R circumradius, d distance to the circumcentre",
+       [](const R& r) { return known_cell(r.found.spread); }},
+      {"alpha", "m", "circumradius of the cell, the least where several touch",
+       [](const R& r) { return known_cell(r.found.alpha); }},
+      {"delta", "m", "distance to the nearest state", [](const R& r) { return known_cell(r.found.delta); }},
+      {"gamma_deg", "degrees", "half-angle of the largest empty cone of directions to states within 8 h",
+       [](const R& r) { return known_cell(r.found.gamma_deg); }}};
+  if (!barred) return columns;
+  columns.push_back(bar_column<R>("with --bars: ", [](const R& r) { return bar_of(*r.errors, r.i); }));
+  columns.push_back({"known", "", "with --bars: 1 where bar95 is at most the tolerance, else 0",
+                     [](const R& r) { return std::string(is_known(*r.errors, r.i) ? "1" : "0"); }});
+  return columns;
+}
+
 void write_points(const std::string& file, const std::vector<Vec3>& points,
                   const std::vector<Coverage>& found, const std::optional<ErrorKnown>& errors) {
-  const bool barred = errors && errors->points;
-  const auto cell = [](double value) {
-    return std::isfinite(value) ? fmt::format("{}", value) : std::string();
-  };
+  const CsvColumns<PointRow> columns = point_columns(errors && errors->points);
   OutputFile out(file);
-  out.write(header_of(declared_coverage()) + (barred ? "," + header_of(declared_errors()) : "") + "\n");
+  out.write(csv_header(columns));
   for (std::size_t i = 0; i < points.size(); ++i)
-    out.write(fmt::format("{},{},{},{},{},{},{},{}{}\n", points[i].x(), points[i].y(), points[i].z(),
-                          name(found[i].label), cell(found[i].spread), cell(found[i].alpha),
-                          cell(found[i].delta), cell(found[i].gamma_deg),
-                          barred ? error_cells(*errors, i) : ""));
+    out.write(csv_row(columns, {points[i], found[i], errors ? &*errors : nullptr, i}));
   out.commit();
 }
 
@@ -123,13 +145,13 @@ void write_vtu(const Classified& set, const std::string& file, const Globals& gl
   };
   write_regions_vtu(path, set.regions.leaves, set.regions.components);
   write_states_vtu(beside("_states"), set.states);
-  if (set.space) write_cells_vtu(beside("_cells"), *set.space);
+  if (set.index.space) write_cells_vtu(beside("_cells"), *set.index.space);
   if (errors && errors->box.bars) {
     write_left_out_vtu(beside("_left_out"), errors->box.bars->measured);
     say(globals, fmt::format("{} (forces left out)", beside("_left_out").string()));
   }
   say(globals, fmt::format("{} (regions), {} (states){}", file, beside("_states").string(),
-                           set.space ? ", " + beside("_cells").string() + " (Delaunay cells)" : ""));
+                           set.index.space ? ", " + beside("_cells").string() + " (Delaunay cells)" : ""));
 }
 
 void write_output(const Classified& set, const ClassifyArguments& arguments, const std::vector<Vec3>& points,
@@ -268,6 +290,11 @@ void add_thresholds(Command& sub, CoverageOptions& limits) {
 }
 
 }  // namespace
+
+DeclaredTable coverage_output() {
+  return {"coverage.csv", "What classify writes with --points or --line and -o.",
+          declared(point_columns(true))};
+}
 
 void add_classify(CommandLine& line) {
   const auto arguments = std::make_shared<ClassifyArguments>();

@@ -3,9 +3,7 @@
 #include <fmt/format.h>
 
 #include <algorithm>
-#include <nlohmann/json.hpp>
 
-#include "apps/console/json.hpp"
 #include "apps/evaluate/offline_bars.hpp"
 #include "apps/scene/scene_tolerance.hpp"
 #include "geometry/common/error.hpp"
@@ -50,8 +48,7 @@ ErrorKnown error_known(const Globals& globals, const ClassifyArguments& argument
                        const std::vector<Vec3>& points) {
   ErrorKnown known;
   known.tolerance = tolerance_of(globals, arguments);
-  const EvaluateOptions options{
-      .bars = true, .spacing = set.spacing, .checks = set.checks, .checked = set.checked};
+  const EvaluateOptions options{.bars = true, .spacing = set.spacing, .checks = set.checks};
   const std::vector<Vec3> places = halton_points(set.box, arguments.bars ? box_places : 1);
   known.box = evaluate(set.states, places, options);
   known.places = places.size();
@@ -67,27 +64,63 @@ ErrorKnown error_known(const Globals& globals, const ClassifyArguments& argument
   return known;
 }
 
-void describe_errors(nlohmann::ordered_json& document, const ClassifyArguments& arguments,
-                     const ErrorKnown& found) {
-  document["spacing_suggested"] = advice_json(found.advice);
-  document["tolerance"] = {{"value", found.tolerance.value}, {"unit", found.tolerance.newtons ? "N" : "1"}};
-  if (!arguments.bars) return;
-  describe_bars(document, found.points ? found.points->bars : found.box.bars);
-  nlohmann::ordered_json& out = document["tolerance"];
-  out["places"] = found.places;
-  out["within"] = number(double(found.places_within) / double(found.places));
-  out["left_out"] = found.left_out.samples;
-  out["left_out_called"] = found.left_out.called;
-  out["left_out_true"] = found.left_out.called > 0
-                             ? number(double(found.left_out.true_ones) / double(found.left_out.called))
-                             : nullptr;
-  document["known"] = nlohmann::ordered_json::array();
-  if (!found.points) {
-    for (const char* bar : {"bar90", "bar95", "bar99"}) document[bar] = nlohmann::ordered_json::array();
-    return;
-  }
-  for (std::size_t i = 0; i < found.points->made.forces.size(); ++i)
-    document["known"].push_back(within(found, *found.points, i));
+namespace {
+
+using E = ErrorShown;
+
+Json left_out_true(const KnownWithin& left) {
+  return left.called > 0 ? number(double(left.true_ones) / double(left.called)) : Json();
+}
+
+// Whether each point is known within the tolerance.
+Json points_known(const E& e) {
+  Json list = Json::array();
+  if (e.found.points)
+    for (std::size_t i = 0; i < e.found.points->made.forces.size(); ++i)
+      list.push_back(within(e.found, *e.found.points, i));
+  return list;
+}
+
+// These only with --bars.
+template <class Get>
+auto with_bars(Get get) {
+  return [get](const E& e) { return e.bars ? std::optional(get(e.found)) : std::nullopt; };
+}
+
+JsonKey<E> bars_part() {
+  std::vector<Declared> rows = declared(bar_keys());
+  for (Declared& row : rows) row.meaning = "with --bars: " + row.meaning;
+  return {
+      std::move(rows), [](Json& document, const E& e) {
+        if (!e.bars) return;
+        const std::optional<EvaluatedBars>& bars = e.found.points ? e.found.points->bars : e.found.box.bars;
+        add_to(document, bar_keys(), {.bars = bars ? &*bars : nullptr, .points = e.found.points.has_value()});
+      }};
+}
+
+}  // namespace
+
+const JsonKeys<ErrorShown>& error_keys() {
+  using K = ErrorKnown;
+  static const JsonKeys<E> keys{
+      json_object<E>("spacing_suggested", advice_keys(), "", [](const E& e) { return &e.found.advice; }),
+      {"tolerance.value", "", "tolerance of the error: a share of the force, or newtons",
+       [](const E& e) { return e.found.tolerance.value; }},
+      {"tolerance.unit", "", "1 or N", [](const E& e) { return e.found.tolerance.newtons ? "N" : "1"; }},
+      bars_part(),
+      {"tolerance.places", "1", "with --bars: number of evenly spread places of the box",
+       with_bars([](const K& k) { return k.places; })},
+      {"tolerance.within", "1", "with --bars: share of these places whose bar95 is at most the tolerance",
+       with_bars([](const K& k) { return double(k.places_within) / double(k.places); })},
+      {"tolerance.left_out", "1", "with --bars: number of comparisons with known forces left out",
+       with_bars([](const K& k) { return k.left_out.samples; })},
+      {"tolerance.left_out_called", "1", "with --bars: of these, those whose bar95 is at most the tolerance",
+       with_bars([](const K& k) { return k.left_out.called; })},
+      {"tolerance.left_out_true", "1", "with --bars: share of those whose error is at most the tolerance",
+       with_bars([](const K& k) { return left_out_true(k.left_out); })},
+      {"known", "", "with --bars: list: whether bar95 of a point is at most the tolerance",
+       [](const E& e) { return e.bars ? std::optional(points_known(e)) : std::nullopt; }}};
+  return keys;
 }
 
 void tell_errors(const Globals& globals, const ClassifyArguments& arguments, const ErrorKnown& found) {
@@ -105,45 +138,12 @@ void tell_errors(const Globals& globals, const ClassifyArguments& arguments, con
   answer(globals, text + " (bar of 95 %)");
 }
 
-std::string error_cells(const ErrorKnown& found, std::size_t point) {
-  return bar_cells(found.points->bars ? found.points->bars->at[point]
-                                      : OfflineBars().at(Label::blank, true, 0)) +
-         (within(found, *found.points, point) ? ",1" : ",0");
+BarWidths bar_of(const ErrorKnown& found, std::size_t point) {
+  return found.points->bars ? found.points->bars->at[point] : OfflineBars().at(Label::blank, true, 0);
 }
 
-std::vector<Declared> declared_errors() {
-  std::vector<Declared> rows = declared_bars();
-  rows.front().meaning = "with --bars: " + rows.front().meaning;
-  rows.push_back({"known", "", "", "with --bars: 1 where bar95 is at most the tolerance, else 0"});
-  return rows;
-}
-
-std::vector<Declared> declared_errors_json() {
-  std::vector<Declared> rows = declared_bars_json();
-  for (Declared& row : rows) row.meaning = "with --bars: " + row.meaning;
-  const std::vector<Declared> more{
-      {"known", "", "", "with --bars: list: whether bar95 of a point is at most the tolerance"},
-      {"tolerance.value", "", "", "tolerance of the error: a share of the force, or newtons"},
-      {"tolerance.unit", "", "", "1 or N"},
-      {"tolerance.within", "1", "",
-       "with --bars: share of evenly spread places of the box whose bar95 is at most the tolerance"},
-      {"tolerance.places", "1", "", "with --bars: number of these places"},
-      {"tolerance.left_out", "1", "", "with --bars: number of comparisons with known forces left out"},
-      {"tolerance.left_out_called", "1", "",
-       "with --bars: of these, those whose bar95 is at most the tolerance"},
-      {"tolerance.left_out_true", "1", "",
-       "with --bars: share of those whose error is at most the tolerance"},
-      {"spacing_suggested.spacing", "m", "",
-       "largest spacing at which 95 % of the forces left out that are safe lie within the tolerance; null: "
-       "none"},
-      {"spacing_suggested.safe,within", "1", "",
-       "number of forces left out that are safe at it, and of these within the tolerance"},
-      {"spacing_suggested.wider,wider_within", "1", "",
-       "the same for forces that are safe only at a larger spacing, up to 1.5 times"},
-      {"spacing_suggested.all", "", "",
-       "true: all forces left out are safe at it; a larger one may also hold"}};
-  rows.insert(rows.end(), more.begin(), more.end());
-  return rows;
+bool is_known(const ErrorKnown& found, std::size_t point) {
+  return within(found, *found.points, point);
 }
 
 }  // namespace forefeel

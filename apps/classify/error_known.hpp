@@ -3,14 +3,13 @@
 // error bars of points, the share of the box where the force is known within a tolerance, and the spacing that the data
 // suggest.
 
-#include <nlohmann/json_fwd.hpp>
 #include <optional>
 #include <vector>
 
 #include "approx/error/known_within.hpp"
 #include "approx/methods/evaluate.hpp"
 #include "apps/classify/classify.hpp"
-#include "geometry/common/declared.hpp"
+#include "apps/console/document_keys.hpp"
 
 namespace forefeel {
 
@@ -30,13 +29,16 @@ bool wants_errors(const ClassifyArguments& arguments, const Classified& set);
 ErrorKnown error_known(const Globals& globals, const ClassifyArguments& arguments, const Classified& set,
                        const std::vector<Vec3>& points);
 
-void describe_errors(nlohmann::ordered_json& document, const ClassifyArguments& arguments,
-                     const ErrorKnown& found);
+// What classify --json says of it; bars: with --bars.
+struct ErrorShown {
+  const ErrorKnown& found;
+  bool bars;
+};
+const JsonKeys<ErrorShown>& error_keys();
 void tell_errors(const Globals& globals, const ClassifyArguments& arguments, const ErrorKnown& found);
-// Cells of a point in coverage.csv: bars, and whether it is known within the tolerance (1 or 0).
-std::string error_cells(const ErrorKnown& found, std::size_t point);
-std::vector<Declared> declared_errors();  // of these cells
-std::vector<Declared> declared_errors_json();
+// Of a point: its bar, and whether its force is known within the tolerance.
+BarWidths bar_of(const ErrorKnown& found, std::size_t point);
+bool is_known(const ErrorKnown& found, std::size_t point);
 
 // The tolerance of --tolerance, else that of the scene file, else 7 %.
 Tolerance tolerance_of(const Globals& globals, const ClassifyArguments& arguments);

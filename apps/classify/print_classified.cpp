@@ -6,9 +6,9 @@
 #include <array>
 #include <cmath>
 #include <filesystem>
-#include <nlohmann/json.hpp>
 
 #include "apps/console/json.hpp"
+#include "apps/console/outputs.hpp"
 #include "apps/console/values.hpp"
 
 namespace forefeel {
@@ -16,118 +16,132 @@ namespace {
 
 constexpr std::size_t most_gaps = 1000;  // in the document, largest first
 
-nlohmann::ordered_json sides_json(const std::vector<BridgeSide>& sides) {
-  nlohmann::ordered_json out = nlohmann::ordered_json::array();
-  for (const BridgeSide& side : sides)
-    out.push_back({{"direction", vector3(side.direction)},
-                   {"half_angle_deg", side.half_angle_deg},
-                   {"distance", side.distance},
-                   {"states", side.states}});
-  return out;
+JsonKeys<BridgeSide> side_keys() {
+  using S = BridgeSide;
+  return {{"direction", "1", "towards known states", &S::direction},
+          {"half_angle_deg", "degrees", "of the cone that they fill", &S::half_angle_deg},
+          {"distance", "m", "to the nearest of them", &S::distance},
+          {"states", "", "their number", &S::states}};
+}
+
+JsonKeys<RegionComponent> gap_keys() {
+  using C = RegionComponent;
+  return {{"volume", "m^3", "of one gap region", &C::volume},
+          {"inner", "m", "a place inside it", &C::inner},
+          {"safe_components", "", "list: numbers of the safe regions that it touches", &C::safe_neighbours},
+          json_list<C>("sides", side_keys(), &C::sides, "list: the sides of the bridge")};
 }
 
 // Gaps and the regions that they connect, largest first.
-nlohmann::ordered_json gaps_json(const RegionSummary& regions) {
-  nlohmann::ordered_json gaps = nlohmann::ordered_json::array();
+std::vector<RegionComponent> gaps_of(const RegionSummary& regions) {
+  std::vector<RegionComponent> gaps;
   for (const RegionComponent& c : regions.components)
-    if (c.label == Label::gap && gaps.size() < most_gaps)
-      gaps.push_back({{"volume", c.volume},
-                      {"inner", vector3(c.inner)},
-                      {"safe_components", c.safe_neighbours},
-                      {"sides", sides_json(c.sides)}});
+    if (c.label == Label::gap && gaps.size() < most_gaps) gaps.push_back(c);
   return gaps;
+}
+
+Json component_counts(const RegionsShown& r) {
+  Json counts;
+  for (std::size_t i = 0; i < 4; ++i)
+    counts[std::string(name(static_cast<Label>(i)))] = r.regions.component_count[i];
+  return counts;
 }
 
 }  // namespace
 
-void regions_json(nlohmann::ordered_json& out, const RegionSummary& regions, double fill_distance,
-                  double fill_bound, const std::optional<LargestHole>& hole) {
-  out["volume"] = by_label(regions.volume);
-  for (int i = 0; i < 4; ++i)
-    out["components"][std::string(name(static_cast<Label>(i)))] =
-        regions.component_count[static_cast<std::size_t>(i)];
-  out["gaps"] = gaps_json(regions);
-  out["gaps_left_out"] = regions.component_count[static_cast<std::size_t>(Label::gap)] - out["gaps"].size();
-  out["fill_distance"] = number(fill_distance);
-  out["fill_distance_bound"] = number(fill_bound);
-  if (hole) {
-    out["largest_hole"] = {{"radius", hole->radius}, {"centre", vector3(hole->centre)}};
-  } else {
-    out["largest_hole"] = {{"radius", nullptr},
-                           {"centre", nlohmann::ordered_json::array({nullptr, nullptr, nullptr})}};
-  }
+const JsonKeys<RegionsShown>& region_keys() {
+  using R = RegionsShown;
+  static const JsonKeys<R> keys{
+      {"volume.LABEL", "m^3", "of the box", [](const R& r) { return by_label(r.regions.volume); }},
+      {"components.LABEL", "", "connected regions", component_counts},
+      json_list<R>(
+          "gaps", gap_keys(), [](const R& r) { return gaps_of(r.regions); }, "list, largest first"),
+      {"gaps_left_out", "", "gaps beyond those listed",
+       [](const R& r) {
+         const std::size_t all = r.regions.component_count[static_cast<std::size_t>(Label::gap)];
+         return all - gaps_of(r.regions).size();
+       }},
+      {"fill_distance", "m", "largest distance of a place of the box to its nearest state, as found",
+       [](const R& r) { return r.holes.fill_distance; }},
+      {"fill_distance_bound", "m", "an upper bound of it", [](const R& r) { return r.holes.fill_bound; }},
+      {"largest_hole.radius", "m", "of the largest empty ball; null: none",
+       [](const R& r) { return r.holes.largest ? r.holes.largest->radius : unknown; }},
+      {"largest_hole.centre", "m", "its centre", [](const R& r) {
+         return r.holes.largest ? r.holes.largest->centre : Vec3::Constant(unknown).eval();
+       }}};
+  return keys;
 }
 
 namespace {
 
-nlohmann::ordered_json document_of(const ClassifyArguments& arguments, const ClassifiedPoints& result) {
-  const Classified& set = result.set;
-  nlohmann::ordered_json out;
-  for (const char* key : {"labels", "spread", "alpha", "delta", "gamma_deg"})
-    out[key] = nlohmann::ordered_json::array();
-  for (const Coverage& c : result.found) {
-    out["labels"].push_back(std::string(name(c.label)));
-    out["spread"].push_back(number(c.spread));
-    out["alpha"].push_back(number(c.alpha));
-    out["delta"].push_back(number(c.delta));
-    out["gamma_deg"].push_back(number(c.gamma_deg));
-  }
-  regions_json(out, set.regions, set.fill_distance, set.fill_bound, set.hole);
-  out["states"] = set.states.size();
-  out["unusable"] = set.unusable;
-  out["spacing"] = set.spacing;
-  out["spacing_estimated"] = set.spacing_estimated;
-  out["box"] = {vector3(set.box.low), vector3(set.box.high)};
-  out["index"] = arguments.space.index;
-  out["adaptive"] = set.lattice != nullptr;
-  if (result.agreement) out["agreement"] = agreement_json(*result.agreement);
-  if (result.errors) describe_errors(out, arguments, *result.errors);
-  out["leaves"] = set.regions.leaf_count;
-  out["seconds"] = result.seconds;
-  out["peak_bytes"] = peak_bytes();
-  return out;
+struct ClassifiedShown {
+  const ClassifiedPoints& result;
+  const ClassifyArguments& arguments;
+};
+using C = ClassifiedShown;
+
+// A list with a value for each point.
+template <class Get>
+auto of_points(Get get) {
+  return [get](const C& c) {
+    Json list = Json::array();
+    for (const Coverage& at : c.result.found) list.push_back(*json_value(std::invoke(get, at)));
+    return list;
+  };
+}
+
+JsonKeys<C> set_keys() {
+  return {{"states", "", "usable", [](const C& c) { return c.result.set.states.size(); }},
+          {"unusable", "", "failed solves in the file", [](const C& c) { return c.result.set.unusable; }},
+          {"spacing", "m", "that counts as dense", [](const C& c) { return c.result.set.spacing; }},
+          {"spacing_estimated", "", "true: the median distance of the states, since the file has none",
+           [](const C& c) { return c.result.set.spacing_estimated; }},
+          {"box", "m", "low and high corner",
+           [](const C& c) {
+             return Json{vector3(c.result.set.box.low), vector3(c.result.set.box.high)};
+           }},
+          {"index", "", "delaunay or octree", [](const C& c) { return c.arguments.space.index; }},
+          {"adaptive", "", "true: the spacing varies from place to place",
+           [](const C& c) { return c.result.set.lattice != nullptr; }}};
+}
+
+const JsonKeys<C>& classified_keys() {
+  static const JsonKeys<C> keys = [] {
+    JsonKeys<C> all{{"labels", "", "list: safe, sparse, gap or blank of each point",
+                     of_points([](const Coverage& at) { return name(at.label); })},
+                    {"spread", "m", "list: of each point; null: infinite", of_points(&Coverage::spread)},
+                    {"alpha", "m", "list: circumradius; null: infinite", of_points(&Coverage::alpha)},
+                    {"delta", "m", "list: distance to the nearest state", of_points(&Coverage::delta)},
+                    {"gamma_deg", "degrees", "list: half-angle of the largest empty cone; null: not needed",
+                     of_points(&Coverage::gamma_deg)},
+                    JsonKey<C>(declared(region_keys()), [](Json& document, const C& c) {
+                      add_to(document, region_keys(), {c.result.set.regions, c.result.set.holes});
+                    })};
+    const JsonKeys<C> more{
+        json_part<C>(agreement_keys(),
+                     [](const C& c) { return c.result.agreement ? &*c.result.agreement : nullptr; }),
+        JsonKey<C>(declared(error_keys()),
+                   [](Json& document, const C& c) {
+                     if (c.result.errors)
+                       add_to(document, error_keys(), {*c.result.errors, c.arguments.bars});
+                   })
+            .last(),
+        {"leaves", "", "of the octree of regions",
+         [](const C& c) { return c.result.set.regions.leaf_count; }},
+        {"seconds", "s", "time to label", [](const C& c) { return c.result.seconds; }},
+        {"peak_bytes", "bytes", "largest memory of the process", [](const C&) { return peak_bytes(); }}};
+    const JsonKeys<C> of_set = set_keys();
+    all.insert(all.end(), of_set.begin(), of_set.end());
+    all.insert(all.end(), more.begin(), more.end());
+    return all;
+  }();
+  return keys;
 }
 
 }  // namespace
 
-std::vector<Declared> declared_classified_json() {
-  return {{"labels", "", "", "list: safe, sparse, gap or blank of each point"},
-          {"spread", "m", "", "list: of each point; null: infinite"},
-          {"alpha", "m", "", "list: circumradius; null: infinite"},
-          {"delta", "m", "", "list: distance to the nearest state"},
-          {"gamma_deg", "degrees", "", "list: half-angle of the largest empty cone; null: not needed"},
-          {"volume.LABEL", "m^3", "", "of the box"},
-          {"components.LABEL", "", "", "connected regions"},
-          {"gaps", "", "", "list, largest first"},
-          {"gaps[].volume", "m^3", "", "of one gap region"},
-          {"gaps[].inner", "m", "", "a place inside it"},
-          {"gaps[].safe_components", "", "", "list: numbers of the safe regions that it touches"},
-          {"gaps[].sides", "", "", "list: the sides of the bridge"},
-          {"gaps[].sides[].direction", "1", "", "towards known states"},
-          {"gaps[].sides[].half_angle_deg", "degrees", "", "of the cone that they fill"},
-          {"gaps[].sides[].distance", "m", "", "to the nearest of them"},
-          {"gaps[].sides[].states", "", "", "their number"},
-          {"gaps_left_out", "", "", "gaps beyond those listed"},
-          {"fill_distance", "m", "", "largest distance of a place of the box to its nearest state, as found"},
-          {"fill_distance_bound", "m", "", "an upper bound of it"},
-          {"largest_hole.radius", "m", "", "of the largest empty ball; null: none"},
-          {"largest_hole.centre", "m", "", "its centre"},
-          {"states", "", "", "usable"},
-          {"unusable", "", "", "failed solves in the file"},
-          {"spacing", "m", "", "that counts as dense"},
-          {"spacing_estimated", "", "", "true: the median distance of the states, since the file has none"},
-          {"box", "m", "", "low and high corner"},
-          {"index", "", "", "delaunay or octree"},
-          {"adaptive", "", "", "true: the spacing varies from place to place"},
-          {"agreement.share", "1", "",
-           "with --agreement: share of the volume where both indexes agree, common blank left out"},
-          {"agreement.worst", "", "", "with --agreement: labels and volume of the largest disagreement"},
-          {"agreement.worst.KEY", "", "", "the same"},
-          {"agreement.volume_delaunay_octree.LABEL.LABEL", "m^3", "",
-           "with --agreement: by the label of each index"},
-          {"leaves", "", "", "of the octree of regions"},
-          {"seconds", "s", "", "time to label"},
-          {"peak_bytes", "bytes", "", "largest memory of the process"}};
+DeclaredTable classify_output() {
+  return {"classify.json", "Of classify --json, for one set of states.", declared(classified_keys())};
 }
 
 namespace {
@@ -183,14 +197,14 @@ void print_summary(const Classified& set, double seconds, const Globals& globals
               1e6 * c.volume, 1e3 * c.inner.x(), 1e3 * c.inner.y(), 1e3 * c.inner.z(), c.sides.size(),
               c.sides.size() == 1 ? "" : "s", c.safe_neighbours.size(),
               c.safe_neighbours.size() == 1 ? "" : "s"));
-  answer(globals, fmt::format("fill distance {:.4g} mm{}", 1e3 * set.fill_distance,
-                              set.fill_bound > set.fill_distance + 1.001e-3 * set.spacing
-                                  ? fmt::format(", at most {:.4g} mm", 1e3 * set.fill_bound)
+  answer(globals, fmt::format("fill distance {:.4g} mm{}", 1e3 * set.holes.fill_distance,
+                              set.holes.fill_bound > set.holes.fill_distance + 1.001e-3 * set.spacing
+                                  ? fmt::format(", at most {:.4g} mm", 1e3 * set.holes.fill_bound)
                                   : ""));
-  if (set.hole)
-    answer(globals,
-           fmt::format("largest hole {:.4g} mm at {:.4g}, {:.4g}, {:.4g} mm", 1e3 * set.hole->radius,
-                       1e3 * set.hole->centre.x(), 1e3 * set.hole->centre.y(), 1e3 * set.hole->centre.z()));
+  if (set.holes.largest)
+    answer(globals, fmt::format("largest hole {:.4g} mm at {:.4g}, {:.4g}, {:.4g} mm",
+                                1e3 * set.holes.largest->radius, 1e3 * set.holes.largest->centre.x(),
+                                1e3 * set.holes.largest->centre.y(), 1e3 * set.holes.largest->centre.z()));
   say(globals, fmt::format("{:.3g} s, {:.0f} MB at most", seconds, 1e-6 * double(peak_bytes())));
 }
 
@@ -198,7 +212,7 @@ void print_summary(const Classified& set, double seconds, const Globals& globals
 
 void print_classified(const Globals& globals, const ClassifyArguments& arguments,
                       const ClassifiedPoints& result) {
-  if (globals.json) return print_json(document_of(arguments, result));
+  if (globals.json) return print_json(document_of(classified_keys(), {result, arguments}));
   const std::string extension = std::filesystem::path(arguments.output).extension();
   if (arguments.places.list || (result.points.size() <= most_listed && extension != ".csv"))
     list_points(result.points, result.found, globals);
@@ -213,17 +227,6 @@ void print_classified(const Globals& globals, const ClassifyArguments& arguments
                                                      : "labels of the points",
                              arguments.output));
   if (result.agreement) print_agreement(globals, *result.agreement);
-}
-
-std::vector<Declared> declared_coverage() {
-  return {{"x,y,z", "m", "", "position"},
-          {"label", "", "", "safe, sparse, gap or blank"},
-          {"spread", "m", "",
-           "sqrt(R^2 - d^2) in its Delaunay cell: R circumradius, d distance to the circumcentre"},
-          {"alpha", "m", "", "circumradius of the cell, the least where several touch"},
-          {"delta", "m", "", "distance to the nearest state"},
-          {"gamma_deg", "degrees", "",
-           "half-angle of the largest empty cone of directions to states within 8 h"}};
 }
 
 }  // namespace forefeel

@@ -19,7 +19,4 @@ struct ClassifiedPoints {
 void print_classified(const Globals& globals, const ClassifyArguments& arguments,
                       const ClassifiedPoints& result);
 
-std::vector<Declared> declared_classified_json();  // its keys, without those of error bars
-std::vector<Declared> declared_coverage();         // the columns of the CSV file, likewise
-
 }  // namespace forefeel

@@ -1,10 +1,10 @@
 #pragma once
 // A session's summary as JSON: the keys of summary.json up to `spacing`, in their order. Unknown values are null.
 
-#include <nlohmann/json_fwd.hpp>
 #include <span>
 #include <vector>
 
+#include "apps/console/document_keys.hpp"
 #include "scheduling/motion/prediction_score.hpp"
 #include "scheduling/record/summary_columns.hpp"
 
@@ -13,8 +13,7 @@ namespace forefeel {
 nlohmann::ordered_json to_json(const ColumnValue& value);
 nlohmann::ordered_json to_json(std::span<const Column> columns);  // names with dots become nested objects
 nlohmann::ordered_json to_json(const SessionSummary& summary);
-std::vector<Declared> declared_summary_json();  // all keys of summary.json, for `forefeel help`
-std::vector<Declared> declared_prediction();    // of one row of `prediction`
+const JsonKeys<PredictionError>& prediction_keys();  // of one row of `prediction`
 // The key `prediction`: predictor -> rows by horizon [s], errors [m]. Null where nothing was compared.
 nlohmann::ordered_json to_json(std::span<const PredictorErrors> predictors);
 

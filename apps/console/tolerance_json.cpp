@@ -2,10 +2,6 @@
 
 #include <fmt/format.h>
 
-#include <nlohmann/json.hpp>
-
-#include "apps/console/json.hpp"
-
 namespace forefeel {
 namespace {
 
@@ -15,14 +11,22 @@ double ratio(std::size_t part, std::size_t all) {
 
 }  // namespace
 
-nlohmann::ordered_json to_json(const ToleranceShare& share, const Tolerance& tolerance) {
-  return {{"value", tolerance.value},
-          {"unit", tolerance.newtons ? "N" : "1"},
-          {"known", number(ratio(share.frames_known, share.frames))},
-          {"samples", share.samples},
-          {"within", number(ratio(share.within, share.samples))},
-          {"samples_known", share.known},
-          {"known_true", number(ratio(share.known_true, share.known))}};
+const JsonKeys<ToleranceShown>& tolerance_keys() {
+  using T = ToleranceShown;
+  static const JsonKeys<T> keys{
+      {"value", "", "state_space.tolerance if the scene gives it: a share or newtons",
+       [](const T& t) { return t.tolerance.value; }},
+      {"unit", "", "1 or N", [](const T& t) { return t.tolerance.newtons ? "N" : "1"; }},
+      {"known", "1", "share of the frames whose error bar of 95 % is at most the tolerance",
+       [](const T& t) { return ratio(t.share.frames_known, t.share.frames); }},
+      {"samples", "", "sampled frames", [](const T& t) { return t.share.samples; }},
+      {"within", "1", "share of the samples whose error is at most the tolerance",
+       [](const T& t) { return ratio(t.share.within, t.share.samples); }},
+      {"samples_known", "", "samples whose error bar of 95 % is at most the tolerance",
+       [](const T& t) { return t.share.known; }},
+      {"known_true", "1", "share of those whose error is at most the tolerance",
+       [](const T& t) { return ratio(t.share.known_true, t.share.known); }}};
+  return keys;
 }
 
 std::string tolerance_in_words(const ToleranceShare& share, const Tolerance& tolerance) {
@@ -32,17 +36,6 @@ std::string tolerance_in_words(const ToleranceShare& share, const Tolerance& tol
     text += fmt::format("; true in {:.1f} % of {} samples then", 100 * ratio(share.known_true, share.known),
                         share.known);
   return text;
-}
-
-std::vector<Declared> declared_tolerance() {
-  return {
-      {"tolerance.value", "", "", "state_space.tolerance if the scene gives it: a share or newtons"},
-      {"tolerance.unit", "", "", "1 or N"},
-      {"tolerance.known", "1", "", "share of the frames whose error bar of 95 % is at most the tolerance"},
-      {"tolerance.samples", "", "", "sampled frames"},
-      {"tolerance.within", "1", "", "share of the samples whose error is at most the tolerance"},
-      {"tolerance.samples_known", "", "", "samples whose error bar of 95 % is at most the tolerance"},
-      {"tolerance.known_true", "1", "", "share of those whose error is at most the tolerance"}};
 }
 
 }  // namespace forefeel

@@ -16,6 +16,7 @@
 #include "apps/console/commands.hpp"
 #include "apps/console/console.hpp"
 #include "apps/console/json.hpp"
+#include "apps/console/outputs.hpp"
 #include "apps/console/values.hpp"
 #include "apps/evaluate/evaluate_json.hpp"
 #include "apps/evaluate/offline_bars.hpp"
@@ -31,10 +32,14 @@
 namespace forefeel {
 namespace {
 
-struct EvaluateArguments {
-  std::string states, points, output, scene;
+struct ModelArguments {
   std::optional<std::string> method, kernel, data, select, ridge;
   std::optional<std::size_t> neighbours;
+};
+
+struct EvaluateArguments {
+  std::string states, points, output, scene;
+  ModelArguments model;
   std::optional<double> spacing;
   bool foreign = false, no_bars = false;
 };
@@ -56,7 +61,7 @@ std::optional<Value> named(const std::optional<std::string>& text, std::span<con
   return {};
 }
 
-EvaluateOptions options_of(const EvaluateArguments& arguments) {
+EvaluateOptions options_of(const ModelArguments& arguments) {
   constexpr std::array kernels{Kernel::linear, Kernel::cubic, Kernel::quintic};
   constexpr std::array data{Data::force, Data::force_and_stiffness};
   constexpr std::array rules{Select::label, Select::nearest};
@@ -72,20 +77,33 @@ EvaluateOptions options_of(const EvaluateArguments& arguments) {
   return options;
 }
 
+struct ForceRow {
+  const Vec3& at;
+  const Evaluation& found;
+  std::size_t i;  // of the point
+};
+
+CsvColumns<ForceRow> force_columns(bool barred) {
+  using R = ForceRow;
+  CsvColumns<R> columns{{"x,y,z", "m", "position", [](const R& r) { return cells(r.at); }},
+                        {"fx,fy,fz", "N", "approximated force of the body on the tip",
+                         [](const R& r) { return cells(r.found.made.forces[r.i]); }},
+                        {"label", "", "coverage there: safe, sparse, gap or blank",
+                         [](const R& r) { return std::string(name(r.found.made.labels[r.i])); }}};
+  if (barred) columns.push_back(bar_column<R>("", [](const R& r) { return r.found.bars->at[r.i]; }));
+  return columns;
+}
+
 void write_csv(const std::string& file, const std::vector<Vec3>& points, const Evaluation& found) {
-  const EvaluatedPoints& result = found.made;
+  const CsvColumns<ForceRow> columns = force_columns(found.bars.has_value());
   OutputFile out(file);
-  out.write(header_of(declared_forces()) + (found.bars ? "," + header_of(declared_bars()) : "") + "\n");
-  for (std::size_t i = 0; i < points.size(); ++i) {
-    const Vec3 &x = points[i], &f = result.forces[i];
-    out.write(fmt::format("{},{},{},{},{},{},{}{}\n", x[0], x[1], x[2], f[0], f[1], f[2],
-                          name(result.labels[i]), found.bars ? bar_cells(found.bars->at[i]) : ""));
-  }
+  out.write(csv_header(columns));
+  for (std::size_t i = 0; i < points.size(); ++i) out.write(csv_row(columns, {points[i], found, i}));
   out.commit();
 }
 
 // The older methods ignore some options; a warning says which.
-void warn_of_unused(const Globals& globals, const EvaluateArguments& arguments) {
+void warn_of_unused(const Globals& globals, const ModelArguments& arguments) {
   const std::string method = arguments.method.value_or("rbf");
   if (method == "rbf" || method == "auto") return;
   const bool offline = method == "offline-rbf";
@@ -112,8 +130,7 @@ std::vector<Vec3> read_points(const std::string& file) {
 struct KnownStates {
   std::vector<State> states = {};
   double spacing = unknown;  // [m]
-  std::vector<State> checks = {};
-  Box checked = {};  // [m]
+  CheckSolves checks = {};
   std::optional<Belonging> belonging = {};
   std::optional<MeshError> mesh = {};  // of the scene's body, unless the states are of another
 };
@@ -123,8 +140,7 @@ KnownStates read_known(const Globals& globals, const EvaluateArguments& argument
   if (loaded.damaged > 0) warn(globals, damage_in_words(arguments.states, loaded.damaged));
   if (std::ranges::none_of(loaded.states, &State::usable))
     throw InputError(arguments.states, "holds no solved state, expected at least one");
-  KnownStates known{
-      .spacing = loaded.header.spacing, .checks = check_solves(loaded.header), .checked = loaded.header.box};
+  KnownStates known{.spacing = loaded.header.spacing, .checks = check_solves(loaded.header)};
   if (!arguments.scene.empty()) {
     const Scene scene = load_scene(arguments.scene, globals.set);
     for (const std::string& warning : scene.source.warnings) warn(globals, warning);
@@ -144,13 +160,12 @@ KnownStates read_known(const Globals& globals, const EvaluateArguments& argument
 }
 
 EvaluateResult evaluate_command(const Globals& globals, const EvaluateArguments& arguments) {
-  EvaluateOptions options = options_of(arguments);
+  EvaluateOptions options = options_of(arguments.model);
   EvaluateResult result{.points = read_points(arguments.points), .found = {}, .belonging = {}, .mesh = {}};
   KnownStates known = read_known(globals, arguments);
   if (!arguments.output.empty()) check_writable(arguments.output, {arguments.states, arguments.points});
   options.spacing = known.spacing;
   options.checks = known.checks;
-  options.checked = known.checked;
   options.bars = !arguments.no_bars;
   result.belonging = known.belonging;
   result.mesh = known.mesh;
@@ -234,7 +249,7 @@ void tell(const Globals& globals, const EvaluateResult& evaluated, bool with_for
 }
 
 int run_evaluate(const Globals& globals, const EvaluateArguments& arguments) {
-  warn_of_unused(globals, arguments);
+  warn_of_unused(globals, arguments.model);
   if (!globals.set.empty() && arguments.scene.empty())
     warn(globals, "--set: without effect on evaluate without --scene");
   if (arguments.foreign && arguments.scene.empty())
@@ -251,6 +266,10 @@ int run_evaluate(const Globals& globals, const EvaluateArguments& arguments) {
 
 }  // namespace
 
+DeclaredTable forces_output() {
+  return {"forces.csv", "What evaluate writes with -o.", declared(force_columns(true))};
+}
+
 void add_evaluate(CommandLine& line) {
   const auto arguments = std::make_shared<EvaluateArguments>();
   Command sub = line.add("evaluate", "Forces approximated from known states at given points");
@@ -258,18 +277,19 @@ void add_evaluate(CommandLine& line) {
   sub.option("STATES", arguments->states, "State file, or states as CSV").required();
   sub.option("--points", arguments->points, "CSV of positions x,y,z [m]").required().shows("Q.csv");
   sub.option(
-         "--method", arguments->method,
+         "--method", arguments->model.method,
          "Approximation. auto chooses kernel, neighbours and ridge by leaving out groups of neighbouring "
          "states, and prints the expected error; options that are given stay fixed. Default: auto for states "
          "without stiffness if none of kernel, data, neighbours and ridge is given, else rbf")
       .one_of(
           {"auto", "rbf", "trilinear", "tricubic", "deflection", "two-force", "offline-rbf", "rbf-network"});
-  sub.option("--kernel", arguments->kernel,
+  sub.option("--kernel", arguments->model.kernel,
              "Radial function. Default of rbf: quintic for states with stiffness, else cubic")
       .one_of({"linear", "cubic", "quintic"});
-  sub.option("--data", arguments->data, "What a model fits. Default: force+stiffness if the states have it")
+  sub.option("--data", arguments->model.data,
+             "What a model fits. Default: force+stiffness if the states have it")
       .one_of({"force", "force+stiffness"});
-  sub.option("--neighbours", arguments->neighbours,
+  sub.option("--neighbours", arguments->model.neighbours,
              "Number of states in a model. Default: 25, or 100 for states without stiffness. With --select "
              "label a "
              "model has more where they are needed: at least 16 outside safe regions (without stiffness at "
@@ -280,7 +300,7 @@ void add_evaluate(CommandLine& line) {
         const double n = std::strtod(text.c_str(), nullptr);
         return n >= 1 && n <= 100'000 ? "" : "is " + text + ", expected a whole number from 1 to 100000";
       });
-  sub.option("--select", arguments->select,
+  sub.option("--select", arguments->model.select,
              "Which states a model uses: nearest, or label (outside safe regions from all sides of the "
              "point). Default "
              "of rbf: label")
@@ -289,7 +309,7 @@ void add_evaluate(CommandLine& line) {
          "--spacing", arguments->spacing,
          "Distance of states that counts as dense [m]. Default: that of the file, else the median distance")
       .check(above_zero);
-  sub.option("--ridge", arguments->ridge,
+  sub.option("--ridge", arguments->model.ridge,
              "For noisy states: added to the kernel's diagonal; auto: chosen by leaving out single states. "
              "Default of rbf: 0")
       .shows("NUMBER|auto");

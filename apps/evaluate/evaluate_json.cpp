@@ -1,125 +1,149 @@
 #include "apps/evaluate/evaluate_json.hpp"
 
-#include <nlohmann/json.hpp>
-#include <utility>
+#include <optional>
 
-#include "apps/console/json.hpp"
-#include "apps/console/json_keys.hpp"
+#include "apps/console/outputs.hpp"
 #include "apps/evaluate/offline_bars.hpp"
 
 namespace forefeel {
 namespace {
 
-// The settings of the method; null if it has no such setting.
-void describe(nlohmann::ordered_json& document, const Evaluation& result) {
-  const ModelOptions& model = result.options.model;
-  const bool moving = result.method == Method::rbf, offline = result.method == Method::offline_rbf,
-             network = result.method == Method::rbf_network;
-  const auto if_so = [&](const char* key, bool so, nlohmann::ordered_json value) {
-    document[key] = so ? std::move(value) : nlohmann::ordered_json();
-  };
-  if_so("kernel", moving || offline || network, name(network ? Kernel::cubic : model.kernel));
-  if_so("data", true, name(moving || offline ? model.data : Data::force));
-  if_so("neighbours", moving, model.neighbours);
-  if_so("centres", network, result.options.centres);
-  if_so("select", moving, name(model.select));
-  if_so("ridge", moving || offline, model.ridge);
+using R = EvaluateResult;
+
+const ModelOptions& model_of(const R& r) {
+  return r.found.options.model;
+}
+bool is(const R& r, Method method) {
+  return r.found.method == method;
 }
 
-// Describes the chosen model; null if none was chosen, or if there are too few states for a choice.
-void describe_choice(nlohmann::ordered_json& document, const Evaluation& result) {
-  document["chosen"] = nullptr;
-  document["expected_error"] = nullptr;
-  if (!result.chosen) return;
-  const ModelOptions& model = result.options.model;
-  document["chosen"] = {{"kernel", name(model.kernel)}, {"neighbours", model.neighbours},
-                        {"ridge", model.ridge},         {"all_states", result.chosen->all},
-                        {"select", name(model.select)}, {"data", name(model.data)}};
-  document["expected_error"] = {{"p50", number(result.chosen->p50)},
-                                {"p95", number(result.chosen->p95)},
-                                {"positions", result.chosen->positions},
-                                {"groups", result.chosen->groups},
-                                {"beyond", result.chosen->beyond}};
+// The settings of the method; null if it has no such setting.
+template <class Value>
+Json if_so(bool so, const Value& value) {
+  return so ? Json(value) : Json();
+}
+
+JsonKeys<R> method_keys() {
+  return {{"method", "", "rbf, auto, or an older method",
+           [](const R& r) { return r.found.chosen ? "auto" : name(r.found.method); }},
+          {"kernel", "", "linear, cubic or quintic; null: the method has none",
+           [](const R& r) {
+             const bool network = is(r, Method::rbf_network);
+             return if_so(is(r, Method::rbf) || is(r, Method::offline_rbf) || network,
+                          name(network ? Kernel::cubic : model_of(r).kernel));
+           }},
+          {"data", "", "force or force+stiffness",
+           [](const R& r) {
+             return name(is(r, Method::rbf) || is(r, Method::offline_rbf) ? model_of(r).data : Data::force);
+           }},
+          {"neighbours", "", "of each model; null: the method has none",
+           [](const R& r) { return if_so(is(r, Method::rbf), model_of(r).neighbours); }},
+          {"centres", "", "of rbf-network; else null",
+           [](const R& r) { return if_so(is(r, Method::rbf_network), r.found.options.centres); }},
+          {"select", "", "label or nearest; null: the method has none",
+           [](const R& r) { return if_so(is(r, Method::rbf), name(model_of(r).select)); }},
+          {"ridge", "1", "null: the method has none", [](const R& r) {
+             return if_so(is(r, Method::rbf) || is(r, Method::offline_rbf), model_of(r).ridge);
+           }}};
+}
+
+JsonKeys<Evaluation> chosen_keys() {
+  using E = Evaluation;
+  return {{"kernel,neighbours,ridge", "", "method auto: the model that was chosen",
+           [](const E& e) {
+             const ModelOptions& model = e.options.model;
+             return Json{name(model.kernel), model.neighbours, model.ridge};
+           }},
+          {"all_states", "", "true: one model of all states", [](const E& e) { return e.chosen->all; }},
+          {"select,data", "", "of the chosen model", [](const E& e) {
+             return Json{name(e.options.model.select), name(e.options.model.data)};
+           }}};
+}
+
+JsonKeys<AutoModel> expected_error_keys() {
+  using A = AutoModel;
+  return {{"p50,p95", "N", "error of known forces left out in groups",
+           [](const A& a) {
+             return json_numbers({a.p50, a.p95});
+           }},
+          {"positions,groups", "", "left out, and in how many groups",
+           [](const A& a) {
+             return Json{a.positions, a.groups};
+           }},
+          {"beyond", "", "points farther from the states than any force left out", &A::beyond}};
+}
+
+// A list with an entry for each of these.
+template <class Values, class Get>
+Json list_of(const Values& values, Get get) {
+  Json list = Json::array();
+  for (const auto& value : values) list.push_back(*json_value(std::invoke(get, value)));
+  return list;
+}
+
+JsonKeys<R> point_keys() {
+  return {
+      {"forces", "N", "list: approximated force of the body on the tip at each point",
+       [](const R& r) { return list_of(r.found.made.forces, [](const Vec3& f) { return f; }); }},
+      {"labels", "", "list: coverage of each point",
+       [](const R& r) { return list_of(r.found.made.labels, [](Label label) { return name(label); }); }},
+      {"kernels", "", "list: kernel of each point, after step-down",
+       [](const R& r) { return r.found.made.kernels; }},
+      {"stepped_down", "", "points whose states did not determine the wanted kernel",
+       [](const R& r) { return r.found.made.stepped_down; }},
+      {"fit_us", "us", "median time to make or change a model", [](const R& r) { return r.found.fit_us; }},
+      {"evaluate_ns", "ns", "median time of a force", [](const R& r) { return r.found.evaluate_ns; }},
+      {"fitted", "", "points whose model was made anew", [](const R& r) { return r.found.made.fitted; }},
+      {"updated", "", "points whose model was changed", [](const R& r) { return r.found.made.updated; }},
+      {"reused", "", "points whose model was kept", [](const R& r) { return r.found.made.reused; }}};
+}
+
+JsonKeys<R> later_keys() {
+  return {{"spacing", "m", "that counts as dense", [](const R& r) { return r.found.options.spacing; }},
+          {"averaged", "", "states that contradicted another at their position",
+           [](const R& r) { return r.found.repeated.averaged; }},
+          {"largest_difference", "N", "between two of these",
+           [](const R& r) { return r.found.repeated.largest_difference; }},
+          {"belonging", "", "own or foreign states; null: not known",
+           [](const R& r) { return r.belonging ? Json(name(*r.belonging)) : Json(); }},
+          {"force_bounds", "N", "list: no force of the point's model is larger",
+           [](const R& r) { return list_of(r.found.made.reach, &Reach::bound); }},
+          {"tangent_from", "m",
+           "list: distance outside the states from where on the tangent is used; null: never",
+           [](const R& r) { return list_of(r.found.made.reach, &Reach::tangent); }},
+          {"held_from", "m", "list: distance from where on the force is constant; null: never",
+           [](const R& r) { return list_of(r.found.made.reach, &Reach::held); }}};
+}
+
+const JsonKeys<R>& evaluate_keys() {
+  static const JsonKeys<R> keys = [] {
+    static const MeshError no_scene{.why = "no scene is given"};
+    JsonKeys<R> all = point_keys();
+    const auto add = [&](const JsonKeys<R>& more) { all.insert(all.end(), more.begin(), more.end()); };
+    add(method_keys());
+    add({json_object<R>("chosen", chosen_keys(), "null: nothing was chosen",
+                        [](const R& r) { return r.found.chosen ? &r.found : nullptr; }),
+         json_object<R>("expected_error", expected_error_keys(), "null: no model was chosen",
+                        [](const R& r) { return r.found.chosen ? &*r.found.chosen : nullptr; }),
+         JsonKey<R>(declared(bar_keys()), [](Json& document, const R& r) {
+           if (r.found.bars) add_to(document, bar_keys(), BarsShown{.bars = &*r.found.bars});
+         }).last()});
+    add({json_part<R>(mesh_error_keys(), [](const R& r) { return r.mesh ? &*r.mesh : &no_scene; })});
+    all.back().rows.front().meaning.insert(0, "with --scene: ");
+    add(later_keys());
+    return all;
+  }();
+  return keys;
 }
 
 }  // namespace
 
-nlohmann::ordered_json to_json(const EvaluateResult& evaluated) {
-  const Evaluation& result = evaluated.found;
-  nlohmann::ordered_json document;
-  document["forces"] = nlohmann::ordered_json::array();
-  document["labels"] = nlohmann::ordered_json::array();
-  for (const Vec3& f : result.made.forces) document["forces"].push_back(vector3(f));
-  for (const Label label : result.made.labels) document["labels"].push_back(name(label));
-  document["kernels"] = result.made.kernels;
-  document["stepped_down"] = result.made.stepped_down;
-  document["fit_us"] = number(result.fit_us);
-  document["evaluate_ns"] = number(result.evaluate_ns);
-  document["fitted"] = result.made.fitted;
-  document["updated"] = result.made.updated;
-  document["reused"] = result.made.reused;
-  document["method"] = result.chosen ? "auto" : name(result.method);
-  describe(document, result);
-  describe_choice(document, result);
-  if (result.bars) describe_bars(document, result.bars);
-  add_to(document, evaluated.mesh.value_or(MeshError{.why = "no scene is given"}));
-  document["spacing"] = number(result.options.spacing);
-  document["averaged"] = result.repeated.averaged;
-  document["largest_difference"] = result.repeated.largest_difference;
-  document["belonging"] = nullptr;
-  if (evaluated.belonging) document["belonging"] = name(*evaluated.belonging);
-  for (const char* key : {"force_bounds", "tangent_from", "held_from"})
-    document[key] = nlohmann::ordered_json::array();
-  for (const Reach& reach : result.made.reach) {
-    document["force_bounds"].push_back(number(reach.bound));
-    document["tangent_from"].push_back(number(reach.tangent));
-    document["held_from"].push_back(number(reach.held));
-  }
-  return document;
+Json to_json(const EvaluateResult& evaluated) {
+  return document_of(evaluate_keys(), evaluated);
 }
 
-std::vector<Declared> declared_evaluate_json() {
-  return {{"forces", "N", "", "list: approximated force of the body on the tip at each point"},
-          {"labels", "", "", "list: coverage of each point"},
-          {"kernels", "", "", "list: kernel of each point, after step-down"},
-          {"stepped_down", "", "", "points whose states did not determine the wanted kernel"},
-          {"fit_us", "us", "", "median time to make or change a model"},
-          {"evaluate_ns", "ns", "", "median time of a force"},
-          {"fitted", "", "", "points whose model was made anew"},
-          {"updated", "", "", "points whose model was changed"},
-          {"reused", "", "", "points whose model was kept"},
-          {"method", "", "", "rbf, auto, or an older method"},
-          {"kernel", "", "", "linear, cubic or quintic; null: the method has none"},
-          {"data", "", "", "force or force+stiffness"},
-          {"neighbours", "", "", "of each model; null: the method has none"},
-          {"centres", "", "", "of rbf-network; else null"},
-          {"select", "", "", "label or nearest; null: the method has none"},
-          {"ridge", "1", "", "null: the method has none"},
-          {"chosen", "", "", "null: nothing was chosen"},
-          {"chosen.kernel,neighbours,ridge,select,data", "", "", "method auto: the model that was chosen"},
-          {"chosen.all_states", "", "", "true: one model of all states"},
-          {"expected_error", "", "", "null: no model was chosen"},
-          {"expected_error.p50,p95", "N", "", "error of known forces left out in groups"},
-          {"expected_error.positions,groups", "", "", "left out, and in how many groups"},
-          {"expected_error.beyond", "", "", "points farther from the states than any force left out"},
-          {"discretisation_error", "1", "",
-           "with --scene: what the mesh itself gets wrong, relative; null: not measured"},
-          {"discretisation_positions", "", "", "at which it was measured"},
-          {"discretisation_by", "", "", "by what, or why not"},
-          {"spacing", "m", "", "that counts as dense"},
-          {"averaged", "", "", "states that contradicted another at their position"},
-          {"largest_difference", "N", "", "between two of these"},
-          {"belonging", "", "", "own or foreign states; null: not known"},
-          {"force_bounds", "N", "", "list: no force of the point's model is larger"},
-          {"tangent_from", "m", "",
-           "list: distance outside the states from where on the tangent is used; null: never"},
-          {"held_from", "m", "", "list: distance from where on the force is constant; null: never"}};
-}
-
-std::vector<Declared> declared_forces() {
-  return {{"x,y,z", "m", "", "position"},
-          {"fx,fy,fz", "N", "", "approximated force of the body on the tip"},
-          {"label", "", "", "coverage there: safe, sparse, gap or blank"}};
+DeclaredTable evaluate_output() {
+  return {"evaluate.json", "Of evaluate --json.", declared(evaluate_keys())};
 }
 
 }  // namespace forefeel

@@ -9,7 +9,6 @@
 #include "approx/methods/evaluate.hpp"
 #include "apps/scene/given_states.hpp"
 #include "apps/scene/scene_mesh_error.hpp"
-#include "geometry/common/declared.hpp"
 
 namespace forefeel {
 
@@ -29,7 +28,5 @@ struct EvaluateResult {
 };
 
 nlohmann::ordered_json to_json(const EvaluateResult& evaluated);
-
-std::vector<Declared> declared_forces();  // the columns of the CSV file, without those of error bars
 
 }  // namespace forefeel

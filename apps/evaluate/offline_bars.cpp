@@ -4,16 +4,15 @@
 
 #include <algorithm>
 #include <cmath>
-#include <nlohmann/json.hpp>
 #include <numeric>
 
 #include "apps/console/json.hpp"
+#include "apps/console/outputs.hpp"
 #include "geometry/common/output_file.hpp"
 
 namespace forefeel {
 namespace {
 
-using Json = nlohmann::ordered_json;
 constexpr const char* level_names[] = {"90", "95", "99"};
 constexpr double fewer = 0.05;   // a share that is further below its level gives a warning
 constexpr std::size_t few = 30;  // with fewer forces, the share of a label is not printed
@@ -53,26 +52,79 @@ std::string vtu_number(double value) {
   return std::isfinite(value) ? fmt::format("{}", value) : "NaN";
 }
 
+// The coverage of bars, as three keys of T. cover: of T, a BarCover.
+template <class Get>
+JsonKeys<EvaluatedBars> cover_keys(const std::string& before, const std::string& samples,
+                                   const std::string& coverage, Get cover) {
+  using B = EvaluatedBars;
+  return {{before + "samples", "1", samples, [=](const B& b) { return cover(b).samples; }},
+          {before + "coverage.p90,p95,p99", "1", coverage,
+           [=](const B& b) {
+             const auto& [p90, p95, p99] = cover(b).inside;
+             return json_numbers({p90, p95, p99});
+           }},
+          {before + "width_p50", "N", "median half-width of 95 % of their bars",
+           [=](const B& b) { return cover(b).width_p50; }}};
+}
+
+Json cover_by_label(const EvaluatedBars& bars) {
+  Json out;
+  for (const Label label : {Label::safe, Label::sparse, Label::gap, Label::blank})
+    out[std::string(name(label))] = cover_json(bars.measured.cover(label));
+  return out;
+}
+
+const JsonKeys<EvaluatedBars>& error_bar_keys() {
+  using B = EvaluatedBars;
+  static const JsonKeys<B> keys = [] {
+    JsonKeys<B> all = cover_keys("",
+                                 "number of comparisons with known forces, left out in groups of "
+                                 "neighbouring positions; a force on the "
+                                 "border may be left out more than once",
+                                 "share of them inside their bars, each bar from the other groups",
+                                 [](const B& b) { return b.measured.cover(); });
+    const JsonKeys<B> more{
+        {"levels", "1", "list: the levels of coverage", [](const B&) { return bar_levels; }},
+        {"beyond", "1",
+         "points farther from the states than any force left out; compared apart inside and outside the "
+         "states",
+         &B::beyond},
+        {"checked", "",
+         "true: within their box, the bars come from the check solves of generate --error, not from forces "
+         "left "
+         "out",
+         [](const B& b) { return b.measured.checked(); }},
+        {"points_outside", "1", "points outside the states", &B::outside}};
+    const JsonKeys<B> outside =
+        cover_keys("outside.", "number of the forces left out that lie outside the other states",
+                   "share of these inside their bars", [](const B& b) { return b.measured.cover_outside(); });
+    all.insert(all.end(), more.begin(), more.end());
+    all.insert(all.end(), outside.begin(), outside.end());
+    all.push_back({"by_label.LABEL", "", "samples, coverage and width_p50 of one label", cover_by_label});
+    return all;
+  }();
+  return keys;
+}
+
+// Lists by point, one for each level.
+Json widths_json(const BarsShown& shown) {
+  Json columns = Json::array();
+  for (std::size_t level = 0; level < bar_levels.size(); ++level) {
+    Json& column = columns.emplace_back(shown.bars || !shown.points ? Json::array() : Json());
+    if (shown.bars && shown.points)
+      for (const BarWidths& bar : shown.bars->at) column.push_back(number(bar[level]));
+  }
+  return columns;
+}
+
 }  // namespace
 
-void describe_bars(Json& document, const std::optional<EvaluatedBars>& bars) {
-  for (std::size_t level = 0; level < bar_levels.size(); ++level) {
-    Json& column = document[fmt::format("bar{}", level_names[level])] = nullptr;
-    if (!bars) continue;
-    column = Json::array();
-    for (const BarWidths& bar : bars->at) column.push_back(number(bar[level]));
-  }
-  document["error_bar"] = nullptr;
-  if (!bars) return;
-  Json out = cover_json(bars->measured.cover());
-  out["levels"] = bar_levels;
-  out["beyond"] = bars->beyond;
-  out["checked"] = bars->measured.checked();
-  out["points_outside"] = bars->outside;
-  out["outside"] = cover_json(bars->measured.cover_outside());
-  for (const Label label : {Label::safe, Label::sparse, Label::gap, Label::blank})
-    out["by_label"][std::string(name(label))] = cover_json(bars->measured.cover(label));
-  document["error_bar"] = out;
+const JsonKeys<BarsShown>& bar_keys() {
+  using S = BarsShown;
+  static const JsonKeys<S> keys{
+      {"bar90,bar95,bar99", "N", "lists: half-width of each point's error bar; null: not known", widths_json},
+      json_object<S>("error_bar", error_bar_keys(), "", &S::bars)};
+  return keys;
 }
 
 std::string bars_in_words(const EvaluatedBars& bars) {
@@ -105,49 +157,13 @@ std::string bars_in_words(const EvaluatedBars& bars) {
   return text;
 }
 
-std::string bar_cells(const BarWidths& bar) {
-  std::string text;
-  for (const double width : bar) text += std::isfinite(width) ? fmt::format(",{}", width) : ",";
-  return text;
-}
-
-std::vector<Declared> declared_bars() {
-  return {
-      {"bar90,bar95,bar99", "N", "",
-       "half-widths of the error bars around the approximated force, from known forces left out in groups; "
-       "empty where too few are known for that level"}};
-}
-
-std::vector<Declared> declared_bars_json() {
-  return {{"bar90,bar95,bar99", "N", "", "lists: half-width of each point's error bar; null: not known"},
-          {"error_bar.levels", "1", "", "list: the levels of coverage"},
-          {"error_bar.samples", "1", "",
-           "number of comparisons with known forces, left out in groups of neighbouring positions; a force "
-           "on the border "
-           "may be left out more than once"},
-          {"error_bar.coverage.p90,p95,p99", "1", "",
-           "share of them inside their bars, each bar from the other groups"},
-          {"error_bar.width_p50", "N", "", "median half-width of 95 % of their bars"},
-          {"error_bar.by_label.LABEL", "", "", "samples, coverage and width_p50 of one label"},
-          {"error_bar.checked", "", "",
-           "true: within their box, the bars come from the check solves of generate --error, not from forces "
-           "left "
-           "out"},
-          {"error_bar.beyond", "1", "",
-           "points farther from the states than any force left out; compared apart inside and outside the "
-           "states"},
-          {"error_bar.points_outside", "1", "", "points outside the states"},
-          {"error_bar.outside.samples", "1", "",
-           "number of the forces left out that lie outside the other states"},
-          {"error_bar.outside.coverage.p90,p95,p99", "1", "", "share of these inside their bars"},
-          {"error_bar.outside.width_p50", "N", "", "median half-width of 95 % of their bars"}};
-}
-
-std::vector<Declared> declared_left_out() {
-  return {{"error", "N", "", "distance of the known force from the one that the other states give"},
-          {"bar90,bar95,bar99", "N", "", "half-widths of the error bars there, without its own group"},
-          {"force", "N", "", "magnitude of the known force"},
-          {"away", "m", "", "distance to the nearest state that was not left out"}};
+DeclaredTable left_out_output() {
+  return {"NAME_left_out.vtu",
+          "What classify --bars writes beside -o NAME.vtu: forces left out.",
+          {{"error", "N", "", "distance of the known force from the one that the other states give"},
+           {"bar90,bar95,bar99", "N", "", "half-widths of the error bars there, without its own group"},
+           {"force", "N", "", "magnitude of the known force"},
+           {"away", "m", "", "distance to the nearest state that was not left out"}}};
 }
 
 void write_left_out_vtu(const std::filesystem::path& file, const OfflineBars& bars) {
@@ -195,13 +211,24 @@ std::string advice_in_words(const SpacingAdvice& advice, const Tolerance& tolera
   return text;
 }
 
-Json advice_json(const SpacingAdvice& advice) {
-  return {{"spacing", number(advice.spacing)},
-          {"safe", advice.safe},
-          {"within", advice.within},
-          {"wider", advice.wider},
-          {"wider_within", advice.wider_within},
-          {"all", advice.all}};
+const JsonKeys<SpacingAdvice>& advice_keys() {
+  using A = SpacingAdvice;
+  static const JsonKeys<A> keys{
+      {"spacing", "m",
+       "largest spacing at which 95 % of the forces left out that are safe lie within the tolerance; null: "
+       "none",
+       &A::spacing},
+      {"safe,within", "1", "number of forces left out that are safe at it, and of these within the tolerance",
+       [](const A& a) {
+         return Json{a.safe, a.within};
+       }},
+      {"wider,wider_within", "1",
+       "the same for forces that are safe only at a larger spacing, up to 1.5 times",
+       [](const A& a) {
+         return Json{a.wider, a.wider_within};
+       }},
+      {"all", "", "true: all forces left out are safe at it; a larger one may also hold", &A::all}};
+  return keys;
 }
 
 }  // namespace forefeel

@@ -2,32 +2,46 @@
 // Prints and writes the error bars of states without a session, for evaluate and classify.
 
 #include <filesystem>
-#include <nlohmann/json_fwd.hpp>
+#include <functional>
 #include <string>
 #include <vector>
 
 #include "approx/error/known_within.hpp"
 #include "approx/methods/evaluate.hpp"
-#include "geometry/common/declared.hpp"
+#include "apps/console/document_keys.hpp"
+#include "geometry/common/csv_columns.hpp"
 
 namespace forefeel {
 
-// Adds the keys bar90, bar95 and bar99 (lists by point) and error_bar (the measured coverage). Null without bars.
-void describe_bars(nlohmann::ordered_json& document, const std::optional<EvaluatedBars>& bars);
+// bar90, bar95 and bar99 (lists by point, empty without points) and error_bar (the measured coverage). Null without
+// bars.
+struct BarsShown {
+  const EvaluatedBars* bars = nullptr;
+  bool points = true;
+};
+const JsonKeys<BarsShown>& bar_keys();
 // "error bars of 90/95/99 %: … of 312 comparisons with known forces, left out in groups, lie inside …", with a warning
 // if the share is more than five points below a level.
 std::string bars_in_words(const EvaluatedBars& bars);
 
-// ",0.1,0.2,0.5": cells of a CSV file, empty where infinite.
-std::string bar_cells(const BarWidths& bar);
-std::vector<Declared> declared_bars();       // bar90, bar95, bar99
-std::vector<Declared> declared_bars_json();  // what describe_bars() writes
-std::vector<Declared> declared_left_out();   // what write_left_out_vtu() writes
+// The columns bar90, bar95 and bar99 of a CSV file, empty where infinite. bar: of a row.
+template <class Row>
+CsvColumn<Row> bar_column(const std::string& before, std::function<BarWidths(const Row&)> bar) {
+  return {"bar90,bar95,bar99", "N",
+          before +
+              "half-widths of the error bars around the approximated force, from known forces left out in "
+              "groups; empty where too few are known for that level",
+          [=](const Row& row) {
+            const auto& [b90, b95, b99] = bar(row);
+            return fmt::format("{},{},{}", known_cell(b90), known_cell(b95), known_cell(b99));
+          }};
+}
+
 // The forces left out as a point cloud for ParaView: error and bars at their positions.
 void write_left_out_vtu(const std::filesystem::path& file, const OfflineBars& bars);
 
 // The spacing that the data suggest, with its reason.
 std::string advice_in_words(const SpacingAdvice& advice, const Tolerance& tolerance);
-nlohmann::ordered_json advice_json(const SpacingAdvice& advice);
+const JsonKeys<SpacingAdvice>& advice_keys();
 
 }  // namespace forefeel

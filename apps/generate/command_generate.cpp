@@ -9,16 +9,16 @@
 #include <functional>
 #include <iostream>
 #include <memory>
-#include <nlohmann/json.hpp>
 #include <optional>
 
 #include "apps/console/commands.hpp"
 #include "apps/console/console.hpp"
+#include "apps/console/document_keys.hpp"
 #include "apps/console/interrupt.hpp"
 #include "apps/console/json.hpp"
-#include "apps/console/json_keys.hpp"
 #include "apps/console/json_text.hpp"
 #include "apps/console/look_at_it.hpp"
+#include "apps/console/outputs.hpp"
 #include "apps/console/provenance.hpp"
 #include "apps/generate/generate_error.hpp"
 #include "apps/generate/generate_memory.hpp"
@@ -59,23 +59,40 @@ struct GenerateResult {
   }
 };
 
-nlohmann::ordered_json to_json(const GenerateResult& result, const Scene& scene) {
-  const GenerateReport& report = result.report;
-  nlohmann::ordered_json document;
-  document["states"] = result.usable;
-  document["solved"] = report.solved - report.inverted;
-  document["inverted"] = result.inverted;
-  document["failed"] = result.failed;
-  document["resumed"] = report.resumed;
-  document["seconds"] = number(report.seconds);
-  document["states_per_second"] = number(result.states_per_second());
-  document["threads"] = report.threads;
-  if (result.ranks) document["ranks"] = {{"solving", result.ranks->ranks}, {"lost", result.ranks->lost}};
-  document["error_estimate"] = nullptr;
-  document["interrupted"] = result.interrupted;
-  document["spacing"] = scene.space.spacing;
-  if (scene.spacing.chosen) document["spacing_auto"] = to_json(*scene.spacing.chosen);
-  return document;
+struct Generated {
+  const GenerateResult& result;
+  const Scene& scene;
+};
+
+const JsonKeys<Generated>& generate_keys() {
+  using G = Generated;
+  static const JsonKeys<G> keys{
+      {"states", "", "usable states in the file", [](const G& g) { return g.result.usable; }},
+      {"solved", "", "of this run",
+       [](const G& g) { return g.result.report.solved - g.result.report.inverted; }},
+      {"inverted", "", "states with inverted elements in the file",
+       [](const G& g) { return g.result.inverted; }},
+      {"failed", "", "solves that failed", [](const G& g) { return g.result.failed; }},
+      {"resumed", "", "states that were in the file before",
+       [](const G& g) { return g.result.report.resumed; }},
+      {"seconds", "s", "time of the run", [](const G& g) { return g.result.report.seconds; }},
+      {"states_per_second", "1/s", "solved in this run",
+       [](const G& g) { return g.result.states_per_second(); }},
+      {"threads", "", "that solved", [](const G& g) { return g.result.report.threads; }},
+      {"ranks.solving", "", "with --mpi: ranks that solved",
+       [](const G& g) { return g.result.ranks ? std::optional(g.result.ranks->ranks) : std::nullopt; }},
+      {"ranks.lost", "", "with --mpi: ranks that answered no more",
+       [](const G& g) { return g.result.ranks ? std::optional(g.result.ranks->lost) : std::nullopt; }},
+      {"error_estimate", "1", "null: only with --error", [](const G&) { return nullptr; }},
+      {"interrupted", "", "true: some positions are left; the same command resumes",
+       [](const G& g) { return g.result.interrupted; }},
+      {"spacing", "m", "of the lattice", [](const G& g) { return g.scene.space.spacing; }},
+      {"spacing_auto", "", "with spacing = auto: how it was chosen",
+       [](const G& g) {
+         return g.scene.spacing.chosen ? std::optional(to_json(*g.scene.spacing.chosen)) : std::nullopt;
+       }},
+      {"spacing_auto.KEY", "", "the same"}};
+  return keys;
 }
 
 void tell(const Globals& globals, const GenerateResult& result, const std::string& output) {
@@ -237,7 +254,7 @@ int run_generate(const Globals& globals, const GenerateArguments& arguments, Ran
 
   if (ranks) ranks->begin(rank_identity(scene.source.hash), pack_spacing(scene.space.spacing));
   const GenerateResult result = fill_lattice(globals, scene, std::move(file), known, arguments.output, ranks);
-  if (globals.json) print_json(to_json(result, scene));
+  if (globals.json) print_json(document_of(generate_keys(), Generated{result, scene}));
   tell(globals, result, arguments.output);
   if (is_gone(globals, arguments.output)) return 1;
   say(globals, look_at_it(globals, arguments.output, arguments.scene));
@@ -285,22 +302,8 @@ int run_with_mpi(const Globals& globals, const GenerateArguments& arguments) {
 
 }  // namespace
 
-std::vector<Declared> declared_generate_json() {
-  return {{"states", "", "", "usable states in the file"},
-          {"solved", "", "", "of this run"},
-          {"inverted", "", "", "states with inverted elements in the file"},
-          {"failed", "", "", "solves that failed"},
-          {"resumed", "", "", "states that were in the file before"},
-          {"seconds", "s", "", "time of the run"},
-          {"states_per_second", "1/s", "", "solved in this run"},
-          {"threads", "", "", "that solved"},
-          {"ranks.solving", "", "", "with --mpi: ranks that solved"},
-          {"ranks.lost", "", "", "with --mpi: ranks that answered no more"},
-          {"error_estimate", "1", "", "null: only with --error"},
-          {"interrupted", "", "", "true: some positions are left; the same command resumes"},
-          {"spacing", "m", "", "of the lattice"},
-          {"spacing_auto", "", "", "with spacing = auto: how it was chosen"},
-          {"spacing_auto.KEY", "", "", "the same"}};
+DeclaredTable generate_output() {
+  return {"generate.json", "Of generate --json.", declared(generate_keys())};
 }
 
 void add_generate(CommandLine& line) {

@@ -8,12 +8,12 @@
 #include <filesystem>
 #include <memory>
 #include <mutex>
-#include <nlohmann/json.hpp>
 
 #include "apps/console/commands.hpp"
 #include "apps/console/console.hpp"
+#include "apps/console/document_keys.hpp"
 #include "apps/console/json.hpp"
-#include "apps/console/json_keys.hpp"
+#include "apps/console/outputs.hpp"
 #include "apps/console/values.hpp"
 #include "apps/scene/scene.hpp"
 #include "geometry/common/error.hpp"
@@ -160,33 +160,53 @@ SolveResult solve(const Globals& globals, const SolveArguments& arguments, const
   return result;
 }
 
-nlohmann::ordered_json to_json(const SolveOutcome& outcome) {
-  const State& s = outcome.state;
-  nlohmann::ordered_json entry;
-  entry["at"] = vector3(s.at);
-  entry["force"] = vector3(s.force);
-  entry["stiffness"] = nlohmann::ordered_json::array();
-  for (int i = 0; i < 3; ++i) entry["stiffness"].push_back(vector3(Vec3(s.stiffness.row(i).transpose())));
-  entry["energy"] = number(s.energy);
-  entry["converged"] = ::forefeel::outcome(s) == SolveStatus::converged;
-  entry["status"] = name(::forefeel::outcome(s));
-  entry["iterations"] = s.solve.iterations;
-  entry["residual"] = number(s.solve.residual);
-  entry["seconds"] = number(s.solve.seconds);
-  entry["min_jacobian"] = number(s.solve.min_jacobian);
-  entry["multivalued"] = s.solve.multivalued;
-  entry["warnings"] = outcome.warnings;
-  return entry;
+// One entry of `states`.
+struct SolvedState {
+  const State& state;
+  const std::vector<std::string>& warnings;
+  std::optional<double> discretisation_error;
+};
+
+std::vector<SolvedState> solved_states(const SolveResult& result) {
+  std::vector<SolvedState> all;
+  for (std::size_t i = 0; i < result.outcomes.size(); ++i) {
+    all.push_back({result.outcomes[i].state, result.outcomes[i].warnings, {}});
+    if (!result.discretisation_errors.empty())
+      all.back().discretisation_error = result.discretisation_errors[i];
+  }
+  return all;
 }
 
-nlohmann::ordered_json to_json(const SolveResult& result) {
-  nlohmann::ordered_json document{{"states", nlohmann::ordered_json::array()}};
-  for (std::size_t i = 0; i < result.outcomes.size(); ++i) {
-    document["states"].push_back(to_json(result.outcomes[i]));
-    if (!result.discretisation_errors.empty())
-      document["states"].back()["discretisation_error"] = number(result.discretisation_errors[i]);
-  }
-  return document;
+Json rows_of(const Mat3& matrix) {
+  Json rows = Json::array();
+  for (int i = 0; i < 3; ++i) rows.push_back(vector3(Vec3(matrix.row(i).transpose())));
+  return rows;
+}
+
+const JsonKeys<SolveResult>& solve_keys() {
+  using S = SolvedState;
+  static const JsonKeys<S> of_state{
+      {"at", "m", "HIP position", [](const S& s) { return s.state.at; }},
+      {"force", "N", "force of the body on the tip", [](const S& s) { return s.state.force; }},
+      {"stiffness", "N/m", "rows of K = -df/dx", [](const S& s) { return rows_of(s.state.stiffness); }},
+      {"energy", "J", "stored energy", [](const S& s) { return s.state.energy; }},
+      {"converged", "", "false: not an equilibrium, or one with inverted elements",
+       [](const S& s) { return outcome(s.state) == SolveStatus::converged; }},
+      {"status", "", "converged, diverged, stalled, inverted or cancelled",
+       [](const S& s) { return name(outcome(s.state)); }},
+      {"iterations", "", "Newton iterations", [](const S& s) { return s.state.solve.iterations; }},
+      {"residual", "1", "relative to the force", [](const S& s) { return s.state.solve.residual; }},
+      {"seconds", "s", "time of the solve", [](const S& s) { return s.state.solve.seconds; }},
+      {"min_jacobian", "1", "least det F of all elements",
+       [](const S& s) { return s.state.solve.min_jacobian; }},
+      {"multivalued", "", "true: another path ends at another equilibrium",
+       [](const S& s) { return s.state.solve.multivalued; }},
+      {"warnings", "", "list of lines", [](const S& s) { return s.warnings; }},
+      {"discretisation_error", "1",
+       "with --discretisation-error: what the mesh itself gets wrong, relative; null: not measured",
+       &S::discretisation_error}};
+  static const JsonKeys<SolveResult> keys{json_list<SolveResult>("states", of_state, solved_states)};
+  return keys;
 }
 
 std::string line_for(const State& s) {
@@ -231,7 +251,7 @@ int run_solve(const Globals& globals, const SolveArguments& arguments) {
       warn(globals, fmt::format("({:.6g}, {:.6g}, {:.6g}): {}", outcome.state.at[0], outcome.state.at[1],
                                 outcome.state.at[2], warning));
   if (!arguments.output.empty()) write_output(arguments.output, result);
-  if (globals.json) print_json(to_json(result));
+  if (globals.json) print_json(document_of(solve_keys(), result));
   const bool in_file = globals.quiet && !arguments.output.empty();
   if (!globals.json && !in_file) tell(globals, result);
   if (result.inverted() > 0)
@@ -244,21 +264,8 @@ int run_solve(const Globals& globals, const SolveArguments& arguments) {
 
 }  // namespace
 
-std::vector<Declared> declared_solve_json() {
-  return {{"states[].at", "m", "", "HIP position"},
-          {"states[].force", "N", "", "force of the body on the tip"},
-          {"states[].stiffness", "N/m", "", "rows of K = -df/dx"},
-          {"states[].energy", "J", "", "stored energy"},
-          {"states[].converged", "", "", "false: not an equilibrium, or one with inverted elements"},
-          {"states[].status", "", "", "converged, diverged, stalled, inverted or cancelled"},
-          {"states[].iterations", "", "", "Newton iterations"},
-          {"states[].residual", "1", "", "relative to the force"},
-          {"states[].seconds", "s", "", "time of the solve"},
-          {"states[].min_jacobian", "1", "", "least det F of all elements"},
-          {"states[].multivalued", "", "", "true: another path ends at another equilibrium"},
-          {"states[].warnings", "", "", "list of lines"},
-          {"states[].discretisation_error", "1", "",
-           "with --discretisation-error: what the mesh itself gets wrong, relative; null: not measured"}};
+DeclaredTable solve_output() {
+  return {"solve.json", "Of solve --json.", declared(solve_keys())};
 }
 
 void add_solve(CommandLine& line) {

@@ -1,21 +1,21 @@
 #include "apps/generate/generate_error.hpp"
-#include "apps/console/json_keys.hpp"
-#include "apps/generate/kept_states.hpp"
 
 #include <fmt/format.h>
 
 #include <algorithm>
 #include <chrono>
 #include <cmath>
-#include <nlohmann/json.hpp>
 #include <optional>
 #include <stop_token>
 #include <thread>
 
 #include "approx/model/model_options.hpp"
 #include "apps/console/console.hpp"
+#include "apps/console/document_keys.hpp"
 #include "apps/console/interrupt.hpp"
 #include "apps/console/json.hpp"
+#include "apps/console/outputs.hpp"
+#include "apps/generate/kept_states.hpp"
 #include "apps/scene/scene_mesh_error.hpp"
 #include "geometry/common/error.hpp"
 #include "geometry/states/check_solves.hpp"
@@ -25,12 +25,8 @@
 namespace forefeel {
 namespace {
 
-nlohmann::ordered_json to_json(const ErrorQuantiles& q) {
-  nlohmann::ordered_json object;
-  object["p50"] = number(q.p50);
-  object["p95"] = number(q.p95);
-  object["max"] = number(q.max);
-  return object;
+Json quantiles(const ErrorQuantiles& q) {
+  return json_numbers({q.p50, q.p95, q.max});
 }
 
 // States with inverted elements (state_outcome.hpp): all in the file, and those of this run.
@@ -38,35 +34,55 @@ struct Inverted {
   std::size_t all = 0, now = 0;
 };
 
-nlohmann::ordered_json to_json(const PlacementReport& report, const Inverted& inverted, double error,
-                               const MeshError& mesh) {
-  nlohmann::ordered_json document;
-  document["states"] = report.states;
-  document["most_states"] = report.most_states;
-  document["solved"] = report.solved - inverted.now;
-  document["inverted"] = inverted.all;
-  document["failed"] = report.failed;
-  document["resumed"] = report.resumed;
-  document["seconds"] = number(report.seconds);
-  document["threads"] = report.threads;
-  document["error"] = error;
-  add_to(document, mesh);
-  document["error_estimate"] = number(report.estimate.held());  // the least E that the estimate stays below
-  document["error_estimate_quantiles"] = to_json(report.estimate);
-  nlohmann::ordered_json truth = to_json(report.truth.error);
-  truth["held"] = number(report.truth.error.held());
-  truth["samples"] = report.truth.samples;
-  truth["on_surface"] = report.truth.on_surface;
-  truth["failed"] = report.truth.failed;
-  truth["unsolved"] = report.truth.unsolved;
-  truth["fresh"] = report.truth.is_fresh;
-  document["error_true"] = truth;
-  document["linear"] = report.linear;
-  document["estimate_holds"] = report.estimate_holds;
-  document["truth_holds"] = report.truth.holds;
-  if (report.truth.unsolved > 0 || report.truth.samples == 0) document["truth_holds"] = nullptr;  // unknown
-  document["interrupted"] = report.stopped;
-  return document;
+struct Placed {
+  const PlacementReport& report;
+  const Inverted& inverted;
+  double error;  // E of --error
+  const MeshError& mesh;
+};
+
+Json truth_holds(const Placed& p) {
+  const bool known = p.report.truth.unsolved == 0 && p.report.truth.samples > 0;
+  return known ? Json(p.report.truth.holds) : Json();
+}
+
+JsonKeys<PlacementTruth> truth_keys() {
+  using T = PlacementTruth;
+  return {{"p50,p95,max", "1", "of the error at tight solves", [](const T& t) { return quantiles(t.error); }},
+          {"held", "1", "the least E that these stay below", [](const T& t) { return t.error.held(); }},
+          {"samples", "", "tight solves", &T::samples},
+          {"on_surface", "", "of these, on the surface of the box", &T::on_surface},
+          {"failed", "", "tight solves that failed", &T::failed},
+          {"unsolved", "", "positions without a tight solve", &T::unsolved},
+          {"fresh", "", "true: at positions that the placement has not seen", &T::is_fresh}};
+}
+
+const JsonKeys<Placed>& placement_keys() {
+  using P = Placed;
+  static const JsonKeys<P> keys{
+      {"states", "", "usable states in the file", [](const P& p) { return p.report.states; }},
+      {"most_states", "", "of a full lattice", [](const P& p) { return p.report.most_states; }},
+      {"solved", "", "of this run", [](const P& p) { return p.report.solved - p.inverted.now; }},
+      {"inverted", "", "states with inverted elements in the file",
+       [](const P& p) { return p.inverted.all; }},
+      {"failed", "", "solves that failed", [](const P& p) { return p.report.failed; }},
+      {"resumed", "", "states that were in the file before", [](const P& p) { return p.report.resumed; }},
+      {"seconds", "s", "time of the run", [](const P& p) { return p.report.seconds; }},
+      {"threads", "", "that solved", [](const P& p) { return p.report.threads; }},
+      {"error", "1", "E of --error", &P::error},
+      json_part<P>(mesh_error_keys(), [](const P& p) { return &p.mesh; }),
+      {"error_estimate", "1", "the least E that the estimate stays below",
+       [](const P& p) { return p.report.estimate.held(); }},
+      {"error_estimate_quantiles.p50,p95,max", "1", "of the estimate over the box",
+       [](const P& p) { return quantiles(p.report.estimate); }},
+      json_object<P>("error_true", truth_keys(), "", [](const P& p) { return &p.report.truth; }),
+      {"linear", "", "true: the body is linear, three solves give all",
+       [](const P& p) { return p.report.linear; }},
+      {"estimate_holds", "", "true: the estimate is below E",
+       [](const P& p) { return p.report.estimate_holds; }},
+      {"truth_holds", "", "true: the errors at tight solves are below E; null: not known", truth_holds},
+      {"interrupted", "", "true: the same command resumes", [](const P& p) { return p.report.stopped; }}};
+  return keys;
 }
 
 std::string in_words(const ErrorQuantiles& q) {
@@ -136,32 +152,8 @@ std::string complaint(const PlacementReport& report, double error, const StateSp
 
 }  // namespace
 
-std::vector<Declared> declared_placement_json() {
-  return {{"states", "", "", "usable states in the file"},
-          {"most_states", "", "", "of a full lattice"},
-          {"solved", "", "", "of this run"},
-          {"inverted", "", "", "states with inverted elements in the file"},
-          {"failed", "", "", "solves that failed"},
-          {"resumed", "", "", "states that were in the file before"},
-          {"seconds", "s", "", "time of the run"},
-          {"threads", "", "", "that solved"},
-          {"error", "1", "", "E of --error"},
-          {"discretisation_error", "1", "", "what the mesh itself gets wrong, relative; null: not measured"},
-          {"discretisation_positions", "", "", "at which it was measured"},
-          {"discretisation_by", "", "", "by what, or why not"},
-          {"error_estimate", "1", "", "the least E that the estimate stays below"},
-          {"error_estimate_quantiles.p50,p95,max", "1", "", "of the estimate over the box"},
-          {"error_true.p50,p95,max", "1", "", "of the error at tight solves"},
-          {"error_true.held", "1", "", "the least E that these stay below"},
-          {"error_true.samples", "", "", "tight solves"},
-          {"error_true.on_surface", "", "", "of these, on the surface of the box"},
-          {"error_true.failed", "", "", "tight solves that failed"},
-          {"error_true.unsolved", "", "", "positions without a tight solve"},
-          {"error_true.fresh", "", "", "true: at positions that the placement has not seen"},
-          {"linear", "", "", "true: the body is linear, three solves give all"},
-          {"estimate_holds", "", "", "true: the estimate is below E"},
-          {"truth_holds", "", "", "true: the errors at tight solves are below E; null: not known"},
-          {"interrupted", "", "", "true: the same command resumes"}};
+DeclaredTable placement_output() {
+  return {"generate_error.json", "Of generate --error --json.", declared(placement_keys())};
 }
 
 void check_generate_to_error(const Scene& scene) {
@@ -217,7 +209,7 @@ int generate_to_error(const Globals& globals, const Scene& scene, StateFile file
   watch.reset();
   progress.reset();
 
-  if (globals.json) print_json(to_json(report, inverted, error, mesh));
+  if (globals.json) print_json(document_of(placement_keys(), Placed{report, inverted, error, mesh}));
   tell(globals, report, inverted, mesh, output);
   const std::string why = kept.failed() ? kept.in_words() : complaint(report, error, scene.space);
   if (why.empty()) return 0;

@@ -8,14 +8,7 @@
 #include <sstream>
 
 #include "apps/bench/bench_keys.hpp"
-#include "apps/classify/error_known.hpp"
-#include "apps/classify/print_classified.hpp"
-#include "apps/console/json_keys.hpp"
-#include "apps/console/summary_json.hpp"
-#include "apps/console/tolerance_json.hpp"
-#include "apps/evaluate/evaluate_json.hpp"
-#include "apps/evaluate/offline_bars.hpp"
-#include "apps/mesh/mesh_study_table.hpp"
+#include "apps/console/outputs.hpp"
 #include "apps/picture/page.hpp"
 #include "apps/scene/scene_declared.hpp"
 #include "apps/scene/spec_text.hpp"
@@ -30,11 +23,6 @@
 
 namespace forefeel {
 namespace {
-
-std::vector<Declared> joined(std::vector<Declared> rows, const std::vector<Declared>& more) {
-  rows.insert(rows.end(), more.begin(), more.end());
-  return rows;
-}
 
 HelpTopic scene_topic() {
   return {"scene", "The scene file (TOML). Unknown keys are errors; --set table.key=value overrides one.",
@@ -76,30 +64,12 @@ HelpTopic outputs_topic() {
        {}});
   topic.tables.push_back({"states.csv", "States of a run, of solve, export and import.", declared_states()});
   topic.tables.push_back(declared_shape_table());
-  topic.tables.push_back({"summary.json", "Summary of a session: keys joined by dots.",
-                          joined(declared_summary_json(), declared_tolerance())});
-  topic.tables.push_back({"cells.csv",
-                          "One row a cell of a study: a column for each varied key, seed, then these.",
-                          declared_cells()});
-  topic.tables.push_back(
-      {"forces.csv", "What evaluate writes with -o.", joined(declared_forces(), declared_bars())});
-  topic.tables.push_back({"coverage.csv", "What classify writes with --points or --line and -o.",
-                          joined(declared_coverage(), declared_errors())});
-  topic.tables.push_back({"NAME_left_out.vtu",
-                          "What classify --bars writes beside -o NAME.vtu: forces left out.",
-                          declared_left_out()});
-  topic.tables.push_back({"solve.json", "Of solve --json.", declared_solve_json()});
-  topic.tables.push_back(
-      {"mesh.json", "Of mesh --json.", joined(declared_mesh_json(), declared_labels_json())});
-  topic.tables.push_back({"generate.json", "Of generate --json.", declared_generate_json()});
-  topic.tables.push_back({"generate_error.json", "Of generate --error --json.", declared_placement_json()});
-  topic.tables.push_back(
-      {"evaluate.json", "Of evaluate --json.", joined(declared_evaluate_json(), declared_bars_json())});
-  topic.tables.push_back({"classify.json", "Of classify --json, for one set of states.",
-                          joined(declared_classified_json(), declared_errors_json())});
+  for (const DeclaredTable& table : {summary_output(), cells_output(), forces_output(), coverage_output(),
+                                     left_out_output(), solve_output(), mesh_output(), generate_output(),
+                                     placement_output(), evaluate_output(), classify_output()})
+    topic.tables.push_back(table);
   for (const DeclaredTable& table : declared_bench_json()) topic.tables.push_back(table);
-  topic.tables.push_back(
-      {"mesh_study.csv", "What mesh --study writes: one row a body.", declared_mesh_study()});
+  topic.tables.push_back(mesh_study_output());
   return topic;
 }
 

@@ -5,14 +5,14 @@
 
 #include <cmath>
 #include <limits>
-#include <nlohmann/json.hpp>
 #include <optional>
 
 #include "apps/console/commands.hpp"
 #include "apps/console/console.hpp"
+#include "apps/console/document_keys.hpp"
 #include "apps/console/json.hpp"
-#include "apps/console/json_keys.hpp"
 #include "apps/console/look_at_it.hpp"
+#include "apps/console/outputs.hpp"
 #include "apps/console/values.hpp"
 #include "apps/mesh/extent.hpp"
 #include "apps/mesh/mesh_labels.hpp"
@@ -161,40 +161,62 @@ MadeMesh make(const Globals& globals, const MeshArguments& arguments) {
   return made;
 }
 
-nlohmann::ordered_json repair_json(const MadeMesh& made) {
-  const RepairReport& r = made.report.repair;
-  nlohmann::ordered_json repaired = nlohmann::ordered_json::object();
-  if (!made.repaired) return repaired;
-  repaired["self_intersections"] = r.self_intersections;
-  repaired["holes"] = r.holes;
-  repaired["components"] = r.components;
-  repaired["reoriented"] = r.reoriented;
-  repaired["wrapped"] = r.wrapped;
-  repaired["triangles_before"] = r.triangles_before;
-  repaired["triangles_after"] = r.triangles_after;
-  return repaired;
+struct WrittenMesh {
+  const MadeMesh& made;
+  const MeshSummary& sum;
+  const std::string& file;
+};
+
+const JsonKeys<RepairReport>& repair_keys() {
+  using R = RepairReport;
+  static const JsonKeys<R> keys{
+      {"self_intersections", "", "pairs of triangles that intersected", &R::self_intersections},
+      {"holes", "", "holes that were closed", &R::holes},
+      {"components", "", "connected parts of the input", &R::components},
+      {"reoriented", "", "true: triangles were turned", &R::reoriented},
+      {"wrapped", "", "true: the surface was wrapped anew, since it could not be repaired", &R::wrapped},
+      {"triangles_before", "", "of the input", &R::triangles_before},
+      {"triangles_after", "", "of the repaired surface", &R::triangles_after}};
+  return keys;
 }
 
-nlohmann::ordered_json document_of(const MadeMesh& made, const MeshSummary& sum, const std::string& output) {
-  nlohmann::ordered_json document;
-  document["nodes"] = sum.nodes;
-  document["elements"] = sum.elements;
-  document["volume"] = number(sum.quality.volume);
-  document["min_dihedral_deg"] = number(sum.quality.min_dihedral_deg);
-  document["max_dihedral_deg"] = number(sum.quality.max_dihedral_deg);
-  document["hausdorff"] = number(made.hausdorff);
-  document["volume_change"] = number(made.volume_change);
-  document["repaired"] = repair_json(made);
-  document["min_tet_volume"] = number(sum.quality.min_tet_volume);
-  document["longest_side"] = number(sum.box.size().maxCoeff());
-  document["box"] = box_json(sum.box);
-  document["surface_triangles"] = sum.surface_triangles;
-  document["groups"] = nlohmann::ordered_json::object();
-  for (const auto& [name, nodes] : sum.groups) document["groups"][name] = nodes;
-  if (made.labels) document["labels"] = labels_json(made.labels->report);
-  document["file"] = output;
-  document["warnings"] = made.warnings;
-  return document;
+Json groups_json(const WrittenMesh& written) {
+  Json groups = Json::object();
+  for (const auto& [name, nodes] : written.sum.groups) groups[name] = nodes;
+  return groups;
+}
+
+const JsonKeys<WrittenMesh>& mesh_keys() {
+  using W = WrittenMesh;
+  static const JsonKeys<W> keys{
+      {"nodes", "", "number of nodes", [](const W& w) { return w.sum.nodes; }},
+      {"elements", "", "number of tetrahedra", [](const W& w) { return w.sum.elements; }},
+      {"volume", "m^3", "of the mesh", [](const W& w) { return w.sum.quality.volume; }},
+      {"min_dihedral_deg", "degrees", "least angle between two faces of a tetrahedron",
+       [](const W& w) { return w.sum.quality.min_dihedral_deg; }},
+      {"max_dihedral_deg", "degrees", "largest", [](const W& w) { return w.sum.quality.max_dihedral_deg; }},
+      {"hausdorff", "m", "distance between the surface of the mesh and the input; null: not measured",
+       [](const W& w) { return w.made.hausdorff; }},
+      {"volume_change", "1", "volume of the mesh over that of the input, less 1; null: not measured",
+       [](const W& w) { return w.made.volume_change; }},
+      json_object<W>(
+          "repaired", repair_keys(), "empty where no surface was repaired",
+          [](const W& w) { return w.made.repaired ? &w.made.report.repair : nullptr; }, Json::object()),
+      {"min_tet_volume", "m^3", "of the smallest tetrahedron",
+       [](const W& w) { return w.sum.quality.min_tet_volume; }},
+      {"longest_side", "m", "of the bounding box", [](const W& w) { return w.sum.box.size().maxCoeff(); }},
+      {"box", "m", "low and high corner", [](const W& w) { return box_json(w.sum.box); }},
+      {"surface_triangles", "", "of the mesh", [](const W& w) { return w.sum.surface_triangles; }},
+      {"groups.NAME", "", "nodes of each named set; groups is empty without sets", groups_json},
+      {"groups", "", "object of the named sets"},
+      json_list<W>("labels", label_keys(),
+                   [](const W& w) {
+                     return w.made.labels ? std::optional(w.made.labels->report.regions) : std::nullopt;
+                   })
+          .last(),
+      {"file", "", "that was written", [](const W& w) { return w.file; }},
+      {"warnings", "", "list of lines", [](const W& w) { return w.made.warnings; }}};
+  return keys;
 }
 
 void tell(const Globals& globals, const MadeMesh& made, const MeshSummary& sum, const std::string& output) {
@@ -258,7 +280,7 @@ int run_mesh(const Globals& globals, const MeshArguments& arguments) {
   warn_of_size(made, sum.box, arguments);
   write_mesh(arguments.output, made.mesh);
   for (const std::string& warning : made.warnings) warn(globals, warning);
-  if (globals.json) print_json(document_of(made, sum, arguments.output));
+  if (globals.json) print_json(document_of(mesh_keys(), WrittenMesh{made, sum, arguments.output}));
   tell(globals, made, sum, arguments.output);
   say(globals, look_at_it(globals, arguments.output));
   return 0;
@@ -266,31 +288,8 @@ int run_mesh(const Globals& globals, const MeshArguments& arguments) {
 
 }  // namespace
 
-std::vector<Declared> declared_mesh_json() {
-  return {
-      {"nodes", "", "", "number of nodes"},
-      {"elements", "", "", "number of tetrahedra"},
-      {"volume", "m^3", "", "of the mesh"},
-      {"min_dihedral_deg", "degrees", "", "least angle between two faces of a tetrahedron"},
-      {"max_dihedral_deg", "degrees", "", "largest"},
-      {"hausdorff", "m", "", "distance between the surface of the mesh and the input; null: not measured"},
-      {"volume_change", "1", "", "volume of the mesh over that of the input, less 1; null: not measured"},
-      {"repaired", "", "", "empty where no surface was repaired"},
-      {"repaired.self_intersections", "", "", "pairs of triangles that intersected"},
-      {"repaired.holes", "", "", "holes that were closed"},
-      {"repaired.components", "", "", "connected parts of the input"},
-      {"repaired.reoriented", "", "", "true: triangles were turned"},
-      {"repaired.wrapped", "", "", "true: the surface was wrapped anew, since it could not be repaired"},
-      {"repaired.triangles_before", "", "", "of the input"},
-      {"repaired.triangles_after", "", "", "of the repaired surface"},
-      {"min_tet_volume", "m^3", "", "of the smallest tetrahedron"},
-      {"longest_side", "m", "", "of the bounding box"},
-      {"box", "m", "", "low and high corner"},
-      {"surface_triangles", "", "", "of the mesh"},
-      {"groups.NAME", "", "", "nodes of each named set; groups is empty without sets"},
-      {"groups", "", "", "object of the named sets"},
-      {"file", "", "", "that was written"},
-      {"warnings", "", "", "list of lines"}};
+DeclaredTable mesh_output() {
+  return {"mesh.json", "Of mesh --json.", declared(mesh_keys())};
 }
 
 void add_mesh(CommandLine& line) {

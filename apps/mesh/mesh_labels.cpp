@@ -1,11 +1,9 @@
 #include "apps/mesh/mesh_labels.hpp"
-#include "apps/console/json_keys.hpp"
 
 #include <fmt/format.h>
 
 #include <algorithm>
 #include <cmath>
-#include <nlohmann/json.hpp>
 
 #include "apps/console/json.hpp"
 #include "geometry/common/error.hpp"
@@ -71,32 +69,18 @@ LabelBody body_of_labels(const std::string& file, LabelMeshOptions options, cons
   return body;
 }
 
-std::vector<Declared> declared_labels_json() {
-  return {{"labels[].label", "", "", "with a label volume: the number in it"},
-          {"labels[].name", "", "", "of its group of elements"},
-          {"labels[].elements", "", "", "tetrahedra"},
-          {"labels[].volume", "m^3", "", "of these"},
-          {"labels[].voxels", "", "", "in the volume"},
-          {"labels[].voxel_volume", "m^3", "", "of these"},
-          {"labels[].parts", "", "", "connected parts of the voxels"},
-          {"labels[].touches_border", "", "", "true: the label reaches the border of the volume"}};
-}
-
-nlohmann::ordered_json labels_json(const LabelMeshReport& report) {
-  auto list = nlohmann::ordered_json::array();
-  for (const LabelRegion& r : report.regions) {
-    nlohmann::ordered_json entry;
-    entry["label"] = r.label;
-    entry["name"] = r.name;
-    entry["elements"] = r.elements;
-    entry["volume"] = number(r.mesh_volume);
-    entry["voxels"] = r.voxels;
-    entry["voxel_volume"] = number(r.voxel_volume);
-    entry["parts"] = r.parts;
-    entry["touches_border"] = r.touches_border;
-    list.push_back(entry);
-  }
-  return list;
+const JsonKeys<LabelRegion>& label_keys() {
+  using R = LabelRegion;
+  static const JsonKeys<R> keys{
+      {"label", "", "with a label volume: the number in it", &R::label},
+      {"name", "", "of its group of elements", &R::name},
+      {"elements", "", "tetrahedra", &R::elements},
+      {"volume", "m^3", "of these", &R::mesh_volume},
+      {"voxels", "", "in the volume", &R::voxels},
+      {"voxel_volume", "m^3", "of these", &R::voxel_volume},
+      {"parts", "", "connected parts of the voxels", &R::parts},
+      {"touches_border", "", "true: the label reaches the border of the volume", &R::touches_border}};
+  return keys;
 }
 
 void tell_labels(const Globals& globals, const LabelBody& body) {

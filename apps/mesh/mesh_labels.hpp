@@ -2,10 +2,10 @@
 // `forefeel mesh` for a label volume: reads its options, makes the mesh, prints the report.
 
 #include <map>
-#include <nlohmann/json_fwd.hpp>
 #include <string>
 
 #include "apps/console/console.hpp"
+#include "apps/console/document_keys.hpp"
 #include "geometry/segmentation/label_mesh.hpp"
 
 namespace forefeel {
@@ -23,7 +23,7 @@ struct LabelBody {
 LabelBody body_of_labels(const std::string& file, LabelMeshOptions options, const std::string& unit,
                          Progress& progress);
 
-nlohmann::ordered_json labels_json(const LabelMeshReport& report);
+const JsonKeys<LabelRegion>& label_keys();  // of one label in mesh --json
 void tell_labels(const Globals& globals, const LabelBody& body);
 
 }  // namespace forefeel

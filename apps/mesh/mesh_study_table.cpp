@@ -11,14 +11,17 @@
 #include <tuple>
 #include <utility>
 
+#include "apps/console/document_keys.hpp"
 #include "apps/console/interrupt.hpp"
 #include "apps/console/json.hpp"
 #include "apps/console/json_text.hpp"
+#include "apps/console/outputs.hpp"
 #include "apps/console/provenance.hpp"
 #include "apps/picture/palette.hpp"
 #include "apps/picture/plot.hpp"
 #include "apps/scene/scene.hpp"
 #include "apps/scene/scene_mesh_error.hpp"
+#include "geometry/common/csv_columns.hpp"
 #include "geometry/common/error.hpp"
 #include "geometry/common/output_file.hpp"
 #include "geometry/common/result_folder.hpp"
@@ -123,15 +126,31 @@ nlohmann::ordered_json to_json(const Findings& found, double error) {
   return document;
 }
 
+std::string digits(double value) {
+  return std::isfinite(value) ? fmt::format("{:.9g}", value) : std::string();
+}
+
+const CsvColumns<MeshStudyRow>& study_columns() {
+  using R = MeshStudyRow;
+  static const CsvColumns<R> columns{
+      {"elements", "", "tetrahedra", [](const R& r) { return std::to_string(r.elements); }},
+      {"element", "", "linear or quadratic", [](const R& r) { return std::string(name(r.element)); }},
+      {"nodes", "", "of the elements, mid-edge nodes included",
+       [](const R& r) { return std::to_string(r.nodes); }},
+      {"force", "N", "|K x| at the position, K the stiffness at rest; empty where rest is not stable",
+       [](const R& r) { return digits(r.force); }},
+      {"error", "1", "against the extrapolated force", [](const R& r) { return digits(r.error); }},
+      {"work", "", "multiplications of a factorisation", [](const R& r) { return digits(r.work); }},
+      {"seconds", "s", "time of the factorisation and its solves",
+       [](const R& r) { return digits(r.seconds); }},
+      {"remeshed", "", "true: a mesh of its own; false: the scene's, or refined from it",
+       [](const R& r) { return std::string(r.remeshed ? "true" : "false"); }}};
+  return columns;
+}
+
 std::string csv_of(const Rows& rows) {
-  const auto shown = [](double value) {
-    return std::isfinite(value) ? fmt::format("{:.9g}", value) : std::string();
-  };
-  std::string text = header_of(declared_mesh_study()) + "\n";
-  for (const MeshStudyRow& row : rows)
-    text +=
-        fmt::format("{},{},{},{},{},{},{},{}\n", row.elements, name(row.element), row.nodes, shown(row.force),
-                    shown(row.error), shown(row.work), shown(row.seconds), row.remeshed);
+  std::string text = csv_header(study_columns());
+  for (const MeshStudyRow& row : rows) text += csv_row(study_columns(), row);
   return text;
 }
 
@@ -178,16 +197,8 @@ void tell(const Globals& globals, const Findings& found, double error) {
 
 }  // namespace
 
-std::vector<Declared> declared_mesh_study() {
-  return {
-      {"elements", "", "", "tetrahedra"},
-      {"element", "", "", "linear or quadratic"},
-      {"nodes", "", "", "of the elements, mid-edge nodes included"},
-      {"force", "N", "", "|K x| at the position, K the stiffness at rest; empty where rest is not stable"},
-      {"error", "1", "", "against the extrapolated force"},
-      {"work", "", "", "multiplications of a factorisation"},
-      {"seconds", "s", "", "time of the factorisation and its solves"},
-      {"remeshed", "", "", "true: a mesh of its own; false: the scene's, or refined from it"}};
+DeclaredTable mesh_study_output() {
+  return {"mesh_study.csv", "What mesh --study writes: one row a body.", declared(study_columns())};
 }
 
 int study_meshes(const Globals& globals, const MeshStudyArguments& arguments) {

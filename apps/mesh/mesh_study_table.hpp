@@ -9,7 +9,6 @@
 #include <vector>
 
 #include "apps/console/console.hpp"
-#include "geometry/common/declared.hpp"
 
 namespace forefeel {
 
@@ -20,7 +19,5 @@ struct MeshStudyArguments {
 
 // Returns 1 if no body that was tried is below the error, or too few could be solved to decide.
 int study_meshes(const Globals& globals, const MeshStudyArguments& arguments);
-
-std::vector<Declared> declared_mesh_study();  // the columns of mesh_study.csv
 
 }  // namespace forefeel

@@ -27,7 +27,6 @@ namespace forefeel {
 namespace {
 
 namespace fs = std::filesystem;
-using Json = nlohmann::ordered_json;
 
 constexpr std::int64_t measuring_rule =
     2;                              // version of the measurement; a new number invalidates kept values
@@ -134,10 +133,13 @@ std::string discretisation_line(const MeshError& e, double shown) {
                      e.error > shown ? ", more than the error shown" : "");
 }
 
-void add_to(Json& document, const MeshError& e) {
-  document["discretisation_error"] = number(e.error);
-  document["discretisation_positions"] = e.positions;
-  document["discretisation_by"] = measured_by(e);
+const JsonKeys<MeshError>& mesh_error_keys() {
+  static const JsonKeys<MeshError> keys{
+      {"discretisation_error", "1", "what the mesh itself gets wrong, relative; null: not measured",
+       &MeshError::error},
+      {"discretisation_positions", "", "at which it was measured", &MeshError::positions},
+      {"discretisation_by", "", "by what, or why not", measured_by}};
+  return keys;
 }
 
 // ---- beside other work

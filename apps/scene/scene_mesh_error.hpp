@@ -10,11 +10,11 @@
 #include <filesystem>
 #include <future>
 #include <memory>
-#include <nlohmann/json_fwd.hpp>
 #include <stop_token>
 #include <string>
 #include <vector>
 
+#include "apps/console/document_keys.hpp"
 #include "apps/scene/scene.hpp"
 #include "solver/equilibrium/mesh_error.hpp"
 
@@ -33,8 +33,8 @@ std::string in_words(const MeshError& error);
 std::string measured_by(const MeshError& error);
 // "discretisation error 12 % (…)". Ends with ", more than the error shown" where it is above `shown` [1].
 std::string discretisation_line(const MeshError& error, double shown);
-// discretisation_error, discretisation_positions, discretisation_by. Null where nothing was measured.
-void add_to(nlohmann::ordered_json& document, const MeshError& error);
+// discretisation_error, discretisation_positions, discretisation_by.
+const JsonKeys<MeshError>& mesh_error_keys();
 
 // One measurement, unless the scene has session.discretisation_error = false.
 class MeshErrorTask {

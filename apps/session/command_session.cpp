@@ -239,7 +239,9 @@ struct RunDocuments {
     document = document_of(summary, scene);
     shapes.add_to(document);
     tolerance = scene.written.tolerance;
-    if (tolerance) document["tolerance"] = to_json(tolerance_share(result, *tolerance), *tolerance);
+    if (tolerance)
+      document["tolerance"] =
+          document_of(tolerance_keys(), ToleranceShown{tolerance_share(result, *tolerance), *tolerance});
   }
 
   void write(const fs::path& run, const ReportPictures& pictures, WriteAttempts& files) {

@@ -194,7 +194,7 @@ void rows_of(const Json& value, const std::string& path, std::string& html) {
 
 // "horizon [s]": a column of the tables of predictors.
 std::string titled(const std::string& key) {
-  const std::vector<Declared> columns = declared_prediction();
+  const std::vector<Declared> columns = declared(prediction_keys());
   const auto column = std::ranges::find(columns, key, &Declared::name);
   return column == columns.end() || column->unit == "1" ? key : key + " [" + column->unit + "]";
 }

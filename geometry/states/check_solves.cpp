@@ -35,8 +35,8 @@ void keep_checks(const std::filesystem::path& file, std::span<const State> check
   insert.step();
 }
 
-std::vector<State> check_solves(const StateFileHeader& header) {
-  std::vector<State> checks;
+CheckSolves check_solves(const StateFileHeader& header) {
+  CheckSolves checks{.states = {}, .box = header.box};
   const auto note = header.notes.find(checks_note);
   if (note == header.notes.end()) return checks;
   for (CsvRows rows(note->second, "notes"); rows.next();) {
@@ -48,7 +48,7 @@ std::vector<State> check_solves(const StateFileHeader& header) {
     State state;
     state.at = {value[0], value[1], value[2]};
     state.force = {value[3], value[4], value[5]};
-    checks.push_back(state);
+    checks.states.push_back(state);
   }
   return checks;
 }

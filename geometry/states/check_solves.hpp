@@ -14,7 +14,11 @@ namespace forefeel {
 // Replaces the check solves of a state file by the usable ones of `checks`. The caller has opened the file for
 // appending.
 void keep_checks(const std::filesystem::path& file, std::span<const State> checks);
-// Empty without such a note. InputError (key "notes") for a line that does not hold six finite numbers.
-std::vector<State> check_solves(const StateFileHeader& header);
+struct CheckSolves {
+  std::vector<State> states;
+  Box box = {};  // [m] they were drawn evenly from it
+};
+// Without states if there is no such note. InputError (key "notes") for a line that does not hold six finite numbers.
+CheckSolves check_solves(const StateFileHeader& header);
 
 }  // namespace forefeel

@@ -291,26 +291,20 @@ std::vector<Column> summary_columns(const SessionSummary& summary) {
 }
 
 std::vector<Declared> declared_columns(const std::vector<Column>& columns) {
-  const std::string first(name(all_labels.front()));
   std::vector<Declared> rows;
   for (const Column& column : columns) {
     std::string shown = column.name;
-    const std::size_t begin = shown.starts_with("time_in.")                  ? 8
-                              : shown.starts_with("error.by_label.")         ? 15
-                              : shown.starts_with("error_bar.by_label.")     ? 19
-                              : shown.starts_with("stability.generated_in.") ? 23
-                                                                             : 0;
-    if (begin > 0) {
-      if (shown.substr(begin, shown.find('.', begin) - begin) != first) continue;
-      shown.replace(begin, first.size(), "LABEL");
+    bool repeated = false;  // of a label after the first
+    for (const Label label : all_labels) {
+      const std::string word = "." + std::string(name(label));
+      const std::size_t at = shown.find(word), end = at + word.size();
+      if (at == std::string::npos || (end < shown.size() && shown[end] != '.')) continue;
+      shown.replace(at, word.size(), ".LABEL");
+      repeated = label != all_labels.front();
     }
-    rows.push_back({shown, std::string(column.unit), "", std::string(column.meaning)});
+    if (!repeated) rows.push_back({shown, std::string(column.unit), "", std::string(column.meaning)});
   }
   return rows;
-}
-
-std::vector<Declared> declared_summary() {
-  return declared_columns(summary_columns({}));
 }
 
 }  // namespace forefeel

@@ -28,9 +28,7 @@ std::vector<Column> summary_columns(const SessionSummary& summary);
 // The last of these columns. In cells.csv of a study they follow the study's own columns.
 std::vector<Column> later_columns(const SessionSummary& summary);
 
-// The same for `forefeel help`: units and meanings. The four labels share a row, "error.by_label.LABEL.p50".
-std::vector<Declared> declared_summary();
-// One row for each column that is declared; the others' labels are left out.
+// For `forefeel help`. The four labels share a row, "error.by_label.LABEL.p50".
 std::vector<Declared> declared_columns(const std::vector<Column>& columns);
 
 }  // namespace forefeel

@@ -16,40 +16,59 @@ bool depends_on_wall_time(std::string_view name) {
          name == "wall_seconds" || name == "realtime_priority" || name == "memory_locked";
 }
 
-void add_parts(const SessionResult& result, StudyCellResult& row) {
-  const std::pair<const char*, double Judgement::*> parts[] = {{"approximation", &Judgement::approximation},
-                                                               {"switch", &Judgement::switching},
-                                                               {"staleness", &Judgement::staleness}};
-  for (const auto& [name, member] : parts) {
-    std::vector<double> values;
-    for (const FrameRecord& frame : result.frames)
-      if (frame.judged.first_visit && std::isfinite(frame.judged.*member))
-        values.push_back(frame.judged.*member);
-    row.set(std::string("error.first_visit.parts.") + name,
-            column_value(quantile_of(std::move(values), 0.95, QuantileRule::inverted_cdf)));
-  }
+// 95th percentile of a part of the error over first visits.
+ColumnValue part_of_error(const SessionResult& result, double Judgement::*part) {
+  std::vector<double> values;
+  for (const FrameRecord& frame : result.frames)
+    if (frame.judged.first_visit && std::isfinite(frame.judged.*part)) values.push_back(frame.judged.*part);
+  return column_value(quantile_of(std::move(values), 0.95, QuantileRule::inverted_cdf));
 }
 
-// Solves still running at the end count as busy, not as wasted.
-void add_solver_time(const SessionResult& result, double end, StudyCellResult& row) {
+// Time of the workers [s]. Solves still running at the end count as busy, not as wasted.
+struct SolverTime {
   double busy = 0, preempted = 0, wasted = 0;
   std::size_t solved = 0, used = 0;
-  for (const DispatchRecord& job : result.dispatch) {
-    if (!std::isfinite(job.started) || job.status == DispatchStatus::arrived) continue;
-    const double seconds =
-        std::max(0.0, std::min(std::isfinite(job.finished) ? job.finished : end, end) - job.started);
-    busy += seconds;
-    if (job.status == DispatchStatus::preempted) preempted += seconds;
-    if (job.status != DispatchStatus::solved) continue;
-    ++solved;
-    used += std::isfinite(job.first_used) ? 1 : 0;
-    wasted += std::isfinite(job.first_used) ? 0 : seconds;
+
+  SolverTime(const SessionResult& result, double end) {
+    for (const DispatchRecord& job : result.dispatch) {
+      if (!std::isfinite(job.started) || job.status == DispatchStatus::arrived) continue;
+      const double seconds =
+          std::max(0.0, std::min(std::isfinite(job.finished) ? job.finished : end, end) - job.started);
+      busy += seconds;
+      if (job.status == DispatchStatus::preempted) preempted += seconds;
+      if (job.status != DispatchStatus::solved) continue;
+      ++solved;
+      used += std::isfinite(job.first_used) ? 1 : 0;
+      wasted += std::isfinite(job.first_used) ? 0 : seconds;
+    }
   }
-  row.set("states.used_share",
-          column_value(solved > 0 ? static_cast<double>(used) / static_cast<double>(solved) : unknown));
-  row.set("solver.busy", column_value(busy));
-  row.set("solver.preempted", column_value(preempted));
-  row.set("solver.wasted", column_value(wasted));
+  double used_share() const {
+    return solved > 0 ? static_cast<double>(used) / static_cast<double>(solved) : unknown;
+  }
+};
+
+// The columns that only studies have, before and after the last ones of the summary.
+std::vector<Column> columns_of_session(const SessionResult& result, const SessionOptions& options) {
+  const SolverTime time(result, options.clock.seconds);
+  return {{"error.first_visit.parts.approximation", part_of_error(result, &Judgement::approximation), "1",
+           "as error.parts.approximation, over first visits"},
+          {"error.first_visit.parts.switch", part_of_error(result, &Judgement::switching), "1",
+           "as error.parts.switch, over first visits"},
+          {"error.first_visit.parts.staleness", part_of_error(result, &Judgement::staleness), "1",
+           "as error.parts.staleness, over first visits"},
+          {"error.first_visit.within_7", column_value(first_visits_within(result, options.switching, 0.07)),
+           "1", "share of first visits within 7 % of the reference force"},
+          {"states.used_share", column_value(time.used_share()), "1",
+           "share of the solved states that some model used"},
+          {"solver.busy", column_value(time.busy), "s", "time of all workers in solves"},
+          {"solver.preempted", column_value(time.preempted), "s", "of this, in solves that were cancelled"},
+          {"solver.wasted", column_value(time.wasted), "s", "of this, in solves whose state no model used"},
+          {"cost", to_text(options.workers.cost), "", "cost model of the solves"}};
+}
+std::vector<Column> last_columns(const SessionResult& result, const SessionOptions& options) {
+  const double capacity = options.clock.seconds * options.workers.count;
+  return {{"solver.busy_share", column_value(SolverTime(result, options.clock.seconds).busy / capacity), "1",
+           "busy, as a share of the workers' time: 1 where they are saturated"}};
 }
 
 }  // namespace
@@ -75,27 +94,22 @@ void StudyCellResult::set(std::string_view name, ColumnValue value) {
     columns_.push_back({std::string(name), std::move(value)});
 }
 
-std::vector<Declared> declared_cells() {
-  std::vector<Declared> rows = declared_summary();
+DeclaredTable cells_output() {
+  std::vector<Column> columns = summary_columns({});
+  for (Column& column : columns_of_session({}, {})) columns.push_back(std::move(column));
+  for (Column& column : last_columns({}, {})) columns.push_back(std::move(column));
+  DeclaredTable table{"cells.csv",
+                      "One row a cell of a study: a column for each varied key, seed, then these.",
+                      declared_columns(columns)};
   const std::vector<Declared> of_studies{
-      {"error.first_visit.parts.approximation", "1", "", "as error.parts.approximation, over first visits"},
-      {"error.first_visit.parts.switch", "1", "", "as error.parts.switch, over first visits"},
-      {"error.first_visit.parts.staleness", "1", "", "as error.parts.staleness, over first visits"},
-      {"error.first_visit.within_7", "1", "", "share of first visits within 7 % of the reference force"},
-      {"states.used_share", "1", "", "share of the solved states that some model used"},
-      {"solver.busy", "s", "", "time of all workers in solves"},
-      {"solver.preempted", "s", "", "of this, in solves that were cancelled"},
-      {"solver.wasted", "s", "", "of this, in solves whose state no model used"},
-      {"solver.busy_share", "1", "", "busy, as a share of the workers' time: 1 where they are saturated"},
-      {"cost", "", "", "cost model of the solves"},
       {"motion_seconds", "s", "", "length of the motion itself; empty for one without end"},
       {"sustained.speed", "m/s", "", "highest speed sustained; 0: not even the lowest. [sustained] only"},
       {"sustained.capped", "", "", "true: the highest speed tried is sustained. [sustained] only"},
       {"sustained.trials", "", "", "speeds tried. [sustained] only"},
       {"regret.within_jnd", "1", "", "error.within_jnd of clairvoyant less that of this cell"},
       {"regret.first_visit.within_jnd", "1", "", "the same of error.first_visit.within_jnd"}};
-  rows.insert(rows.end(), of_studies.begin(), of_studies.end());
-  return rows;
+  table.rows.insert(table.rows.end(), of_studies.begin(), of_studies.end());
+  return table;
 }
 
 std::vector<std::string> notes_of(std::span<const StudyCellResult> cells) {
@@ -124,13 +138,9 @@ StudyCellResult cell_result(const SessionResult& result, const SessionInput& inp
   StudyCellResult row(std::move(columns));
   for (const Column& column : row.columns())
     if (depends_on_wall_time(column.name)) row.set(column.name, {});
-  add_parts(result, row);
-  row.set("error.first_visit.within_7", column_value(first_visits_within(result, options.switching, 0.07)));
-  add_solver_time(result, options.clock.seconds, row);
-  row.set("cost", to_text(options.workers.cost));
-  for (const Column& column : later) row.set(column.name, column.value);
-  const double capacity = options.clock.seconds * options.workers.count;
-  row.set("solver.busy_share", column_value(row.number("solver.busy") / capacity));
+  for (const std::vector<Column>& more :
+       {columns_of_session(result, options), later, last_columns(result, options)})
+    for (const Column& column : more) row.set(column.name, column.value);
   row.set_notes(shortened_notes(result.notes));
   return row;
 }

@@ -33,7 +33,7 @@ class StudyCellResult {
   std::vector<std::string> notes_;
 };
 
-// The result of one session: the columns of its summary, and those that a study adds (declared_cells()).
+// The result of one session: the columns of its summary, and those that a study adds (cells_output()).
 // Values that depend on wall time are left empty, so a cell always has the same result.
 StudyCellResult cell_result(const SessionResult& result, const SessionInput& input,
                             const SessionOptions& options);
@@ -41,9 +41,8 @@ StudyCellResult cell_result(const SessionResult& result, const SessionInput& inp
 // The notes of all cells, one line for each kind (record/notes.hpp).
 std::vector<std::string> notes_of(std::span<const StudyCellResult> cells);
 
-// The columns of cells.csv behind the varied keys and the seed, for `forefeel help`: those of the summary,
-// then those that only studies have.
-std::vector<Declared> declared_cells();
+// For `forefeel help`: the columns of cells.csv behind the varied keys and the seed.
+DeclaredTable cells_output();
 
 // Share of first visits within the tolerance of the reference force, |F - f| <= max(tolerance |f|, F_abs).
 double first_visits_within(const SessionResult& result, const SwitchOptions& jnd, double tolerance);

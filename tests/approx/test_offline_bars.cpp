@@ -73,7 +73,7 @@ TEST_CASE("Bars from check solves hold the true force as often as they say, and 
   for (unsigned seed = 0; seed < draws; ++seed) {
     known = drawn(50 + seed, 30, 400, 0, stiffening);
     const Known checks = drawn(70 + seed, 100, 0, 0, stiffening);
-    checked = evaluate(known.states, known.points, {.bars = true, .checks = checks.states, .checked = box});
+    checked = evaluate(known.states, known.points, {.bars = true, .checks = {checks.states, box}});
     REQUIRE(checked.bars->measured.checked());
     const std::array<double, 3> shares = inside(known, checked, stiffening);
     for (std::size_t level = 0; level < 3; ++level) mean[level] += shares[level] / draws;

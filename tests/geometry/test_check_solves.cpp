@@ -26,7 +26,7 @@ TEST_CASE("check solves are kept beside the states, and replaced as a whole") {
   }
   const LoadedStates loaded = load_states(file);
   CHECK(loaded.states.size() == 1);
-  const std::vector<State> checks = check_solves(loaded.header);
+  const std::vector<State> checks = check_solves(loaded.header).states;
   REQUIRE(checks.size() == 1);
   CHECK(checks[0].at == a.at);
   CHECK(checks[0].force == a.force);
@@ -38,5 +38,5 @@ TEST_CASE("a check solve that is no six finite numbers is refused") {
     header.notes["checks"] = text;
     CHECK_THROWS_AS(check_solves(header), InputError);
   }
-  CHECK(check_solves({}).empty());
+  CHECK(check_solves({}).states.empty());
 }

@@ -70,7 +70,7 @@ TEST_CASE(
     "every column of a cell is declared, and every declared one but those of special studies is written") {
   const SessionInput input = small_input();
   const SessionOptions options = virtual_options(0.2);
-  std::set<std::string> written{"motion_seconds"}, declared = names_in(declared_cells());
+  std::set<std::string> written{"motion_seconds"}, declared = names_in(cells_output().rows);
   const StudyCellResult cell = cell_result(run_session(input, options), input, options);
   for (const Column& column : cell.columns()) written.insert(without_label(column.name));
   std::erase_if(declared, [](const std::string& name) {

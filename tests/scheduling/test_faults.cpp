@@ -256,7 +256,7 @@ TEST_CASE("a session without faults counts none, and help declares what is count
         0);
   for (const char* key : {"faults.states_set_aside", "faults.workers_lost", "faults.planner_stalls",
                           "faults.clock_steps", "faults.device_held", "faults.device_jumps"})
-    CHECK(std::ranges::count(declared_summary(), key, &Declared::name) == 1);
+    CHECK(std::ranges::count(declared_columns(summary_columns({})), key, &Declared::name) == 1);
 }
 
 TEST_CASE("steps of the clock of the day are counted, its slow drift is not") {

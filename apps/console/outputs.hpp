@@ -1,0 +1,21 @@
+#pragma once
+// What the commands write, for `forefeel help outputs`: a table for each document and CSV file, made of the rows that
+// write it (document_keys.hpp, geometry/common/csv_columns.hpp). Each function stands beside them.
+
+#include "geometry/common/declared.hpp"
+
+namespace forefeel {
+
+DeclaredTable solve_output();       // solve --json
+DeclaredTable mesh_output();        // mesh --json
+DeclaredTable mesh_study_output();  // mesh_study.csv
+DeclaredTable generate_output();    // generate --json
+DeclaredTable placement_output();   // generate --error --json
+DeclaredTable evaluate_output();    // evaluate --json
+DeclaredTable forces_output();      // evaluate -o
+DeclaredTable classify_output();    // classify --json
+DeclaredTable coverage_output();    // classify -o with positions
+DeclaredTable left_out_output();    // classify --bars -o NAME.vtu
+DeclaredTable summary_output();     // summary.json of a session
+
+}  // namespace forefeel
