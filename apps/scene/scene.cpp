@@ -72,13 +72,15 @@ void choose_spacing_of(const SceneTable& table, const SceneUse& use, Scene& scen
 const SceneRows<Scene>& rows_of_space() {
   static const auto rows =
       SceneRows<Scene>("state_space", "Where states are placed.")
-          .row({"spacing", "m", "required; 0.006 with a phantom",
+          .row({"spacing", "m", "",
                 "side of the lattice of states; \"auto\": measured, so that safe means an error below "
                 "tolerance"})
           .required("a number above 0 [m]")
-          .row({"box", "m", "required; made of the body with a phantom",
+          .standard("required; 0.006 with a phantom")
+          .row({"box", "m", "",
                 "[[x0, y0, z0], [x1, y1, z1]] of tip positions, low corner first; rest is [0, 0, 0]"})
           .required("[[x0, y0, z0], [x1, y1, z1]]")
+          .standard("required; made of the body with a phantom")
           .flag("displacements", "true: states keep the displacements of all nodes", &Scene::displacements)
           .row({"tolerance", "1", fmt::format("{}", usual_tolerance),
                 "error that spacing = \"auto\" allows where safe, and within which session and classify "

@@ -84,12 +84,10 @@ struct NodeSet {
 };
 using Choose = std::vector<NodeIndex> (*)(const SceneTable&, const std::string& key, const TetMesh&);
 
-// A row that chooses the nodes; one of these keys is given.
-SceneRows<NodeSet> with_choice(SceneRows<NodeSet> rows, Declared declared, Choose choose) {
-  return std::move(rows)
-      .row(std::move(declared), [choose](const SceneTable& table, const std::string& key,
-                                         NodeSet& set) { set.nodes = choose(table, key, *set.mesh); })
-      .alternative();
+SceneRows<NodeSet>::Reader by(Choose choose) {
+  return [choose](const SceneTable& table, const std::string& key, NodeSet& set) {
+    set.nodes = choose(table, key, *set.mesh);
+  };
 }
 
 std::vector<NodeIndex> nodes_in_group(const SceneTable& table, const std::string& key, const TetMesh& mesh) {
@@ -137,11 +135,9 @@ const SceneRows<BelowKeys>& below_rows() {
       SceneRows<B>("clamp.below",
                    "The part of the body that is clamped: clamp.below = { axis = \"z\", share = 0.15 }")
           .word("axis", axis_words(), "", &B::axis)
-          .standard("required")
           .required("one of x, y, z")
           .number("share", "1", {0, 1, true, true, "a number between 0 and 1"},
                   "of the body's extent along the axis, between 0 and 1", &B::share)
-          .standard("required")
           .required("a number between 0 and 1");
   return rows;
 }
@@ -177,37 +173,35 @@ std::vector<NodeIndex> nearest_node(const SceneTable& table, const std::string& 
 }
 
 const SceneRows<NodeSet>& rows_of_clamp() {
-  static const auto rows = [] {
-    SceneRows<NodeSet> all("clamp", "The nodes that do not move. One of nodes, group and below.");
-    all = with_choice(std::move(all), {"nodes", "", "", "node numbers from 0, in the order of the file"},
-                      numbered_nodes);
-    all = with_choice(std::move(all),
-                      {"group", "", "clamp, with a phantom", "name of a node group of the mesh"},
-                      nodes_in_group);
-    all = with_choice(std::move(all),
-                      {"below", "", "", "table: the part of the body at the low end of an axis"}, low_end);
-    return std::move(all).within(below_rows());
-  }();
+  static const auto rows =
+      SceneRows<NodeSet>("clamp", "The nodes that do not move. One of nodes, group and below.")
+          .row({"nodes", "", "", "node numbers from 0, in the order of the file"}, by(numbered_nodes))
+          .alternative()
+          .row({"group", "", "clamp, with a phantom", "name of a node group of the mesh"}, by(nodes_in_group))
+          .alternative()
+          .row({"below", "", "", "table: the part of the body at the low end of an axis"}, by(low_end))
+          .alternative()
+          .within(below_rows());
   return rows;
 }
 
 const SceneRows<NodeSet>& rows_of_contact() {
-  static const auto rows = [] {
-    SceneRows<NodeSet> all("contact",
-                           "The patch that moves with the tip. One of node, nodes, nearest and group.");
-    all = with_choice(std::move(all), {"node", "", "", "a node number, from 0"}, one_node);
-    all = with_choice(std::move(all), {"nodes", "", "", "node numbers, from 0"}, numbered_nodes);
-    all = with_choice(std::move(all),
-                      {"nearest", "m", "", "[x, y, z]: the surface node nearest to this place of the mesh"},
-                      nearest_node);
-    all = with_choice(std::move(all),
-                      {"group", "", "contact, with a phantom", "name of a node group of the mesh"},
-                      nodes_in_group);
-    return std::move(all)
-        .number("radius", "m", positive(), "also all surface nodes within this distance of them",
-                &NodeSet::radius)
-        .standard("only the nodes named");
-  }();
+  static const auto rows =
+      SceneRows<NodeSet>("contact",
+                         "The patch that moves with the tip. One of node, nodes, nearest and group.")
+          .row({"node", "", "", "a node number, from 0"}, by(one_node))
+          .alternative()
+          .row({"nodes", "", "", "node numbers, from 0"}, by(numbered_nodes))
+          .alternative()
+          .row({"nearest", "m", "", "[x, y, z]: the surface node nearest to this place of the mesh"},
+               by(nearest_node))
+          .alternative()
+          .row({"group", "", "contact, with a phantom", "name of a node group of the mesh"},
+               by(nodes_in_group))
+          .alternative()
+          .number("radius", "m", positive(), "also all surface nodes within this distance of them",
+                  &NodeSet::radius)
+          .standard("only the nodes named");
   return rows;
 }
 

@@ -23,11 +23,9 @@ const SceneRows<MaxwellBranch>& branch_rows() {
           "force.")
           .number("share", "1", {0, 1, true, true, "a number between 0 and 1, both excluded"},
                   "share of the force that relaxes, between 0 and 1; their sum is below 1", &B::share)
-          .standard("required")
           .required("a number between 0 and 1, both excluded")
           .number("time", "s", {0, 1e9, true, false, "a number above 0 [s]"},
                   "relaxation time, in which that share falls to 37 %", &B::time)
-          .standard("required")
           .required("a number above 0 [s]");
   return rows;
 }

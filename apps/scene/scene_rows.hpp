@@ -60,6 +60,16 @@ std::string in_scene(const std::optional<Value>& value) {
 // A registered name, perhaps with settings: "mine:gain=2". InputError for another name.
 Registered part_of(const SceneTable& table, const std::string& key, const std::vector<std::string>& names);
 
+// The value of a member, which may be optional.
+template <class Value>
+struct Held {
+  using Type = Value;
+};
+template <class Value>
+struct Held<std::optional<Value>> {
+  using Type = Value;
+};
+
 // What does not depend on the options.
 class SceneRowList {
  public:
@@ -93,54 +103,41 @@ class SceneRows : public SceneRowList {
   // ---- rows
 
   template <class Member>
-  SceneRows number(std::string key, std::string unit, const Interval& interval, std::string meaning,
-                   Member member) && {
-    return std::move(*this).row({std::move(key), std::move(unit), usual(member), std::move(meaning)},
-                                [=](const SceneTable& table, const std::string& name, Options& options) {
-                                  std::invoke(member, options) = *table.number(name, interval);
-                                });
+  SceneRows number(const std::string& key, const std::string& unit, const Interval& interval,
+                   const std::string& meaning, Member member) && {
+    return std::move(*this).set({key, unit, usual(member), meaning}, member,
+                                [=](const SceneTable& table) { return *table.number(key, interval); });
   }
   template <class Member>
-  SceneRows whole(std::string key, std::int64_t low, std::int64_t high, std::string meaning,
+  SceneRows whole(const std::string& key, std::int64_t low, std::int64_t high, const std::string& meaning,
                   Member member) && {
-    return std::move(*this).row({std::move(key), "", usual(member), std::move(meaning)},
-                                [=](const SceneTable& table, const std::string& name, Options& options) {
-                                  auto& value = std::invoke(member, options);
-                                  value = static_cast<typename Held<std::decay_t<decltype(value)>>::Type>(
-                                      *table.integer(name, low, high));
-                                });
+    return std::move(*this).set({key, "", usual(member), meaning}, member,
+                                [=](const SceneTable& table) { return *table.integer(key, low, high); });
   }
   template <class Member>
-  SceneRows flag(std::string key, std::string meaning, Member member) && {
-    return std::move(*this).row({std::move(key), "", usual(member), std::move(meaning)},
-                                [=](const SceneTable& table, const std::string& name, Options& options) {
-                                  std::invoke(member, options) = *table.boolean(name);
-                                });
+  SceneRows flag(const std::string& key, const std::string& meaning, Member member) && {
+    return std::move(*this).set({key, "", usual(member), meaning}, member,
+                                [=](const SceneTable& table) { return *table.boolean(key); });
   }
   template <class Member>
-  SceneRows text(std::string key, std::string meaning, Member member) && {
-    return std::move(*this).row({std::move(key), "", "", std::move(meaning)},
-                                [=](const SceneTable& table, const std::string& name, Options& options) {
-                                  std::invoke(member, options) = *table.text(name);
-                                });
+  SceneRows text(const std::string& key, const std::string& meaning, Member member) && {
+    return std::move(*this).set({key, "", "", meaning}, member,
+                                [=](const SceneTable& table) { return *table.text(key); });
   }
   // One of these words; help lists them before the meaning.
   template <class Choice, class Member>
-  SceneRows word(std::string key, const Words<Choice>& words, const std::string& meaning, Member member) && {
-    return std::move(*this).row(
-        {std::move(key), "", word_of(words, std::invoke(member, usual_)), in_words(words) + meaning},
-        [=](const SceneTable& table, const std::string& name, Options& options) {
-          std::invoke(member, options) = *table.word(name, words);
-        });
+  SceneRows word(const std::string& key, const Words<Choice>& words, const std::string& meaning,
+                 Member member) && {
+    const std::string usual_word = word_of(words, std::invoke(member, usual_));
+    return std::move(*this).set({key, "", usual_word, in_words(words) + meaning}, member,
+                                [=](const SceneTable& table) { return *table.word(key, words); });
   }
   // registered(): those known when the scene is read.
   template <class Member>
-  SceneRows part(std::string key, std::vector<std::string> (*registered)(), const std::string& meaning,
+  SceneRows part(const std::string& key, std::vector<std::string> (*registered)(), const std::string& meaning,
                  Member member) && {
-    return std::move(*this).row({std::move(key), "", usual(member), in_words(registered()) + meaning},
-                                [=](const SceneTable& table, const std::string& name, Options& options) {
-                                  std::invoke(member, options) = part_of(table, name, registered());
-                                });
+    return std::move(*this).set({key, "", usual(member), in_words(registered()) + meaning}, member,
+                                [=](const SceneTable& table) { return part_of(table, key, registered()); });
   }
   // Any other key. Without a reader, the code that needs its value asks the table for it.
   SceneRows row(Declared declared, Reader reader = {}) && {
@@ -150,12 +147,23 @@ class SceneRows : public SceneRowList {
   }
   // A table in this one, named "<this one>.<key>".
   template <class Inner, class Member>
-  SceneRows table(const std::string& key, std::string meaning, const SceneRows<Inner>& inner,
+  SceneRows table(const std::string& key, const std::string& meaning, const SceneRows<Inner>& inner,
                   Member member) && {
     inner_.push_back([=, &inner](const SceneTable& table, Options& options) {
       inner.read(table.sub(key, inner.names()), std::invoke(member, options));
     });
-    return std::move(*this).row({key, "", "", std::move(meaning)}).within(inner);
+    return std::move(*this).row({key, "", "", meaning}).within(inner);
+  }
+  // Rows of a part of the options; their keys are of this table.
+  template <class Part, class Member>
+  SceneRows rows(const SceneRows<Part>& part, Member member) && {
+    std::vector<Declared>& all = tables_.front().rows;
+    all.insert(all.end(), part.tables().front().rows.begin(), part.tables().front().rows.end());
+    of_solving_.insert(of_solving_.end(), part.of_solving().begin(), part.of_solving().end());
+    inner_.push_back([=, &part](const SceneTable& table, Options& options) {
+      part.read(table, std::invoke(member, options));
+    });
+    return std::move(*this);
   }
 
   // ---- of the row before
@@ -166,7 +174,7 @@ class SceneRows : public SceneRowList {
   }
   SceneRows required(std::string expected) && {
     required_.emplace_back(last().name, std::move(expected));
-    if (last().standard.empty()) last().standard = "required";
+    last().standard = "required";
     return std::move(*this);
   }
   // Required unless the body is a phantom. `with_phantom` stands for the usual value in help.
@@ -198,18 +206,18 @@ class SceneRows : public SceneRowList {
   }
 
  private:
-  template <class Value>
-  struct Held {
-    using Type = Value;
-  };
-  template <class Value>
-  struct Held<std::optional<Value>> {
-    using Type = Value;
-  };
-
   template <class Member>
   std::string usual(Member member) const {
     return in_scene(std::invoke(member, usual_));
+  }
+  template <class Member, class Get>
+  SceneRows set(Declared declared, Member member, Get get) && {
+    return std::move(*this).row(std::move(declared),
+                                [=](const SceneTable& table, const std::string&, Options& options) {
+                                  auto& value = std::invoke(member, options);
+                                  using Value = typename Held<std::decay_t<decltype(value)>>::Type;
+                                  value = static_cast<Value>(get(table));
+                                });
   }
 
   Options usual_;

@@ -6,7 +6,6 @@
 
 #include <algorithm>
 #include <cmath>
-#include <fstream>
 #include <limits>
 #include <set>
 #include <sstream>
@@ -14,8 +13,7 @@
 
 #include "apps/console/suggest.hpp"
 #include "apps/scene/scene_override.hpp"
-#include "apps/scene/toml_depth.hpp"
-#include "geometry/common/scanner.hpp"
+#include "apps/scene/toml_text.hpp"
 
 namespace forefeel {
 namespace {
@@ -271,27 +269,9 @@ namespace {
 
 namespace fs = std::filesystem;
 
-std::string read_text(const fs::path& file) {
-  if (!fs::exists(file)) throw InputError({.file = file.string()}, "no such file, expected a scene (TOML)");
-  std::ifstream in(file, std::ios::binary);
-  if (!fs::is_regular_file(file) || !in)
-    throw InputError({.file = file.string()}, "cannot be read, expected a scene (TOML)");
-  if (fs::file_size(file) > 16'000'000)
-    throw InputError({.file = file.string()}, "is above 16 MB, expected a scene (TOML)");
-  in.close();
-  return fs::file_size(file) == 0 ? std::string() : read_text_file(file);
-}
-
 toml::table parse_scene(const fs::path& file) {
-  const std::string text = read_text(file);
-  check_key_depth(text, file);
-  try {
-    return toml::parse(text, file.string());
-  } catch (const toml::parse_error& error) {
-    std::string problem(error.description());
-    std::ranges::replace(problem, '\n', ' ');
-    throw InputError({.file = file.string(), .line = error.source().begin.line}, "not TOML: " + problem);
-  }
+  if (!fs::exists(file)) throw InputError({.file = file.string()}, "no such file, expected a scene (TOML)");
+  return parse_toml(read_toml(file, "a scene"), file);
 }
 
 std::string as_toml(const toml::table& table) {
@@ -323,8 +303,7 @@ SceneDocument SceneDocument::read(const fs::path& file, std::span<const std::str
 
 SceneDocument SceneDocument::parse(std::string_view text, const std::string& name,
                                    std::span<const std::string> overrides) {
-  check_key_depth(text, name);
-  return SceneDocument(std::make_unique<Parsed>(toml::parse(text), name, overrides));
+  return SceneDocument(std::make_unique<Parsed>(parse_toml(text, name), name, overrides));
 }
 
 SceneTable SceneDocument::root(const std::vector<std::string>& known) const {

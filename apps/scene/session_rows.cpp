@@ -43,10 +43,6 @@ const SceneRows<SafetyOptions>& limit_rows() {
   return rows;
 }
 
-void read_select(const SceneTable& session, const std::string& key, Scene& scene) {
-  scene.model.select = *session.word(key, select_words());
-}
-
 void read_arrivals(const SceneTable& session, const std::string& key, Scene& scene) {
   const fs::path file = scene.source.file.parent_path() / *session.text(key);
   if (!fs::exists(file))
@@ -55,8 +51,77 @@ void read_arrivals(const SceneTable& session, const std::string& key, Scene& sce
   scene.written.arrivals_place = session.where(key);
 }
 
-SceneRows<Scene> with_run(SceneRows<Scene> rows) {
-  return std::move(rows)
+const SceneRows<PlanningOptions>& planning_rows() {
+  using P = PlanningOptions;
+  static const auto rows =
+      SceneRows<P>("session", "")
+          .word("placement", placement_words(), ": where states may be placed", &P::placement)
+          .only_solving()
+          .flag("preempt", "cancel a running solve where another is worth far more", &P::preempt)
+          .only_solving()
+          .flag("rest_first", "where no state is known, solve the state at rest first", &P::rest_first)
+          .only_solving()
+          .flag("rest_known", "the state at rest is known from the start", &P::rest_known)
+          .whole("batch", 0, 8, "states solved with one factorisation, 1 to 8; 0: the default", &P::batch)
+          .standard("8 in real time, 1 under the virtual clock")
+          .only_solving()
+          .number("audit", "1", {.low = 0, .high = 0.5, .text = "from 0 to 0.5"},
+                  "share of the solves made where the tip has just been, to calibrate the error bars",
+                  &P::audit);
+  return rows;
+}
+
+const SceneRows<WorkerOptions>& worker_rows() {
+  using W = WorkerOptions;
+  static const auto rows =
+      SceneRows<W>("session", "")
+          .number("latency", "s", not_negative(), "virtual clock: time of a message to or from a worker",
+                  &W::latency)
+          .only_solving()
+          .number(
+              "batch_share", "1", positive(),
+              "virtual clock: cost of a state solved with another's factorisation, divided by that state's",
+              &W::batch_share)
+          .only_solving();
+  return rows;
+}
+
+const SceneRows<JudgingOptions>& judging_rows() {
+  using J = JudgingOptions;
+  static const auto rows =
+      SceneRows<J>("session", "")
+          .number("error_floor", "N", positive(), "errors are relative to at least this force",
+                  &J::error_floor)
+          .number("reference_step", "m", positive(), "travel between samples compared with a tight solve",
+                  &J::reference_step)
+          .number("visit_cell", "m", not_negative(),
+                  "side of the cells whose first visits are compared; 0: the spacing", &J::visit_cell)
+          .standard("the spacing")
+          .whole("visit_stride", 1, 1'000'000, "every n-th first visit is compared", &J::visit_stride)
+          .flag(
+              "discretisation_error",
+              "measure once per body what the mesh itself gets wrong; also for generate, evaluate and study",
+              &J::discretisation_error);
+  return rows;
+}
+
+const SceneRows<ShapeOptions>& shape_rows() {
+  using P = ShapeOptions;
+  static const auto rows =
+      SceneRows<P>("session", "")
+          .number(
+              "shape_rate", "Hz", {.low = 0, .high = 200, .text = "from 0 to 200 Hz"},
+              "shapes of the body per second, in RUN/shape.pvd; 0: none. Above 0, states keep displacements",
+              &P::rate)
+          .flag("shape_surface", "true: the surface alone; false: the whole body", &P::surface)
+          .whole("shape_checks", 0, 10'000, "shapes compared with tight solves after the run", &P::checks);
+  return rows;
+}
+
+// The motion, and how it is rendered.
+SceneRows<Scene> run_rows() {
+  using M = SessionModelOptions;
+  return SceneRows<Scene>("session", "How the scene is touched and solved. Options of the command prevail.")
       .text("device", "motion of the hand: see forefeel help devices",
             path(&Scene::written, &SceneWritten::device))
       .standard(to_text(S().motion.device))
@@ -69,14 +134,14 @@ SceneRows<Scene> with_run(SceneRows<Scene> rows) {
             in_session(&S::record))
       .word("switch", switch_words(), ": how the force changes from one model to the next",
             in_session(&S::switching, &SwitchOptions::rule))
-      .row({"select", "", "that of model", in_words(select_words()) + ": the same as model.select"},
-           read_select)
-      .word("method", method_words(), ": kind of the models",
-            in_session(&S::model, &SessionModelOptions::method))
+      .word("select", select_words(), ": the same as model.select",
+            path(&Scene::model, &ModelOptions::select))
+      .standard("that of model")
+      .word("method", method_words(), ": kind of the models", in_session(&S::model, &M::method))
       .number("update_travel", "spacings", positive(), "travel of the tip after which a model is made anew",
-              in_session(&S::model, &SessionModelOptions::update_travel))
+              in_session(&S::model, &M::update_travel))
       .flag("first_guess", "while no state is known, render the body's stiffness at rest",
-            in_session(&S::model, &SessionModelOptions::first_guess))
+            in_session(&S::model, &M::first_guess))
       .only_solving()
       .word("passivity", passivity_words(), ": control holds back force that would generate energy",
             in_session(&S::safety, &SafetyOptions::passivity))
@@ -84,89 +149,29 @@ SceneRows<Scene> with_run(SceneRows<Scene> rows) {
       .table("limits", "table: the safety rules", limit_rows(), in_session(&S::safety));
 }
 
-SceneRows<Scene> with_planning(SceneRows<Scene> rows) {
-  using P = PlanningOptions;
-  return std::move(rows)
-      .part("policy", policy_names, ": what is solved next", in_session(&S::planning, &P::policy))
-      .only_solving()
-      .part("predictor", predictor_names, ": where the hand will be",
-            in_session(&S::motion, &MotionOptions::predictor))
-      .only_solving()
-      .word("placement", placement_words(), ": where states may be placed",
-            in_session(&S::planning, &P::placement))
-      .only_solving()
-      .flag("preempt", "cancel a running solve where another is worth far more",
-            in_session(&S::planning, &P::preempt))
-      .only_solving()
-      .flag("rest_first", "where no state is known, solve the state at rest first",
-            in_session(&S::planning, &P::rest_first))
-      .only_solving()
-      .flag("rest_known", "the state at rest is known from the start",
-            in_session(&S::planning, &P::rest_known))
-      .whole("batch", 0, 8, "states solved with one factorisation, 1 to 8; 0: the default",
-             in_session(&S::planning, &P::batch))
-      .standard("8 in real time, 1 under the virtual clock")
-      .only_solving()
-      .number("audit", "1", {.low = 0, .high = 0.5, .text = "from 0 to 0.5"},
-              "share of the solves made where the tip has just been, to calibrate the error bars",
-              in_session(&S::planning, &P::audit))
-      .row({"arrivals", "", "", "file t,x,y,z: states become known at these times and nothing is solved"},
-           read_arrivals);
-}
-
-SceneRows<Scene> with_workers(SceneRows<Scene> rows) {
-  using W = WorkerOptions;
-  return std::move(rows)
-      .whole("workers", 1, 100'000, "workers that solve", in_session(&S::workers, &W::count))
-      .only_solving()
-      .part("workers_kind", workers_names, "", in_session(&S::workers, &W::kind))
-      .only_solving()
-      .text("cost", "virtual clock: time of a solve, see forefeel help devices",
-            path(&Scene::written, &SceneWritten::cost))
-      .standard(to_text(S().workers.cost))
-      .only_solving()
-      .number("latency", "s", not_negative(), "virtual clock: time of a message to or from a worker",
-              in_session(&S::workers, &W::latency))
-      .only_solving()
-      .number("batch_share", "1", positive(),
-              "virtual clock: cost of a state solved with another's factorisation, divided by that state's",
-              in_session(&S::workers, &W::batch_share))
-      .only_solving();
-}
-
-SceneRows<Scene> with_judging(SceneRows<Scene> rows) {
-  using J = JudgingOptions;
-  return std::move(rows)
-      .number("error_floor", "N", positive(), "errors are relative to at least this force",
-              in_session(&S::judging, &J::error_floor))
-      .number("reference_step", "m", positive(), "travel between samples compared with a tight solve",
-              in_session(&S::judging, &J::reference_step))
-      .number("visit_cell", "m", not_negative(),
-              "side of the cells whose first visits are compared; 0: the spacing",
-              in_session(&S::judging, &J::visit_cell))
-      .standard("the spacing")
-      .whole("visit_stride", 1, 1'000'000, "every n-th first visit is compared",
-             in_session(&S::judging, &J::visit_stride))
-      .flag("discretisation_error",
-            "measure once per body what the mesh itself gets wrong; also for generate, evaluate and study",
-            in_session(&S::judging, &J::discretisation_error));
-}
-
-SceneRows<Scene> with_shape(SceneRows<Scene> rows) {
-  return std::move(rows)
-      .number("shape_rate", "Hz", {.low = 0, .high = 200, .text = "from 0 to 200 Hz"},
-              "shapes of the body per second, in RUN/shape.pvd; 0: none. Above 0, states keep displacements",
-              path(&Scene::shape, &ShapeOptions::rate))
-      .flag("shape_surface", "true: the surface alone; false: the whole body",
-            path(&Scene::shape, &ShapeOptions::surface))
-      .whole("shape_checks", 0, 10'000, "shapes compared with tight solves after the run",
-             path(&Scene::shape, &ShapeOptions::checks));
-}
-
 const SceneRows<Scene>& rows_of_session() {
-  static const SceneRows<Scene> rows =
-      with_shape(with_judging(with_workers(with_planning(with_run(SceneRows<Scene>(
-          "session", "How the scene is touched and solved. Options of the command prevail."))))));
+  static const auto rows =
+      run_rows()
+          .part("policy", policy_names, ": what is solved next",
+                in_session(&S::planning, &PlanningOptions::policy))
+          .only_solving()
+          .part("predictor", predictor_names, ": where the hand will be",
+                in_session(&S::motion, &MotionOptions::predictor))
+          .only_solving()
+          .rows(planning_rows(), in_session(&S::planning))
+          .row({"arrivals", "", "", "file t,x,y,z: states become known at these times and nothing is solved"},
+               read_arrivals)
+          .whole("workers", 1, 100'000, "workers that solve", in_session(&S::workers, &WorkerOptions::count))
+          .only_solving()
+          .part("workers_kind", workers_names, "", in_session(&S::workers, &WorkerOptions::kind))
+          .only_solving()
+          .text("cost", "virtual clock: time of a solve, see forefeel help devices",
+                path(&Scene::written, &SceneWritten::cost))
+          .standard(to_text(S().workers.cost))
+          .only_solving()
+          .rows(worker_rows(), in_session(&S::workers))
+          .rows(judging_rows(), in_session(&S::judging))
+          .rows(shape_rows(), path(&Scene::shape));
   return rows;
 }
 

@@ -13,7 +13,7 @@
 #include "apps/console/provenance.hpp"
 #include "apps/scene/scene_declared.hpp"
 #include "apps/scene/scene_session.hpp"
-#include "apps/scene/toml_depth.hpp"
+#include "apps/scene/toml_text.hpp"
 #include "geometry/common/scanner.hpp"
 #include "geometry/common/sha256.hpp"
 #include "scheduling/motion/trace.hpp"

@@ -10,6 +10,7 @@
 
 #include "apps/console/suggest.hpp"
 #include "apps/scene/scene_declared.hpp"
+#include "apps/scene/toml_text.hpp"
 #include "apps/study/study_keys.hpp"
 #include "apps/study/study_toml.hpp"
 
@@ -57,8 +58,8 @@ class Reader {
 
 Reader::Reader(fs::path file, std::span<const std::string> set) : set_(set.begin(), set.end()) {
   study_.file = std::move(file);
-  study_.text = study_toml::read_text(study_.file);
-  root_ = study_toml::parse(study_.text, study_.file);
+  study_.text = read_toml(study_.file, "a study");
+  root_ = parse_toml(study_.text, study_.file);
 }
 
 InputPlace Reader::where(const toml::node* node, const std::string& key) const {

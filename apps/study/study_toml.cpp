@@ -4,37 +4,9 @@
 
 #include <algorithm>
 #include <cmath>
-#include <fstream>
 #include <sstream>
 
-#include "apps/scene/toml_depth.hpp"
-#include "geometry/common/error.hpp"
-#include "geometry/common/scanner.hpp"
-
 namespace forefeel::study_toml {
-
-namespace fs = std::filesystem;
-
-std::string read_text(const fs::path& file) {
-  std::ifstream in(file, std::ios::binary);
-  if (!in || !fs::is_regular_file(file))
-    throw InputError({.file = file.string()}, "cannot be read, expected a study (TOML)");
-  if (fs::file_size(file) > 16'000'000)
-    throw InputError({.file = file.string()}, "is above 16 MB, expected a study (TOML)");
-  in.close();
-  return fs::file_size(file) == 0 ? std::string() : read_text_file(file);
-}
-
-toml::table parse(const std::string& text, const fs::path& file) {
-  check_key_depth(text, file);
-  try {
-    return toml::parse(text, file.string());
-  } catch (const toml::parse_error& error) {
-    std::string problem(error.description());
-    std::ranges::replace(problem, '\n', ' ');
-    throw InputError({.file = file.string(), .line = error.source().begin.line}, "not TOML: " + problem);
-  }
-}
 
 std::string toml_of(const toml::node& node) {
   std::ostringstream out;

@@ -1,20 +1,14 @@
 #pragma once
-// Reads the TOML of a study, and converts its values to text: for messages, for the table of cells and for overrides of
+// Converts TOML values of a study to text: for messages, for the table of cells and for overrides of
 // the scene.
 
 #include <toml++/toml.h>
 
-#include <filesystem>
 #include <string>
 #include <utility>
 #include <vector>
 
 namespace forefeel::study_toml {
-
-// InputError where the file cannot be read.
-std::string read_text(const std::filesystem::path& file);
-// InputError with the line if the text is not valid TOML.
-toml::table parse(const std::string& text, const std::filesystem::path& file);
 
 // The value as TOML in one line.
 std::string toml_of(const toml::node& node);

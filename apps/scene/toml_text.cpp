@@ -1,11 +1,13 @@
-#include "apps/scene/toml_depth.hpp"
+#include "apps/scene/toml_text.hpp"
 
 #include <fmt/format.h>
 
 #include <algorithm>
 #include <cstddef>
+#include <fstream>
 
 #include "geometry/common/error.hpp"
+#include "geometry/common/scanner.hpp"
 
 namespace forefeel {
 namespace {
@@ -31,6 +33,27 @@ int dots_of_longest_name(std::string_view line) {
 }
 
 }  // namespace
+
+std::string read_toml(const std::filesystem::path& file, const std::string& what) {
+  std::ifstream in(file, std::ios::binary);
+  if (!in || !std::filesystem::is_regular_file(file))
+    throw InputError({.file = file.string()}, fmt::format("cannot be read, expected {} (TOML)", what));
+  if (std::filesystem::file_size(file) > 16'000'000)
+    throw InputError({.file = file.string()}, fmt::format("is above 16 MB, expected {} (TOML)", what));
+  in.close();
+  return std::filesystem::file_size(file) == 0 ? std::string() : read_text_file(file);
+}
+
+toml::table parse_toml(std::string_view text, const std::filesystem::path& file) {
+  check_key_depth(text, file);
+  try {
+    return toml::parse(text, file.string());
+  } catch (const toml::parse_error& error) {
+    std::string problem(error.description());
+    std::ranges::replace(problem, '\n', ' ');
+    throw InputError({.file = file.string(), .line = error.source().begin.line}, "not TOML: " + problem);
+  }
+}
 
 void check_key_depth(std::string_view text, const std::filesystem::path& file) {
   for (std::size_t line = 1; !text.empty(); ++line) {
