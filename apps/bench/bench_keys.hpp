@@ -1,5 +1,5 @@
 #pragma once
-// The keys that the benches print with --json, as in apps/console/json_keys.hpp.
+// The keys that the benches print with --json, as in apps/console/document_keys.hpp.
 
 #include <vector>
 

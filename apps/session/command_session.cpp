@@ -366,23 +366,23 @@ void add_session(CommandLine& line) {
   const Option extend = sub.flag("--extend", given->states.extend,
                                  "Append new states to the file of --states; it is made if missing");
   sub.flag("--foreign", given->states.foreign, foreign_help).excludes(extend);
-  sub.option("--device", given->device,
+  sub.option("--device", given->motion.device,
              "The hand: path:NAME[,speed=…,amplitude=…,tremor=…,noise=…], "
              "trace:FILE[,columns=…,rate=…,unit=…,tool=…,"
              "scale=…,offset=x/y/z] or hand:PROFILE[,target=NAME,grip=…]");
-  sub.option("--clock", given->clock, "real or virtual");
-  sub.option("--seconds", given->seconds, "Length [s]");
-  sub.option("--workers", given->workers, "Workers that solve");
-  sub.option("--workers-kind", given->workers_kind, "threads, or a kind that this program registers");
+  sub.option("--clock", given->motion.clock, "real or virtual");
+  sub.option("--seconds", given->motion.seconds, "Length [s]");
+  sub.option("--workers", given->solving.workers, "Workers that solve");
+  sub.option("--workers-kind", given->solving.workers_kind, "threads, or a kind that this program registers");
   add_figures(sub, given->figures, "RUN/figures");
   add_mpi_options(sub, given->mpi,
                   "Real clock: the workers are the other ranks of mpirun -n N forefeel session --mpi …");
   sub.option(
-      "--policy", given->policy,
+      "--policy", given->solving.policy,
       "What is solved next: " + listed(policy_names()) +
           ". clairvoyant is an upper bound: it simulates all eight schedules, then runs the best; it takes "
           "about eight times as long");
-  sub.option("--predictor", given->predictor, "Where the hand will be: " + listed(predictor_names()));
+  sub.option("--predictor", given->motion.predictor, "Where the hand will be: " + listed(predictor_names()));
   sub.option(
       "--shape-rate", given->shape_rate,
       "Shapes of the body per second, in RUN/shape.pvd and for forefeel show; 0: none. The points are moved "
@@ -390,14 +390,14 @@ void add_session(CommandLine& line) {
       "motion k times as large");
   sub.option("--switch", given->switching,
              "How the force changes from one model to the next: paper, smooth or none");
-  sub.option("--cost", given->cost,
+  sub.option("--cost", given->solving.cost,
              "Virtual clock: time of a solve [s], constant:S, lognormal:MEDIAN,SIGMA, recorded or paper");
-  sub.option("--latency", given->latency, "Virtual clock: time of a message to or from a worker [s]");
+  sub.option("--latency", given->solving.latency, "Virtual clock: time of a message to or from a worker [s]");
   sub.option("--select", given->select,
              "Which states a model uses: nearest, or label (outside safe regions from all sides of the HIP)");
-  const Option arrivals = sub.option("--arrivals", given->arrivals,
+  const Option arrivals = sub.option("--arrivals", given->solving.arrivals,
                                      "CSV t,x,y,z, rows in any order: states become known at given times");
-  sub.option("--replay", given->replay, "A run folder: motion and arrivals as recorded there")
+  sub.option("--replay", given->motion.replay, "A run folder: motion and arrivals as recorded there")
       .excludes(arrivals);
   sub.option(
          "-o,--output", given->output,

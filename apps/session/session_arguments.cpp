@@ -25,26 +25,28 @@ T one_of(const std::string& given, const char* option, std::initializer_list<T> 
 SessionOptions options_of(const Scene& scene, const SessionArguments& given, const Globals& globals) {
   SessionOptions options = scene.session;
   options.model.fit = scene.model;
-  if (given.clock) {
-    if (*given.clock != "real" && *given.clock != "virtual")
-      throw InputError("--clock", fmt::format("is '{}', expected real or virtual", *given.clock));
-    options.clock.kind = *given.clock == "real" ? Clock::real : Clock::virtual_time;
+  if (given.motion.clock) {
+    if (*given.motion.clock != "real" && *given.motion.clock != "virtual")
+      throw InputError("--clock", fmt::format("is '{}', expected real or virtual", *given.motion.clock));
+    options.clock.kind = *given.motion.clock == "real" ? Clock::real : Clock::virtual_time;
   }
-  if (!given.replay)
-    options.motion.device = given.device ? device_from_text(*given.device) : device_of(scene);
-  options.workers.cost = given.cost ? cost_from_text(*given.cost) : cost_of(scene);
-  if (given.policy) options.planning.policy = part_from_text("policy", *given.policy);
-  if (given.predictor) options.motion.predictor = part_from_text("predictor", *given.predictor);
-  if (given.workers_kind) options.workers.kind = part_from_text("workers", *given.workers_kind);
-  options.clock.seconds = given.seconds.value_or(options.clock.seconds);
+  if (!given.motion.replay)
+    options.motion.device = given.motion.device ? device_from_text(*given.motion.device) : device_of(scene);
+  options.workers.cost = given.solving.cost ? cost_from_text(*given.solving.cost) : cost_of(scene);
+  if (given.solving.policy) options.planning.policy = part_from_text("policy", *given.solving.policy);
+  if (given.motion.predictor) options.motion.predictor = part_from_text("predictor", *given.motion.predictor);
+  if (given.solving.workers_kind)
+    options.workers.kind = part_from_text("workers", *given.solving.workers_kind);
+  options.clock.seconds = given.motion.seconds.value_or(options.clock.seconds);
   // A motion that ends is run to its end if it was asked for on the command line. One from the scene runs no
   // longer than the scene says.
-  if (!given.seconds)
-    options.clock.length = given.device || given.replay ? RunLength::motion : RunLength::shorter;
-  options.workers.latency = given.latency.value_or(options.workers.latency);
-  options.workers.count = given.workers.value_or(options.workers.count);
-  if (given.arrivals) options.planning.arrivals = *given.arrivals;
-  if (given.replay) options.motion.replay = *given.replay;
+  if (!given.motion.seconds)
+    options.clock.length =
+        given.motion.device || given.motion.replay ? RunLength::motion : RunLength::shorter;
+  options.workers.latency = given.solving.latency.value_or(options.workers.latency);
+  options.workers.count = given.solving.workers.value_or(options.workers.count);
+  if (given.solving.arrivals) options.planning.arrivals = *given.solving.arrivals;
+  if (given.motion.replay) options.motion.replay = *given.motion.replay;
   if (given.switching)
     options.switching.rule =
         one_of(*given.switching, "--switch", {SwitchRule::paper, SwitchRule::smooth, SwitchRule::none});
@@ -58,19 +60,19 @@ SessionOptions options_of(const Scene& scene, const SessionArguments& given, con
 // Options that choose what is solved, by which workers and when.
 std::vector<std::string> scheduling_options(const SessionArguments& given) {
   std::vector<std::string> options;
-  if (given.policy) options.push_back("--policy");
-  if (given.predictor) options.push_back("--predictor");
-  if (given.workers) options.push_back("--workers");
-  if (given.workers_kind) options.push_back("--workers-kind");
-  if (given.cost) options.push_back("--cost");
-  if (given.latency) options.push_back("--latency");
+  if (given.solving.policy) options.push_back("--policy");
+  if (given.motion.predictor) options.push_back("--predictor");
+  if (given.solving.workers) options.push_back("--workers");
+  if (given.solving.workers_kind) options.push_back("--workers-kind");
+  if (given.solving.cost) options.push_back("--cost");
+  if (given.solving.latency) options.push_back("--latency");
   return options;
 }
 
 // Nothing is solved where states arrive at given times. Options of solving are ignored; a warning says which.
 void warn_of_solving(const Globals& globals, const Scene& scene, const SessionArguments& given) {
-  if (given.replay || (!given.arrivals && scene.written.arrivals_place.empty())) return;
-  const std::string arrivals = given.arrivals ? "--arrivals" : scene.written.arrivals_place.text();
+  if (given.motion.replay || (!given.solving.arrivals && scene.written.arrivals_place.empty())) return;
+  const std::string arrivals = given.solving.arrivals ? "--arrivals" : scene.written.arrivals_place.text();
   std::vector<std::string> options = scheduling_options(given);
   if (given.mpi.on) options.push_back("--mpi");
   for (const auto& [key, place] : scene.written.scheduling) options.push_back(place.text());
@@ -83,9 +85,9 @@ void join(const std::shared_ptr<RankPool>& ranks, const SessionArguments& given,
   if (options.clock.kind != Clock::real)
     throw InputError(
         "--mpi", "has no use under the virtual clock, whose workers are simulated; expected --clock real");
-  if (given.workers && *given.workers != ranks->ranks())
+  if (given.solving.workers && *given.solving.workers != ranks->ranks())
     throw InputError("--workers", fmt::format("is {}, but with --mpi the workers are the {} other ranks",
-                                              *given.workers, ranks->ranks()));
+                                              *given.solving.workers, ranks->ranks()));
   options.workers.count = ranks->ranks();
   options.workers.ranks = ranks;
 }
@@ -101,10 +103,12 @@ InputError at_its_place(const InputError& error, const Scene& scene, const Sessi
   };
   if (key.starts_with("session.") || key.starts_with("model.")) {
     const std::string option = key.substr(key.find('.') + 1);
-    const std::pair<const char*, bool> options[] = {
-        {"seconds", given.seconds.has_value()}, {"workers", given.workers.has_value()},
-        {"threads", globals.threads > 0},       {"policy", given.policy.has_value()},
-        {"latency", given.latency.has_value()}, {"predictor", given.predictor.has_value()}};
+    const std::pair<const char*, bool> options[] = {{"seconds", given.motion.seconds.has_value()},
+                                                    {"workers", given.solving.workers.has_value()},
+                                                    {"threads", globals.threads > 0},
+                                                    {"policy", given.solving.policy.has_value()},
+                                                    {"latency", given.solving.latency.has_value()},
+                                                    {"predictor", given.motion.predictor.has_value()}};
     for (const auto& [name, here] : options)
       if (here && key == std::string("session.") + name) return {"--" + option, problem};
     for (const std::string& set : globals.set)
@@ -113,8 +117,8 @@ InputError at_its_place(const InputError& error, const Scene& scene, const Sessi
   }
   if (const InputPlace place = of("state_space.box", false, scene.written.box_place); !place.empty())
     return {place, problem};
-  InputPlace place = of("device", given.device.has_value(), scene.written.device_place);
-  if (place.empty()) place = of("cost", given.cost.has_value(), scene.written.cost_place);
+  InputPlace place = of("device", given.motion.device.has_value(), scene.written.device_place);
+  if (place.empty()) place = of("cost", given.solving.cost.has_value(), scene.written.cost_place);
   if (place.empty()) return error;
   const std::optional<std::string>& spec = error.place().value;  // "path:press,speed=x"
   return {place, spec ? fmt::format("'{}' {}", *spec, problem) : problem};
@@ -123,9 +127,9 @@ InputError at_its_place(const InputError& error, const Scene& scene, const Sessi
 }  // namespace
 
 void warn_of_replay(const Globals& globals, const Scene& scene, const SessionArguments& given) {
-  if (!given.replay) return;
+  if (!given.motion.replay) return;
   std::vector<std::string> vain = scheduling_options(given);
-  if (given.device) vain.insert(vain.begin(), "--device");
+  if (given.motion.device) vain.insert(vain.begin(), "--device");
   for (const auto& [key, place] : scene.written.scheduling)
     if (!place.option.empty()) vain.push_back(place.text());
   if (!vain.empty()) warn(globals, fmt::format("{}: without effect with --replay", fmt::join(vain, ", ")));

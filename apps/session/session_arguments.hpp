@@ -22,13 +22,25 @@ struct KnownStatesArguments {
   bool foreign = false;  // states of another body: they are rendered, and nothing is solved
 };
 
+struct MotionArguments {
+  std::optional<std::string> device, clock, predictor, replay;
+  std::optional<double> seconds;  // [s]
+};
+
+// What is solved, by which workers and when.
+struct SolvingArguments {
+  std::optional<std::string> policy, workers_kind, cost, arrivals;
+  std::optional<int> workers;
+  std::optional<double> latency;  // [s]
+};
+
 struct SessionArguments {
   std::string scene, output;
   KnownStatesArguments states;
-  std::optional<std::string> device, clock, policy, switching, cost, arrivals, replay, select, predictor,
-      workers_kind;
-  std::optional<double> seconds, latency, shape_rate;  // [s], [s], [Hz]
-  std::optional<int> workers;
+  MotionArguments motion;
+  SolvingArguments solving;
+  std::optional<std::string> switching, select;
+  std::optional<double> shape_rate;  // [Hz]
   FigureArguments figures;
   MpiArguments mpi;
 };
