@@ -70,7 +70,7 @@ JsonKeys<EvaluatedBars> cover_keys(const std::string& before, const std::string&
 Json cover_by_label(const EvaluatedBars& bars) {
   Json out;
   for (const Label label : {Label::safe, Label::sparse, Label::gap, Label::blank})
-    out[std::string(name(label))] = cover_json(bars.measured.cover(label));
+    out[std::string(name(label))] = cover_json(bars.measured->cover(label));
   return out;
 }
 
@@ -82,7 +82,7 @@ const JsonKeys<EvaluatedBars>& error_bar_keys() {
                                  "neighbouring positions; a force on the "
                                  "border may be left out more than once",
                                  "share of them inside their bars, each bar from the other groups",
-                                 [](const B& b) { return b.measured.cover(); });
+                                 [](const B& b) { return b.measured->cover(); });
     const JsonKeys<B> more{
         {"levels", "1", "list: the levels of coverage", [](const B&) { return bar_levels; }},
         {"beyond", "1",
@@ -93,11 +93,11 @@ const JsonKeys<EvaluatedBars>& error_bar_keys() {
          "true: within their box, the bars come from the check solves of generate --error, not from forces "
          "left "
          "out",
-         [](const B& b) { return b.measured.checked(); }},
+         [](const B& b) { return b.measured->checked(); }},
         {"points_outside", "1", "points outside the states", &B::outside}};
     const JsonKeys<B> outside =
         cover_keys("outside.", "number of the forces left out that lie outside the other states",
-                   "share of these inside their bars", [](const B& b) { return b.measured.cover_outside(); });
+                   "share of these inside their bars", [](const B& b) { return b.measured->cover_outside(); });
     all.insert(all.end(), more.begin(), more.end());
     all.insert(all.end(), outside.begin(), outside.end());
     all.push_back({"by_label.LABEL", "", "samples, coverage and width_p50 of one label", cover_by_label});
@@ -128,18 +128,18 @@ const JsonKeys<BarsShown>& bar_keys() {
 }
 
 std::string bars_in_words(const EvaluatedBars& bars) {
-  const BarCover all = bars.measured.cover();
+  const BarCover all = bars.measured->cover();
   if (all.samples == 0) return "error bars: unknown, too few states to leave some out";
   std::string text = fmt::format(
       "error bars of 90/95/99 %: {} of {} {} lie inside", shares(all), all.samples,
-      bars.measured.checked() ? "check solves" : "comparisons with known forces, left out in groups,");
+      bars.measured->checked() ? "check solves" : "comparisons with known forces, left out in groups,");
   if (std::isfinite(all.width_p50))
     text += fmt::format("; median half-width of 95 % {:.3g} N", all.width_p50);
   for (const Label label : {Label::safe, Label::sparse, Label::gap, Label::blank})
-    if (const BarCover own = bars.measured.cover(label); own.samples >= few && own.samples < all.samples)
+    if (const BarCover own = bars.measured->cover(label); own.samples >= few && own.samples < all.samples)
       text += fmt::format("; {} {} of {}", name(label), shares(own), own.samples);
   if (bars.outside > 0) {
-    const BarCover out = bars.measured.cover_outside();
+    const BarCover out = bars.measured->cover_outside();
     text += fmt::format(
         "; {} points lie outside the states, their bars are those of {} outermost forces left "
         "out",
