@@ -54,7 +54,7 @@ struct ClassifyArguments {
 struct Holes {
   double fill_distance = unknown,
          fill_bound = unknown;  // the largest distance as found, and an upper bound [m]
-  std::optional<LargestHole> largest;
+  std::optional<EmptyBall> largest;
 };
 
 // With the index `delaunay`, regions come from a map, which needs little memory, or from a state space; questions about
