@@ -4,6 +4,8 @@
 #include <algorithm>
 #include <cmath>
 
+#include "approx/model/polynomial.hpp"
+
 namespace forefeel {
 namespace {
 
@@ -38,7 +40,7 @@ double kernel(const Row& a, const Row& b, int k) {
 
 Eigen::RowVectorXd monomials(const Row& row, int degree) {
   const Vec3& x = row.at;
-  Eigen::RowVectorXd p(degree == 0 ? 1 : degree == 1 ? 4 : 10);
+  Eigen::RowVectorXd p(Index(detail::polynomial_terms(degree)));
   p.setZero();
   if (row.axis < 0) {
     p[0] = 1;
@@ -67,15 +69,13 @@ class Crossed {
     double radius = 0;
     for (const State* s : states) radius = std::max(radius, (s->at - centre).norm());
     if (!(radius > 0)) return;
-    Level level{options.kernel == Kernel::linear  ? 1
-                : options.kernel == Kernel::cubic ? 3
-                                                  : 5,
-                options.kernel == Kernel::quintic ? 2 : 1, options.data == Data::force_and_stiffness};
+    Level level{detail::power_of(options.kernel), options.kernel == Kernel::quintic ? 2 : 1,
+                options.data == Data::force_and_stiffness};
     for (;; --level.degree) {  // steps down as RbfFit does
       if (level.degree < 2) level.power = level.degree == 0 ? 1 : std::min(level.power, 3);
       level.hermite = level.hermite && level.degree > 0;
       set_rows(centre, radius, level.hermite);
-      MatrixXd p(Index(rows_.size()), level.degree == 0 ? 1 : level.degree == 1 ? 4 : 10);
+      MatrixXd p(Index(rows_.size()), Index(detail::polynomial_terms(level.degree)));
       for (Index i = 0; i < p.rows(); ++i) p.row(i) = monomials(rows_[std::size_t(i)], level.degree);
       Eigen::ColPivHouseholderQR<MatrixXd> qr(p);
       qr.setThreshold(1e-6);

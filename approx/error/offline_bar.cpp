@@ -5,7 +5,7 @@
 #include <limits>
 
 #include "approx/error/error_scale.hpp"
-#include "approx/model/updater.hpp"
+#include "approx/error/place_models.hpp"
 #include "geometry/common/quantiles.hpp"
 #include "geometry/common/tolerance.hpp"
 
@@ -118,58 +118,26 @@ BarCover cover_of(std::span<const BarSample> samples, Counts counts) {
   return found;
 }
 
-Model model_of_all(const StateSpace& known, const ModelOptions& options) {
-  std::vector<State> states;
-  Vec3 middle = Vec3::Zero();
-  for (std::uint32_t id = 0; id < known.size(); ++id) {
-    states.push_back(known[StateId{id}]);
-    middle += states.back().at / static_cast<double>(known.size());
-  }
-  return fit_model(states, options, middle);
+BarSample sample_of(const StateSpace& known, const Model& model, const State& held) {
+  const Vec3 force = model.force(held.at);
+  const Coverage coverage = known.coverage(held.at);
+  return {.at = held.at,
+          .force = held.force.norm(),
+          .predicted = force.norm(),
+          .label = coverage.label,
+          .spread = coverage.spread,
+          .seen = {.away = coverage.delta},
+          .scale = scale_at(known, held.at, force),
+          .error = (force - held.force).norm()};
 }
-
-// The model of some known states at one place after the other.
-class KnownModel {
- public:
-  KnownModel(const StateSpace& known, const OfflineBarOptions& options)
-      : known_(known), all_(options.all), updater_(known, fewer(options.model, known)) {
-    if (all_) model_ = model_of_all(known, options.model);
-  }
-  BarSample sample(const State& held) {
-    if (!all_) {
-      updater_.forget();
-      updater_.update(held.at, model_);
-    }
-    const Vec3 force = model_.force(held.at);
-    const Coverage coverage = known_.coverage(held.at);
-    return {.at = held.at,
-            .force = held.force.norm(),
-            .predicted = force.norm(),
-            .label = coverage.label,
-            .spread = coverage.spread,
-            .seen = {.away = coverage.delta},
-            .scale = scale_at(known_, held.at, force),
-            .error = (force - held.force).norm()};
-  }
-
- private:
-  static ModelOptions fewer(ModelOptions model, const StateSpace& known) {
-    model.neighbours = std::min(model.neighbours, known.size());
-    return model;
-  }
-  const StateSpace& known_;
-  bool all_;
-  ModelUpdater updater_;
-  Model model_;
-};
 
 // Every `stride`-th force left out of one trial.
 std::vector<BarSample> samples_of(const Trial& trial, std::uint32_t part, const OfflineBarOptions& options,
                                   std::size_t stride) {
-  KnownModel model(*trial.known, options);
+  PlaceModels models(*trial.known, options.model, options.all);
   std::vector<BarSample> samples;
   for (std::size_t i = part % stride; i < trial.held.size(); i += stride) {
-    BarSample sample = model.sample(trial.held[i]);
+    BarSample sample = sample_of(*trial.known, models.at(trial.held[i].at), trial.held[i]);
     sample.seen = trial.seen[i];
     sample.part = part;
     if (std::isfinite(sample.scale) && std::isfinite(sample.error)) samples.push_back(sample);
@@ -233,10 +201,10 @@ OfflineBars checked_bars(const StateSpace& known, std::span<const State> checks,
                          const OfflineBarOptions& options) {
   OfflineBars bars;
   if (checks.size() < least_checks || known.empty()) return bars;
-  KnownModel model(known, options);
+  PlaceModels models(known, options.model, options.all);
   std::vector<double> scores;
   for (std::size_t i = 0; i < checks.size(); ++i) {
-    BarSample sample = model.sample(checks[i]);
+    BarSample sample = sample_of(known, models.at(checks[i].at), checks[i]);
     sample.scale = std::max(sample.predicted, Tolerance().floor);
     sample.part = static_cast<std::uint32_t>(i);
     if (!std::isfinite(sample.error)) continue;

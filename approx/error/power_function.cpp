@@ -5,6 +5,8 @@
 #include <cmath>
 #include <limits>
 
+#include "approx/model/polynomial.hpp"
+
 namespace forefeel {
 namespace {
 
@@ -39,7 +41,7 @@ double term(int t, const Vec3& y, int derivative) {
 }  // namespace
 
 double power_function(std::span<const State> states, const ModelOptions& options, const Vec3& x) {
-  const int k = options.kernel == Kernel::linear ? 1 : options.kernel == Kernel::cubic ? 3 : 5;
+  const int k = detail::power_of(options.kernel);
   const int terms = k == 5 ? 10 : 4, per_state = options.data == Data::force_and_stiffness ? 4 : 1;
   const auto n = static_cast<Eigen::Index>(states.size()), rows = n * per_state;
   if (n == 0) return std::numeric_limits<double>::infinity();

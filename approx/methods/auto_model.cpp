@@ -10,7 +10,7 @@
 #include <vector>
 
 #include "approx/error/left_out.hpp"
-#include "approx/model/updater.hpp"
+#include "approx/error/place_models.hpp"
 #include "geometry/common/quantiles.hpp"
 
 namespace forefeel {
@@ -28,34 +28,13 @@ struct Candidate {
   double score = std::numeric_limits<double>::infinity();
 };
 
-// The model of all states at once, about their middle.
-Model model_of_all(std::span<const State> states, const ModelOptions& options) {
-  Vec3 middle = Vec3::Zero();
-  for (const State& s : states) middle += s.at / static_cast<double>(states.size());
-  return fit_model(states, options, middle);
-}
-
 // |f - f~| at every `stride`-th position left out [N].
 std::vector<double> misses(const Trial& trial, const Candidate& candidate, std::size_t stride) {
   std::vector<double> out;
-  const auto add = [&](const Model& model, const State& held) {
-    out.push_back((model.force(held.at) - held.force).norm());
-  };
-  if (candidate.all) {
-    std::vector<State> known;
-    for (std::uint32_t id = 0; id < trial.known->size(); ++id) known.push_back((*trial.known)[StateId{id}]);
-    const Model model = model_of_all(known, candidate.model);
-    for (std::size_t i = 0; i < trial.held.size(); i += stride) add(model, trial.held[i]);
-    return out;
-  }
-  ModelOptions options = candidate.model;
-  options.neighbours = std::min(options.neighbours, trial.known->size());
-  ModelUpdater updater(*trial.known, options);
-  Model model;
+  PlaceModels models(*trial.known, candidate.model, candidate.all);
   for (std::size_t i = 0; i < trial.held.size(); i += stride) {
-    updater.forget();
-    updater.update(trial.held[i].at, model);
-    add(model, trial.held[i]);
+    const State& held = trial.held[i];
+    out.push_back((models.at(held.at).force(held.at) - held.force).norm());
   }
   return out;
 }
@@ -146,8 +125,8 @@ bool has_stiffness(std::span<const State> states) {
 
 // Numbers of neighbours to try by one rule. 0: all states in one model.
 std::vector<std::size_t> sizes_to_try(Select select, Data data, std::size_t states,
-                                      const AutoModelOptions& options) {
-  if (options.neighbours) return {*options.neighbours};
+                                      const std::optional<std::size_t>& wished) {
+  if (wished) return {*wished};
   const std::size_t rows = data == Data::force ? 1 : 4;
   std::vector<std::size_t> sizes{25, 50};
   const bool all = select == Select::nearest && rows * states <= most_for_all;
@@ -160,15 +139,15 @@ std::vector<std::size_t> sizes_to_try(Select select, Data data, std::size_t stat
 }
 
 // Kernels and neighbour sets, without a ridge.
-std::vector<Candidate> sets_to_try(std::span<const State> states, const AutoModelOptions& options) {
-  const Data data = options.data.value_or(has_stiffness(states) ? Data::force_and_stiffness : Data::force);
+std::vector<Candidate> sets_to_try(std::span<const State> states, const ModelWishes& wishes) {
+  const Data data = wishes.data.value_or(has_stiffness(states) ? Data::force_and_stiffness : Data::force);
   std::vector<Candidate> sets;
   for (const Kernel kernel : {Kernel::linear, Kernel::cubic, Kernel::quintic}) {
-    if (options.kernel && *options.kernel != kernel) continue;
+    if (wishes.kernel && *wishes.kernel != kernel) continue;
     if (kernel == Kernel::linear && data == Data::force_and_stiffness) continue;
     for (const Select select : {Select::nearest, Select::label}) {
-      if (options.select && *options.select != select) continue;
-      for (const std::size_t n : sizes_to_try(select, data, states.size(), options))
+      if (wishes.select && *wishes.select != select) continue;
+      for (const std::size_t n : sizes_to_try(select, data, states.size(), wishes.neighbours))
         sets.push_back({.model = {.kernel = kernel,
                                   .data = data,
                                   .neighbours = n > 0 ? n : states.size(),
@@ -219,41 +198,40 @@ std::size_t best_of(const std::vector<Candidate>& candidates, const std::vector<
   return best;
 }
 
-ModelOptions defaults(std::span<const State> states, const AutoModelOptions& options) {
-  const bool stiffness = has_stiffness(states);
+}  // namespace
+
+ModelOptions wished_model(const ModelWishes& wishes, bool stiffness, std::size_t states) {
   ModelOptions model;
-  model.kernel = options.kernel.value_or(stiffness ? Kernel::quintic : Kernel::cubic);
-  model.data = options.data.value_or(stiffness && model.kernel != Kernel::linear ? Data::force_and_stiffness
-                                                                                 : Data::force);
-  model.neighbours =
-      std::clamp<std::size_t>(options.neighbours.value_or(model.data == Data::force ? 100 : 25), 1,
-                              std::max<std::size_t>(1, states.size()));
-  model.select = options.select.value_or(Select::label);
-  model.ridge = options.ridge.value_or(0);
+  model.kernel = wishes.kernel.value_or(stiffness ? Kernel::quintic : Kernel::cubic);
+  model.data = wishes.data.value_or(stiffness && model.kernel != Kernel::linear ? Data::force_and_stiffness
+                                                                                : Data::force);
+  model.neighbours = std::clamp<std::size_t>(wishes.neighbours.value_or(model.data == Data::force ? 100 : 25),
+                                             1, std::max<std::size_t>(states, 1));
+  model.select = wishes.select.value_or(Select::label);
+  model.ridge = wishes.ridge.value_or(0);
   return model;
 }
 
-}  // namespace
-
 AutoModel choose_model(std::span<const State> states, const AutoModelOptions& options,
                        std::span<const SeenPlace> wanted) {
-  AutoModel chosen{.model = defaults(states, options)};
+  const ModelWishes& wishes = options.model;
+  AutoModel chosen{.model = wished_model(wishes, has_stiffness(states), states.size())};
   if (states.size() < 8) return chosen;
   const Trials trials = leave_out(states, wanted, options.spacing);
   const double outside = share_outside(wanted);
-  std::vector<Candidate> candidates = sets_to_try(states, options);
+  std::vector<Candidate> candidates = sets_to_try(states, wishes);
   if (trials.each.empty() || candidates.empty()) return chosen;
   const auto stage = [&](double from, double to) -> std::function<void(double)> {
     if (!options.progress) return {};
     return [&options, from, to](double share) { options.progress(from + (to - from) * share); };
   };
-  candidates = with_ridges(candidates, options.ridge, {0, 1e-4, 1e-2});
+  candidates = with_ridges(candidates, wishes.ridge, {0, 1e-4, 1e-2});
   sort_by_score(trials, outside, candidates, stage(0, 0.4));
-  candidates = with_ridges(best_sets(candidates, finalists), options.ridge,
+  candidates = with_ridges(best_sets(candidates, finalists), wishes.ridge,
                            {0, 1e-8, 1e-6, 1e-5, 1e-4, 3e-4, 1e-3, 3e-3, 1e-2, 3e-2, 1e-1});
   sort_by_score(trials, outside, candidates, stage(0.4, 0.7));
   candidates.resize(std::min(finalists, candidates.size()));
-  if (!options.ridge && candidates.front().model.ridge > 0) {
+  if (!wishes.ridge && candidates.front().model.ridge > 0) {
     candidates.insert(candidates.begin(), candidates.front());
     candidates.front().model.ridge = 0;
   }

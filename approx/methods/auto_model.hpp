@@ -21,14 +21,21 @@ namespace forefeel {
 
 struct SeenPlace;
 
-// What the caller has fixed; the rest is chosen.
-struct AutoModelOptions {
+// What a caller fixes of a model; the rest is left open.
+struct ModelWishes {
   std::optional<Kernel> kernel = {};
-  std::optional<Data> data = {};  // force+stiffness where the states have it
+  std::optional<Data> data = {};
   std::optional<std::size_t> neighbours = {};
   std::optional<Select> select = {};
   std::optional<double> ridge = {};
-  double spacing = 0.006;                     // h of the state space [m]
+};
+// What is open: quintic on force+stiffness if the states have stiffness, else cubic on force; 25 neighbours with
+// stiffness, else 100, but 1 to `states`; rule label; no ridge.
+ModelOptions wished_model(const ModelWishes& wishes, bool stiffness, std::size_t states);
+
+struct AutoModelOptions {
+  ModelWishes model = {};  // the rest is chosen; data: force+stiffness where the states have it
+  double spacing = 0.006;  // h of the state space [m]
   std::function<void(double)> progress = {};  // called by one thread with the share done
 };
 

@@ -9,6 +9,7 @@
 #include "approx/error/leave_one_out.hpp"
 #include "approx/error/left_out.hpp"
 #include "approx/error/offline_bar.hpp"
+#include "approx/error/place_models.hpp"
 #include "approx/methods/rbf_network.hpp"
 #include "approx/model/model_options.hpp"
 #include "approx/model/updater.hpp"
@@ -75,11 +76,9 @@ EvaluatedPoints evaluate_rbf(const StateSpace& space, std::span<const Vec3> poin
 EvaluatedPoints evaluate_whole(std::span<const State> states, const StateSpace& space,
                                std::span<const Vec3> points, const ModelOptions& options,
                                const ShowPoints& show) {
-  Vec3 middle = Vec3::Zero();
-  for (const State& s : states) middle += s.at / static_cast<double>(states.size());
   EvaluatedPoints result;
   const auto start = Clock::now();
-  const Model model = fit_model(states, options, middle);
+  const Model model = model_of_all(states, options);
   result.fit_us.push_back(1e6 * since(start));
   result.fitted = 1;
   result.reused = points.size() - 1;
@@ -107,18 +106,9 @@ EvaluatedPoints evaluate_older(Method method, std::span<const State> states, con
   return result;
 }
 
+// One model of all states is made of forces alone unless data is given.
 ModelOptions model_options(const EvaluateOptions& options, bool stiffness, std::size_t states) {
-  const bool offline =
-      options.method == Method::offline_rbf;  // one model of all states; forces alone unless data is given
-  ModelOptions model;
-  model.kernel = options.kernel.value_or(stiffness && !offline ? Kernel::quintic : Kernel::cubic);
-  model.data = options.data.value_or(
-      stiffness && !offline && model.kernel != Kernel::linear ? Data::force_and_stiffness : Data::force);
-  model.neighbours = options.neighbours.value_or(model.data == Data::force ? 100 : 25);
-  model.neighbours = std::min(model.neighbours, std::max<std::size_t>(states, 1));
-  model.select = options.select.value_or(Select::label);
-  model.ridge = options.ridge.value_or(0);
-  return model;
+  return wished_model(options.model, stiffness && options.method != Method::offline_rbf, states);
 }
 
 // Refuses a model that does not fit into memory, as a session does.
@@ -131,7 +121,8 @@ void check_memory(const ModelOptions& options, std::size_t states) {
 }
 
 bool is_chosen(const EvaluateOptions& o, bool stiffness) {
-  const bool open = !o.method && !o.kernel && !o.data && !o.neighbours && !o.ridge && !o.choose_ridge;
+  const bool open = !o.method && !o.model.kernel && !o.model.data && !o.model.neighbours && !o.model.ridge &&
+                    !o.choose_ridge;
   return o.choose.value_or(open && !stiffness);
 }
 
@@ -199,11 +190,7 @@ Evaluation evaluate(std::span<const State> states, std::span<const Vec3> points,
   }
   if (moving && is_chosen(options, stiffness)) {
     result.chosen = choose_model(mean.states,
-                                 {.kernel = options.kernel,
-                                  .data = options.data,
-                                  .neighbours = options.neighbours,
-                                  .select = options.select,
-                                  .ridge = options.ridge,
+                                 {.model = options.model,
                                   .spacing = result.options.spacing,
                                   .progress = options.choosing},
                                  wanted);
@@ -213,7 +200,7 @@ Evaluation evaluate(std::span<const State> states, std::span<const Vec3> points,
   model.neighbours = std::min(model.neighbours, space.size());
   if (options.choose_ridge) model.ridge = forefeel::choose_ridge(space, model).ridge;
   if (result.method == Method::rbf_network)
-    result.options.centres = RbfNetwork::centres_of(rows, options.neighbours.value_or(0));
+    result.options.centres = RbfNetwork::centres_of(rows, options.model.neighbours.value_or(0));
   result.made = result.chosen && result.chosen->all ? evaluate_whole(mean.states, space, points, model, show)
                 : result.method == Method::rbf
                     ? evaluate_rbf(space, points, model, show)

@@ -25,18 +25,12 @@ namespace forefeel {
 
 class OfflineBars;
 
-// Values that are not given: kernel quintic with force+stiffness where the states have it, else cubic with
-// force; 25 neighbours with stiffness, else 100; rule label; no ridge.
 struct EvaluateOptions {
-  // True: the model is chosen (auto_model.hpp), except for what the members below fix. Not given: the model is chosen
-  // if no state has a stiffness and none of method, kernel, data, neighbours and ridge is given.
+  // True: the model is chosen (auto_model.hpp), except for what `model` fixes. Not given: the model is chosen if no
+  // state has a stiffness and none of method, kernel, data, neighbours and ridge is given.
   std::optional<bool> choose = {};
   std::optional<Method> method = {};  // rbf if not given
-  std::optional<Kernel> kernel = {};
-  std::optional<Data> data = {};
-  std::optional<std::size_t> neighbours = {};  // of rbf_network: the number of centres
-  std::optional<Select> select = {};
-  std::optional<double> ridge = {};
+  ModelWishes model = {};     // its neighbours, of rbf_network: the number of centres
   bool choose_ridge = false;  // by leaving out single states (leave_one_out.hpp)
   bool bars = false;          // error bars of each point, for method rbf only (offline_bar.hpp)
   double spacing = unknown;   // h [m]; unknown: the median distance of the states

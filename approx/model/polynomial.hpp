@@ -11,7 +11,13 @@
 #include <array>
 #include <cstddef>
 
+#include "approx/model/model_options.hpp"
+
 namespace forefeel::detail {
+
+constexpr int power_of(Kernel kernel) {  // k of phi(r) = r^k
+  return kernel == Kernel::linear ? 1 : kernel == Kernel::cubic ? 3 : 5;
+}
 
 inline constexpr std::size_t max_terms = 10;
 

@@ -12,10 +12,6 @@ namespace {
 
 constexpr double rank_tolerance = 1e-6;  // pivot ratio of P below which a polynomial term is not determined
 
-int power_of(Kernel kernel) {
-  return kernel == Kernel::linear ? 1 : kernel == Kernel::cubic ? 3 : 5;
-}
-
 // A quick test that is sufficient, not necessary: the last pivot of a pivoted Cholesky is at least det /
 // (product of the other diagonal entries), and the determinant needs no pivoting.
 bool surely_full_rank(std::size_t q, const double* gram) {

@@ -19,6 +19,7 @@
 #include "apps/bench/bench.hpp"
 #include "apps/bench/bench_approx_parts.hpp"
 #include "apps/bench/bench_approx_time.hpp"
+#include "apps/bench/bench_row.hpp"
 #include "apps/console/console.hpp"
 #include "apps/console/json.hpp"
 #include "apps/console/provenance.hpp"

@@ -62,8 +62,6 @@ struct Comparison {
   double by_refit = unknown;          // share of the updates that were made by a refit
 };
 
-double now_us();
-
 // The tables as text (known: states of the lattice), and the JSON of `rows` and `methods`.
 void print_tables(const Globals& globals, const Case& taken, std::size_t known,
                   const std::vector<Comparison>& rows, const std::vector<Measured>& table);

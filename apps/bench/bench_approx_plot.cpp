@@ -3,7 +3,6 @@
 #include <fmt/format.h>
 
 #include <algorithm>
-#include <chrono>
 #include <cmath>
 
 #include "apps/bench/bench_approx_parts.hpp"
@@ -11,11 +10,6 @@
 #include "apps/picture/plot.hpp"
 
 namespace forefeel::bench {
-
-double now_us() {
-  return std::chrono::duration<double, std::micro>(std::chrono::steady_clock::now().time_since_epoch())
-      .count();
-}
 
 namespace {
 

@@ -7,6 +7,7 @@
 
 #include "approx/loops/instruction_set.hpp"
 #include "apps/bench/bench_approx_parts.hpp"
+#include "apps/bench/bench_row.hpp"
 #include "apps/console/json.hpp"
 
 namespace forefeel::bench {
@@ -40,7 +41,7 @@ std::string row_line(const Comparison& r) {
 }
 
 Json errors_json(const Errors& e) {
-  return {{"p50", number(e.p50)}, {"p95", number(e.p95)}, {"max", number(e.max)}};
+  return forefeel::errors_json(e.p50, e.p95, e.max);
 }
 
 }  // namespace
@@ -48,21 +49,15 @@ Json errors_json(const Errors& e) {
 Json rows_json(const Case& taken, const std::vector<Comparison>& rows) {
   Json all = Json::array();
   for (const Comparison& row : rows) {
-    Json r;
-    r["name"] = row.name;
-    r["baseline"] = row.baseline;
-    r["ratio"] = number(row.theirs / row.ours);
-    r["ours_us"] = number(row.ours);
-    r["baseline_us"] = number(row.theirs);
-    r["error"] = errors_json(row.error);
-    r["n"] = row.n;
-    r["k"] = row.k ? Json(*row.k) : Json(nullptr);
+    Json r = row_json({.name = row.name,
+                       .baseline = row.baseline,
+                       .ours_us = row.ours,
+                       .baseline_us = row.theirs,
+                       .error = errors_json(row.error),
+                       .n = row.n,
+                       .k = row.k},
+                      {.scene = taken.name, .body = taken.body.get(), .tolerance = 1e-9});
     r["by_refit"] = number(row.by_refit);
-    r["scene"] = taken.name;
-    r["law"] = name(taken.body->material.law);
-    r["elements"] = taken.body->mesh.tets.size();
-    r["threads"] = 1;
-    r["tolerance"] = 1e-9;
     all.push_back(std::move(r));
   }
   return all;

@@ -5,6 +5,7 @@
 
 #include "approx/model/rbf_fit.hpp"
 #include "apps/bench/bench_approx_parts.hpp"
+#include "apps/bench/bench_row.hpp"
 
 namespace forefeel::bench {
 

@@ -15,6 +15,7 @@
 
 #include "apps/bench/bench.hpp"
 #include "apps/bench/bench_regions.hpp"
+#include "apps/bench/bench_row.hpp"
 #include "apps/console/console.hpp"
 #include "apps/console/json.hpp"
 #include "apps/console/provenance.hpp"
@@ -31,7 +32,6 @@ using Triangulation = CGAL::Delaunay_triangulation_3<
     Kernel,
     CGAL::Triangulation_data_structure_3<CGAL::Triangulation_vertex_base_with_info_3<std::uint32_t, Kernel>>>;
 using Point = Kernel::Point_3;
-using Clock = std::chrono::steady_clock;
 
 constexpr double h = 0.006;
 
@@ -47,10 +47,6 @@ struct Cloud {
   }
 };
 using KdTree = nanoflann::KDTreeSingleIndexAdaptor<nanoflann::L2_Simple_Adaptor<double, Cloud>, Cloud, 3>;
-
-double microseconds(Clock::time_point start) {
-  return std::chrono::duration<double, std::micro>(Clock::now() - start).count();
-}
 
 Point point(const Vec3& v) {
   return {v.x(), v.y(), v.z()};
@@ -90,11 +86,11 @@ std::vector<Vec3> make_path(const Field& field, std::size_t steps, double phase)
   return path;
 }
 
-struct Row {
-  std::string name, baseline;
-  double ours_us, baseline_us;
-  std::size_t n;
-};
+// One query or insertion at a time; labels have no error.
+BenchRow coverage_row(std::string name, std::string baseline, double ours_us, double baseline_us,
+                      std::size_t n) {
+  return {std::move(name), std::move(baseline), ours_us, baseline_us, errors_json(0, 0, 0), n, 1};
+}
 
 struct Sums {  // results are summed so that the compiler does not remove the work
   double value = 0;
@@ -115,8 +111,8 @@ class CoverageBench {
     tree_ = std::make_unique<KdTree>(3, cloud_, nanoflann::KDTreeSingleIndexAdaptorParams(10));
   }
 
-  std::vector<Row> run() {
-    std::vector<Row> rows;
+  std::vector<BenchRow> run() {
+    std::vector<BenchRow> rows;
     query_path(rows);
     query_random(rows);
     insert_path(rows);
@@ -131,14 +127,14 @@ class CoverageBench {
 
   template <class Work>
   double batch(std::size_t count, Work&& work) {
-    const auto start = Clock::now();
+    const double start = now_us();
     for (std::size_t i = 0; i < count; ++i) sums_.value += work(i);
-    return microseconds(start) / static_cast<double>(count);
+    return (now_us() - start) / static_cast<double>(count);
   }
 
   // Labels along a path: ours against CGAL's locate from the last cell, the octree against the k-d tree's
   // nearest. Ours keep a walk between queries, as CGAL keeps its hint.
-  void query_path(std::vector<Row>& rows) {
+  void query_path(std::vector<BenchRow>& rows) {
     constexpr std::size_t steps = 4000;
     std::vector<double> ours, cgal, octree, nano;
     Triangulation::Cell_handle hint;
@@ -155,11 +151,11 @@ class CoverageBench {
           batch(steps, [&](std::size_t i) { return static_cast<double>(octree_.label(path[i], counted)); }));
       nano.push_back(batch(steps, [&](std::size_t i) { return nearest(path[i]); }));
     }
-    rows.push_back({"delaunay query path", "CGAL locate", median(ours), median(cgal), field_.states.size()});
-    rows.push_back({"octree query path", "nanoflann", median(octree), median(nano), field_.states.size()});
+    add(rows, "delaunay query path", "CGAL locate", median(ours), median(cgal));
+    add(rows, "octree query path", "nanoflann", median(octree), median(nano));
   }
 
-  void query_random(std::vector<Row>& rows) {
+  void query_random(std::vector<BenchRow>& rows) {
     constexpr std::size_t count = 1000;
     std::uniform_real_distribution<double> uniform(-field_.half, field_.half);
     std::vector<double> ours, cgal, nano, octree;
@@ -176,14 +172,13 @@ class CoverageBench {
       octree.push_back(batch(count, [&](std::size_t i) { return static_cast<double>(octree_.label(q[i])); }));
       nano.push_back(batch(count, [&](std::size_t i) { return nearest(q[i]); }));
     }
-    rows.push_back(
-        {"delaunay query random", "CGAL locate", median(ours), median(cgal), field_.states.size()});
-    rows.push_back({"delaunay query random", "nanoflann", median(ours), median(nano), field_.states.size()});
-    rows.push_back({"octree query random", "nanoflann", median(octree), median(nano), field_.states.size()});
+    add(rows, "delaunay query random", "CGAL locate", median(ours), median(cgal));
+    add(rows, "delaunay query random", "nanoflann", median(ours), median(nano));
+    add(rows, "octree query random", "nanoflann", median(octree), median(nano));
   }
 
   // Inserts a new state every quarter spacing along a path into all three indexes.
-  void insert_path(std::vector<Row>& rows) {
+  void insert_path(std::vector<BenchRow>& rows) {
     const std::size_t count = std::clamp<std::size_t>(field_.states.size() / 20, 50, 400);
     std::vector<double> ours, cgal, octree;
     Triangulation::Cell_handle hint;
@@ -209,9 +204,14 @@ class CoverageBench {
         return 1.0;
       }));
     }
-    rows.push_back({"delaunay insert path", "CGAL insert", median(ours), median(cgal), field_.states.size()});
-    rows.push_back({"octree insert", "delaunay insert", median(octree), median(ours), field_.states.size()});
+    add(rows, "delaunay insert path", "CGAL insert", median(ours), median(cgal));
+    add(rows, "octree insert", "delaunay insert", median(octree), median(ours));
     insert_us_ = median(ours);
+  }
+
+  void add(std::vector<BenchRow>& rows, const char* name, const char* baseline, double ours_us,
+           double baseline_us) const {
+    rows.push_back(coverage_row(name, baseline, ours_us, baseline_us, field_.states.size()));
   }
 
   double nearest(const Vec3& q) const {
@@ -235,7 +235,7 @@ class CoverageBench {
 }  // namespace
 
 int bench_coverage(const Globals& globals) {
-  std::vector<Row> rows;
+  std::vector<BenchRow> rows;
   Progress progress(globals, "bench coverage");
   double sum = 0;
   const std::vector<std::size_t> sizes{1000, 10'000, 100'000, 1'000'000};
@@ -243,13 +243,13 @@ int bench_coverage(const Globals& globals) {
     progress.show(static_cast<double>(i) / static_cast<double>(sizes.size()),
                   fmt::format("{} states", sizes[i]));
     CoverageBench bench(sizes[i], globals.seed);
-    for (Row& row : bench.run()) rows.push_back(std::move(row));
+    for (BenchRow& row : bench.run()) rows.push_back(std::move(row));
     if (sizes[i] <= 100'000)
       for (const RegionCost& cost : bench_regions(sizes[i], globals.seed)) {
-        rows.push_back(
-            {"region update " + cost.name, "delaunay insert", cost.look_us, bench.insert_us(), cost.states});
-        rows.push_back(
-            {"region settle " + cost.name, "delaunay insert", cost.whole_us, bench.insert_us(), cost.states});
+        rows.push_back(coverage_row("region update " + cost.name, "delaunay insert", cost.look_us,
+                                    bench.insert_us(), cost.states));
+        rows.push_back(coverage_row("region settle " + cost.name, "delaunay insert", cost.whole_us,
+                                    bench.insert_us(), cost.states));
         sum += cost.sum;
       }
     sum += bench.sum();
@@ -258,23 +258,10 @@ int bench_coverage(const Globals& globals) {
   out["rows"] = nlohmann::ordered_json::array();
   say(globals, fmt::format("{:<24}{:<18}{:>9}{:>12}{:>14}{:>9}", "", "baseline", "n", "ours [us]",
                            "baseline [us]", "ratio"));
-  for (const Row& row : rows) {
-    const double ratio = row.baseline_us / row.ours_us;
-    out["rows"].push_back({{"name", row.name},
-                           {"baseline", row.baseline},
-                           {"ratio", ratio},
-                           {"ours_us", row.ours_us},
-                           {"baseline_us", row.baseline_us},
-                           {"error", {{"p50", 0}, {"p95", 0}, {"max", 0}}},
-                           {"n", row.n},
-                           {"k", 1},
-                           {"scene", "jittered lattice, 6 mm"},
-                           {"law", nullptr},
-                           {"elements", nullptr},
-                           {"threads", 1},
-                           {"tolerance", nullptr}});
+  for (const BenchRow& row : rows) {
+    out["rows"].push_back(row_json(row, {.scene = "jittered lattice, 6 mm"}));
     say(globals, fmt::format("{:<24}{:<18}{:>9}{:>12.3f}{:>14.3f}{:>9.3g}", row.name, row.baseline, row.n,
-                             row.ours_us, row.baseline_us, ratio));
+                             row.ours_us, row.baseline_us, row.baseline_us / row.ours_us));
   }
   report_agreement(globals, out);
   if (globals.json) {

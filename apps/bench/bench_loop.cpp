@@ -24,6 +24,7 @@
 
 #include "apps/bench/bench.hpp"
 #include "apps/bench/bench_loop_parts.hpp"
+#include "apps/bench/bench_row.hpp"
 #include "apps/console/interrupt.hpp"
 #include "apps/console/json.hpp"
 #include "apps/console/provenance.hpp"
@@ -201,24 +202,15 @@ Json memory_json(const std::vector<MemoryCourse>& runs) {
   return object;
 }
 
-// Keys that the rows of all benches share.
 Json row_of(const Laboratory& laboratory, const std::string& name, const std::string& baseline, double ours,
             double theirs, const Kind& kind) {
-  Json row;
-  row["name"] = name;
-  row["baseline"] = baseline;
-  row["ratio"] = number(theirs / ours);
-  row["ours_us"] = number(ours);
-  row["baseline_us"] = number(theirs);
-  row["error"] = quantiles_json(kind.errors);
-  row["n"] = laboratory.scene().model.neighbours;
-  row["k"] = nullptr;
-  row["scene"] = laboratory.name();
-  row["law"] = forefeel::name(laboratory.scene().body->material.law);
-  row["elements"] = laboratory.scene().body->mesh.tets.size();
-  row["threads"] = 1;
-  row["tolerance"] = nullptr;
-  return row;
+  return row_json({.name = name,
+                   .baseline = baseline,
+                   .ours_us = ours,
+                   .baseline_us = theirs,
+                   .error = quantiles_json(kind.errors),
+                   .n = laboratory.scene().model.neighbours},
+                  {.scene = laboratory.name(), .body = laboratory.scene().body.get()});
 }
 
 Json loop_row(const Laboratory& laboratory, const Kind& kind, const ConfidenceInterval& difference,

@@ -18,6 +18,7 @@
 #include <vector>
 
 #include "apps/bench/bench_one_state.hpp"
+#include "apps/bench/bench_row.hpp"
 #include "apps/bench/newton_baseline.hpp"
 #include "apps/console/console.hpp"
 #include "apps/console/json.hpp"
@@ -30,10 +31,6 @@ namespace forefeel {
 namespace {
 
 using SteadyClock = std::chrono::steady_clock;
-
-double seconds_since(SteadyClock::time_point start) {
-  return std::chrono::duration<double>(SteadyClock::now() - start).count();
-}
 
 struct OneState {
   double analysis = 0, solve = 0;  // [s]
@@ -146,28 +143,24 @@ std::vector<SolverRow> solve_alone(const Problem& problem, Progress& progress) {
   return rows;
 }
 
-nlohmann::ordered_json row_json(const Problem& problem, const SolverRow& row, const OneState& ours,
-                                double apart) {
+nlohmann::ordered_json one_state_json(const Problem& problem, const SolverRow& row, const OneState& ours,
+                                      double apart) {
   const OneState& r = *row.result;
-  return {{"name", "one state"},
-          {"baseline", row.name},
-          {"ratio", number(r.solve / ours.solve)},
-          {"ours_us", number(1e6 * ours.solve)},
-          {"baseline_us", number(1e6 * r.solve)},
-          {"error", {{"p50", number(apart)}, {"p95", number(apart)}, {"max", number(apart)}}},
-          {"n", 1},
-          {"k", nullptr},
-          {"scene", problem.scene},
-          {"law", name(problem.body->material.law)},
-          {"elements", problem.body->mesh.tets.size()},
-          {"threads", 1},
-          {"tolerance", problem.tolerance},
-          {"ours_bytes", number(ours.bytes)},
-          {"baseline_bytes", number(r.bytes)},
-          {"ours_analysis_us", number(1e6 * ours.analysis)},
-          {"baseline_analysis_us", number(1e6 * r.analysis)},
-          {"ours_iterations", ours.iterations},
-          {"baseline_iterations", r.iterations}};
+  nlohmann::ordered_json json = row_json(
+      BenchRow{.name = "one state",
+               .baseline = row.name,
+               .ours_us = 1e6 * ours.solve,
+               .baseline_us = 1e6 * r.solve,
+               .error = errors_json(apart, apart, apart),
+               .n = 1},
+      BenchSubject{.scene = problem.scene, .body = problem.body.get(), .tolerance = problem.tolerance});
+  json.update({{"ours_bytes", number(ours.bytes)},
+               {"baseline_bytes", number(r.bytes)},
+               {"ours_analysis_us", number(1e6 * ours.analysis)},
+               {"baseline_analysis_us", number(1e6 * r.analysis)},
+               {"ours_iterations", ours.iterations},
+               {"baseline_iterations", r.iterations}});
+  return json;
 }
 
 }  // namespace
@@ -199,7 +192,7 @@ int bench_one_state(const Globals& globals, std::shared_ptr<const Body> body, do
     say(globals, fmt::format("{:<36}{:>14.3f}{:>12.3f}{:>12}{:>10.0f}{:>14.1e}{:>12.2f}", row.name,
                              r.analysis, r.solve, r.iterations, 1e-6 * r.bytes, apart, r.solve / ours.solve));
     if (&row == &rows.front()) continue;
-    document["rows"].push_back(row_json(problem, row, ours, apart));
+    document["rows"].push_back(one_state_json(problem, row, ours, apart));
   }
   document["blas"] = cholmod_blas();
   document["instruction_set"] = instruction_set();

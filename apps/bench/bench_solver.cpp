@@ -22,6 +22,7 @@
 
 #include "apps/bench/bench.hpp"
 #include "apps/bench/bench_one_state.hpp"
+#include "apps/bench/bench_row.hpp"
 #include "apps/bench/newton_baseline.hpp"
 #include "apps/console/console.hpp"
 #include "apps/console/json.hpp"
@@ -36,10 +37,6 @@ namespace forefeel {
 namespace {
 
 using SteadyClock = std::chrono::steady_clock;
-
-double seconds_since(SteadyClock::time_point start) {
-  return std::chrono::duration<double>(SteadyClock::now() - start).count();
-}
 
 // OpenBLAS picks old kernels on processors that it does not know, such as virtual ones. It picks while it is
 // loaded. If its kernels are below our instruction set, the command therefore sets the choice and restarts
@@ -198,23 +195,15 @@ double peak_bytes() {
 }
 
 nlohmann::ordered_json make_row(const BenchCase& bench, const std::string& baseline, double ours,
-                                double theirs, Errors& errors, std::size_t n, int threads) {
-  nlohmann::ordered_json row;
-  row["name"] = "generate";
-  row["baseline"] = baseline;
-  row["ratio"] = number(theirs / ours);
-  row["ours_us"] = number(1e6 * ours);
-  row["baseline_us"] = number(1e6 * theirs);
-  row["error"] = {
-      {"p50", number(errors.at(0.5))}, {"p95", number(errors.at(0.95))}, {"max", number(errors.at(1))}};
-  row["n"] = n;
-  row["k"] = nullptr;
-  row["scene"] = bench.name;
-  row["law"] = name(bench.body->material.law);
-  row["elements"] = bench.body->mesh.tets.size();
-  row["threads"] = threads;
-  row["tolerance"] = tolerance;
-  return row;
+                                double theirs, const Errors& errors, std::size_t n, int threads) {
+  return row_json(
+      {.name = "generate",
+       .baseline = baseline,
+       .ours_us = 1e6 * ours,
+       .baseline_us = 1e6 * theirs,
+       .error = errors_json(errors.at(0.5), errors.at(0.95), errors.at(1)),
+       .n = n},
+      {.scene = bench.name, .body = bench.body.get(), .threads = threads, .tolerance = tolerance});
 }
 
 // Results of the rounds. Times are in seconds per state, one for each round.

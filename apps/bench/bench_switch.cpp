@@ -16,7 +16,6 @@
 #include <fmt/format.h>
 
 #include <algorithm>
-#include <chrono>
 #include <cmath>
 #include <deque>
 #include <nlohmann/json.hpp>
@@ -24,6 +23,7 @@
 #include "approx/loops/instruction_set.hpp"
 #include "approx/switch/force_switch.hpp"
 #include "apps/bench/bench.hpp"
+#include "apps/bench/bench_row.hpp"
 #include "apps/bench/fit_baseline.hpp"
 #include "apps/console/console.hpp"
 #include "apps/console/json.hpp"
@@ -237,32 +237,26 @@ double cost_of_a_frame(const Stream& stream, SwitchRule rule) {
   ForceSwitch damped({.rule = rule});
   Vec3 sum = Vec3::Zero();
   std::size_t next = 0;
-  const auto start = std::chrono::steady_clock::now();
+  const double start = now_us();
   for (std::size_t k = 0; k < frames; ++k) {
     const bool comes = next < stream.comes.size() && stream.comes[next] == k;
     sum += damped.step(comes ? &stream.models[next] : nullptr, stream.at[k]).force;
     next += comes ? 1 : 0;
   }
-  const std::chrono::duration<double, std::micro> took = std::chrono::steady_clock::now() - start;
-  return sum.allFinite() ? took.count() / static_cast<double>(frames) : unknown;
+  const double took = now_us() - start;
+  return sum.allFinite() ? took / static_cast<double>(frames) : unknown;
 }
 
 nlohmann::ordered_json make_row(const Laboratory& laboratory, SwitchRule rule, std::size_t every, double ours,
                                 double none, const Outcome& found) {
-  nlohmann::ordered_json row;
-  row["name"] = fmt::format("switch {}, update every {} ms", name(rule), every);
-  row["baseline"] = "rule none";
-  row["ratio"] = number(none / ours);
-  row["ours_us"] = number(ours);
-  row["baseline_us"] = number(none);
-  row["error"] = quantiles_json(found.errors);
-  row["n"] = states_per_model;
-  row["k"] = nullptr;
-  row["scene"] = laboratory.name();
-  row["law"] = name(laboratory.scene().body->material.law);
-  row["elements"] = laboratory.scene().body->mesh.tets.size();
-  row["threads"] = 1;
-  row["tolerance"] = 1e-9;
+  nlohmann::ordered_json row =
+      row_json({.name = fmt::format("switch {}, update every {} ms", name(rule), every),
+                .baseline = "rule none",
+                .ours_us = ours,
+                .baseline_us = none,
+                .error = quantiles_json(found.errors),
+                .n = states_per_model},
+               {.scene = laboratory.name(), .body = laboratory.scene().body.get(), .tolerance = 1e-9});
   row["rule"] = name(rule);
   row["update_ms"] = every;
   row["frames"] = frames - lead;

@@ -68,12 +68,12 @@ EvaluateOptions options_of(const ModelArguments& arguments) {
   EvaluateOptions options;
   if (arguments.method) options.choose = *arguments.method == "auto";
   options.method = named(arguments.method, all_methods());
-  options.kernel = named<Kernel>(arguments.kernel, kernels);
-  options.data = named<Data>(arguments.data, data);
-  options.select = named<Select>(arguments.select, rules);
-  options.neighbours = arguments.neighbours;
+  options.model.kernel = named<Kernel>(arguments.kernel, kernels);
+  options.model.data = named<Data>(arguments.data, data);
+  options.model.select = named<Select>(arguments.select, rules);
+  options.model.neighbours = arguments.neighbours;
   options.choose_ridge = arguments.ridge == "auto" && options.choose != true;
-  if (arguments.ridge && *arguments.ridge != "auto") options.ridge = ridge_of(*arguments.ridge);
+  if (arguments.ridge && *arguments.ridge != "auto") options.model.ridge = ridge_of(*arguments.ridge);
   return options;
 }
 

@@ -11,13 +11,13 @@
 #include <omp.h>
 
 #include <algorithm>
-#include <chrono>
 #include <cmath>
 #include <nlohmann/json.hpp>
 #include <optional>
 
 #include "approx/loops/instruction_set.hpp"
 #include "approx/model/neighbours.hpp"
+#include "apps/bench/bench_row.hpp"
 #include "apps/bench/fit_baseline.hpp"
 #include "apps/console/json.hpp"
 #include "apps/laboratory/paper_states.hpp"
@@ -45,13 +45,9 @@ std::optional<PaperTimes> paper_times(std::size_t n) {
 struct TimingRow {
   std::string method;
   ModelOptions model;
-  std::vector<double> select, direct, refit, update, evaluate, replaced, errors;  // [us], [1], [1]
+  std::vector<double> select = {}, direct = {}, refit = {}, update = {}, evaluate = {}, replaced = {},
+                      errors = {};  // [us], [1], [1]
 };
-
-double now_us() {
-  return std::chrono::duration<double, std::micro>(std::chrono::steady_clock::now().time_since_epoch())
-      .count();
-}
 
 std::vector<Sample> samples_of(const StateSpace& space, const std::vector<StateId>& ids) {
   std::vector<Sample> samples;
@@ -138,23 +134,8 @@ std::vector<TimingRow> methods(std::size_t states) {
     for (const Kernel kernel : {Kernel::linear, Kernel::cubic})
       if (n <= states)
         rows.push_back({fmt::format("{}, n {}", kernel == Kernel::linear ? "r" : "r3", n),
-                        {.kernel = kernel, .data = Data::force, .neighbours = n, .select = Select::nearest},
-                        {},
-                        {},
-                        {},
-                        {},
-                        {},
-                        {},
-                        {}});
-  rows.push_back({fmt::format("Hermite r5, n {}", std::min<std::size_t>(25, states)),
-                  our_default().model,
-                  {},
-                  {},
-                  {},
-                  {},
-                  {},
-                  {},
-                  {}});
+                        {.kernel = kernel, .data = Data::force, .neighbours = n, .select = Select::nearest}});
+  rows.push_back({fmt::format("Hermite r5, n {}", std::min<std::size_t>(25, states)), our_default().model});
   rows.back().model.neighbours = std::min<std::size_t>(25, states);
   return rows;
 }

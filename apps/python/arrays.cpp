@@ -3,6 +3,7 @@
 #include <fmt/format.h>
 
 #include <algorithm>
+#include <cmath>
 
 #include "geometry/common/error.hpp"
 
@@ -57,6 +58,16 @@ py::array_t<double> array_of(std::span<const Vec3> points) {
 
 py::array_t<double> array_of(const Vec3& vector) {
   return py::array_t<double>(3, vector.data());
+}
+
+py::array_t<double> array_of(const Box& box) {
+  const Vec3 corners[] = {box.low, box.high};
+  return array_of(corners);
+}
+
+void check_spacing(double spacing) {
+  if (!(spacing > 0) || !std::isfinite(spacing))
+    throw InputError("spacing", fmt::format("is {} m, expected a positive number", spacing));
 }
 
 py::array_t<StateRow> array_of(std::span<const State> states) {

@@ -2,6 +2,7 @@
 // NumPy arrays from and to the library's types. Arrays are C-ordered; lengths [m], forces [N],
 // stiffness [N/m].
 
+#include <fmt/format.h>
 #include <pybind11/numpy.h>
 #include <pybind11/pybind11.h>
 
@@ -53,6 +54,7 @@ py::array_t<Row> zero_rows(std::size_t n) {
 std::vector<Vec3> points_of(const Doubles& array, const char* argument);
 py::array_t<double> array_of(std::span<const Vec3> points);  // (n, 3)
 py::array_t<double> array_of(const Vec3& vector);            // (3,)
+py::array_t<double> array_of(const Box& box);                // (2, 3): low corner, high corner
 
 // The same, without a copy: valid while the array lives. Checked in parallel.
 class Points {
@@ -75,6 +77,20 @@ T cast_to(const py::handle& value, const std::string& argument, const char* expe
     throw InputError(argument, "is " + std::string(py::repr(value)).substr(0, 60) + ", expected " + expected);
   }
 }
+
+// The choice of this name. InputError names the argument and lists the names.
+template <class Choices>
+auto chosen(const std::string& text, const char* argument, const Choices& all) {
+  std::string names;
+  for (const auto choice : all) {
+    if (name(choice) == text) return choice;
+    names += (names.empty() ? "" : ", ") + std::string(name(choice));
+  }
+  throw InputError(argument, fmt::format("is '{:.40}', expected {}", text, names));
+}
+
+// InputError unless the spacing is positive and finite.
+void check_spacing(double spacing);
 
 py::array_t<StateRow> array_of(std::span<const State> states);
 // Usable and failed states as they are. Displacements are not part of the array.

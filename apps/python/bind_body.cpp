@@ -34,16 +34,6 @@ std::vector<NodeIndex> node_set(const Integers& given, std::size_t nodes, const 
   return set;
 }
 
-template <class Choice, class All>
-Choice named(const std::string& text, const char* argument, const All& all) {
-  std::string names;
-  for (const Choice choice : all) {
-    if (name(choice) == text) return choice;
-    names += (names.empty() ? "" : ", ") + std::string(name(choice));
-  }
-  throw InputError(argument, fmt::format("is '{:.40}', expected {}", text, names));
-}
-
 PyBody make_body(const Doubles& nodes, const Integers& tets, const Integers& clamp, const Integers& contact,
                  const std::string& law, double young, double poisson, const std::string& element) {
   auto body = std::make_shared<Body>();
@@ -61,12 +51,12 @@ PyBody make_body(const Doubles& nodes, const Integers& tets, const Integers& cla
       tet[i] = static_cast<NodeIndex>(node);
     }
   }
-  body->material.law = named<Law>(law, "law", all_laws());
+  body->material.law = chosen(law, "law", all_laws());
   body->material.young = young;
   body->material.poisson = poisson;
   body->clamp = node_set(clamp, count, "clamp");
   body->contact = node_set(contact, count, "contact");
-  body->element = named<Element>(element, "element", std::array{Element::linear, Element::quadratic});
+  body->element = chosen(element, "element", std::array{Element::linear, Element::quadratic});
   std::vector<std::string> warnings = check_and_orient(body->mesh, "Body").warnings;
   for (std::string& warning : check(*body, "Body")) warnings.push_back(std::move(warning));
   return {std::move(body), std::move(warnings)};
@@ -107,8 +97,7 @@ std::vector<State> solve_all(const std::shared_ptr<const Body>& body, const std:
 
 py::object solve(const PyBody& self, const Doubles& positions, double spacing, bool displacements,
                  const ShowShare& progress) {
-  if (!(spacing > 0) || !std::isfinite(spacing))
-    throw InputError("spacing", fmt::format("is {} m, expected a positive number", spacing));
+  check_spacing(spacing);
   const std::vector<Vec3> at = points_of(positions, "positions");
   const double farthest = 100 * longest_side(self.body->mesh);  // as `forefeel solve`
   for (std::size_t i = 0; i < at.size(); ++i)
@@ -134,8 +123,7 @@ py::array_t<StateRow> generate(const PyBody& self, double spacing, const Doubles
   const std::vector<Vec3> corners = points_of(box, "box");
   if (corners.size() != 2 || (corners[0].array() > corners[1].array()).any())
     throw InputError("box", "expected the shape (2, 3): low corner, high corner");
-  if (!(spacing > 0) || !std::isfinite(spacing))
-    throw InputError("spacing", fmt::format("is {} m, expected a positive number", spacing));
+  check_spacing(spacing);
   if (!((corners[1] - corners[0]).array() / spacing + 1).isFinite().all() ||
       ((corners[1] - corners[0]).array() / spacing + 1).prod() > 1e8)
     throw InputError("spacing", "gives more than 1e8 positions in the box, expected a larger one");

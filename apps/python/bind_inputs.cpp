@@ -100,8 +100,7 @@ py::dict read_inputs(const std::filesystem::path& file) {
   out["frame_seconds"] = inputs.header.render.frame;
   out["frames_planned"] = inputs.header.frames;
   out["spacing"] = inputs.header.space.spacing;
-  const Vec3 corners[2] = {inputs.header.space.box.low, inputs.header.space.box.high};
-  out["box"] = array_of(std::span<const Vec3>(corners));
+  out["box"] = array_of(inputs.header.space.box);
   out["whole"] = inputs.whole;
   out["frames"] = rows_of(inputs.frames);
   out["models"] = rows_of(inputs.models);

@@ -2,6 +2,7 @@
 #include <pybind11/stl.h>
 
 #include <algorithm>
+#include <array>
 #include <chrono>
 #include <cmath>
 #include <memory>
@@ -18,16 +19,6 @@
 
 namespace forefeel::python {
 namespace {
-
-template <class Choice>
-Choice chosen(const std::string& text, const char* argument, std::initializer_list<Choice> all) {
-  std::string names;
-  for (const Choice choice : all) {
-    if (name(choice) == text) return choice;
-    names += (names.empty() ? "" : ", ") + std::string(name(choice));
-  }
-  throw InputError(argument, fmt::format("is '{:.40}', expected {}", text, names));
-}
 
 Method method_of(const std::string& text) {
   std::string names = "auto";
@@ -46,9 +37,9 @@ void set_ridge(EvaluateOptions& options, const py::handle& value) {
     options.choose_ridge = options.choose != true;
     return;
   }
-  options.ridge = cast_to<double>(value, "ridge", "a number or \"auto\"");
-  if (!(*options.ridge >= 0) || !std::isfinite(*options.ridge))
-    throw InputError("ridge", fmt::format("is {}, expected a number >= 0 or \"auto\"", *options.ridge));
+  options.model.ridge = cast_to<double>(value, "ridge", "a number or \"auto\"");
+  if (!(*options.model.ridge >= 0) || !std::isfinite(*options.model.ridge))
+    throw InputError("ridge", fmt::format("is {}, expected a number >= 0 or \"auto\"", *options.model.ridge));
 }
 
 void set_option(EvaluateOptions& options, const std::string& key, const py::handle& value) {
@@ -57,26 +48,25 @@ void set_option(EvaluateOptions& options, const std::string& key, const py::hand
     options.choose = method == "auto";
     if (method != "auto") options.method = method_of(method);
   } else if (key == "kernel") {
-    options.kernel = chosen(cast_to<std::string>(value, key, "a text"), "kernel",
-                            {Kernel::linear, Kernel::cubic, Kernel::quintic});
+    options.model.kernel = chosen(cast_to<std::string>(value, key, "a text"), "kernel",
+                                  std::array{Kernel::linear, Kernel::cubic, Kernel::quintic});
   } else if (key == "data") {
-    options.data =
-        chosen(cast_to<std::string>(value, key, "a text"), "data", {Data::force, Data::force_and_stiffness});
+    options.model.data = chosen(cast_to<std::string>(value, key, "a text"), "data",
+                                std::array{Data::force, Data::force_and_stiffness});
   } else if (key == "neighbours") {
     const auto n = cast_to<std::int64_t>(value, key, "a whole number");
     if (n < 1 || n > 100'000) throw InputError("neighbours", fmt::format("is {}, expected 1 to 100000", n));
-    options.neighbours = static_cast<std::size_t>(n);
+    options.model.neighbours = static_cast<std::size_t>(n);
   } else if (key == "select") {
-    options.select =
-        chosen(cast_to<std::string>(value, key, "a text"), "select", {Select::label, Select::nearest});
+    options.model.select = chosen(cast_to<std::string>(value, key, "a text"), "select",
+                                  std::array{Select::label, Select::nearest});
   } else if (key == "ridge") {
     set_ridge(options, value);
   } else if (key == "bars") {
     options.bars = cast_to<bool>(value, key, "True or False");
   } else if (key == "spacing") {
     options.spacing = cast_to<double>(value, key, "a number");
-    if (!(options.spacing > 0) || !std::isfinite(options.spacing))
-      throw InputError("spacing", fmt::format("is {} m, expected a positive number", options.spacing));
+    check_spacing(options.spacing);
   } else {
     throw py::type_error(fmt::format(
         "unknown option '{:.40}', expected method, kernel, data, neighbours, select, ridge, spacing or bars",
@@ -142,16 +132,9 @@ ModelOptions model_options(const EvaluateOptions& given, const PySpace& from) {
   if (given.choose == true || given.method.value_or(Method::rbf) != Method::rbf)
     throw InputError("method", "expected rbf: model_at() makes one model");
   const bool stiffness = std::ranges::any_of(from.states(), &State::has_stiffness);
-  ModelOptions options;
-  options.kernel = given.kernel.value_or(stiffness ? Kernel::quintic : Kernel::cubic);
-  options.data = given.data.value_or(stiffness && options.kernel != Kernel::linear ? Data::force_and_stiffness
-                                                                                   : Data::force);
+  const ModelOptions options = wished_model(given.model, stiffness, space.size());
   if (options.data == Data::force_and_stiffness && !stiffness)
     throw InputError("data", "no state has a stiffness, expected stiffness, or data=\"force\"");
-  options.neighbours =
-      std::min(given.neighbours.value_or(options.data == Data::force ? 100 : 25), space.size());
-  options.select = given.select.value_or(Select::label);
-  options.ridge = given.ridge.value_or(0);
   return options;
 }
 

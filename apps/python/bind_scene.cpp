@@ -1,26 +1,21 @@
-#include <fmt/format.h>
 #include <pybind11/stl.h>
 #include <pybind11/stl/filesystem.h>
 
-#include <cmath>
 #include <map>
 #include <memory>
 #include <optional>
 
 #include "apps/python/bindings.hpp"
 #include "apps/python/scene_object.hpp"
-#include "geometry/common/error.hpp"
 
 namespace forefeel::python {
 namespace {
 
 // The lattice of a scene, with another spacing if one is given [m]: spacing and box.
 py::tuple lattice_of(const PyScene& self, std::optional<double> spacing) {
-  if (spacing && !(*spacing > 0 && std::isfinite(*spacing)))
-    throw InputError("spacing", fmt::format("is {} m, expected a positive number", *spacing));
+  if (spacing) check_spacing(*spacing);
   const StateSpaceOptions space = spacing ? space_at(*self.scene, *spacing) : self.scene->space;
-  const Vec3 corners[] = {space.box.low, space.box.high};
-  return py::make_tuple(space.spacing, array_of(corners));
+  return py::make_tuple(space.spacing, array_of(space.box));
 }
 
 }  // namespace
@@ -34,11 +29,7 @@ void bind_scene(py::module_& module) {
            py::arg("file"), py::arg("set") = std::vector<std::string>{})
       .def_property_readonly("file", [](const PyScene& self) { return self.scene->source.file.string(); })
       .def_property_readonly("spacing", [](const PyScene& self) { return self.scene->space.spacing; })
-      .def_property_readonly("box",
-                             [](const PyScene& self) {
-                               const Vec3 corners[] = {self.scene->space.box.low, self.scene->space.box.high};
-                               return array_of(corners);
-                             })
+      .def_property_readonly("box", [](const PyScene& self) { return array_of(self.scene->space.box); })
       .def_property_readonly("warnings", [](const PyScene& self) { return self.scene->source.warnings; })
       .def_property_readonly("identity",
                              [](const PyScene& self) {

@@ -3,6 +3,7 @@
 #include <pybind11/stl.h>
 #include <pybind11/stl/filesystem.h>
 
+#include <array>
 #include <nlohmann/json.hpp>
 #include <type_traits>
 
@@ -116,16 +117,6 @@ std::optional<T> taken(py::dict& given, const char* key) {
   return cast_to<T>(value, key, expected);
 }
 
-template <class T>
-T one_of(const std::string& given, const char* argument, std::initializer_list<T> values) {
-  std::string names;
-  for (const T value : values) {
-    if (given == name(value)) return value;
-    names += (names.empty() ? "" : ", ") + std::string(name(value));
-  }
-  throw InputError(argument, fmt::format("is '{:.40}', expected {}", given, names));
-}
-
 // The options of `forefeel session`, by the same names; a part may also be a Python object.
 class Arguments {
  public:
@@ -187,9 +178,9 @@ class Arguments {
     options.workers.cost = cost ? cost_from_text(*cost) : cost_of(scene_);
     if (const auto rule = taken<std::string>(given_, "switch"))
       options.switching.rule =
-          one_of(*rule, "switch", {SwitchRule::paper, SwitchRule::smooth, SwitchRule::none});
+          chosen(*rule, "switch", std::array{SwitchRule::paper, SwitchRule::smooth, SwitchRule::none});
     if (const auto select = taken<std::string>(given_, "select"))
-      options.model.fit.select = one_of(*select, "select", {Select::label, Select::nearest});
+      options.model.fit.select = chosen(*select, "select", std::array{Select::label, Select::nearest});
   }
 
   void read_numbers(SessionOptions& options) {

@@ -27,10 +27,9 @@ PySpace space_of(std::vector<State> states, std::optional<double> spacing,
   if (states.empty()) throw InputError("states", "hold no usable state, expected at least one");
   StateSpaceOptions options;
   options.spacing = spacing ? *spacing : estimate_spacing(states);
-  if (!(options.spacing > 0) || !std::isfinite(options.spacing)) {
-    if (spacing) throw InputError("spacing", fmt::format("is {} m, expected a positive number", *spacing));
+  if (spacing) check_spacing(*spacing);
+  if (!(options.spacing > 0) || !std::isfinite(options.spacing))
     throw InputError("spacing", "is not given, and a single position has none, expected metres");
-  }
   options.coverage = thresholds;
   options.box = {states.front().at, states.front().at};
   for (const State& s : states) {
@@ -129,11 +128,6 @@ py::tuple nearest(const PySpace& self, const Points& points, std::size_t n) {
   return py::make_tuple(ids, distances);
 }
 
-py::array_t<double> box_of(const Box& box) {
-  const Vec3 corners[] = {box.low, box.high};
-  return array_of(corners);
-}
-
 py::dict read_states(const std::filesystem::path& file) {
   LoadedStates loaded;
   {
@@ -143,7 +137,7 @@ py::dict read_states(const std::filesystem::path& file) {
   py::dict out;
   out["states"] = array_of(loaded.states);
   out["spacing"] = loaded.header.spacing;
-  out["box"] = box_of(loaded.header.box);
+  out["box"] = array_of(loaded.header.box);
   out["identity"] =
       std::map<std::string, std::string>(loaded.header.identity.begin(), loaded.header.identity.end());
   out["notes"] = loaded.header.notes;
@@ -152,8 +146,7 @@ py::dict read_states(const std::filesystem::path& file) {
 }
 
 void write_states(const std::filesystem::path& file, const py::array_t<StateRow>& rows, double spacing) {
-  if (!(spacing > 0) || !std::isfinite(spacing))
-    throw InputError("spacing", fmt::format("is {} m, expected a positive number", spacing));
+  check_spacing(spacing);
   std::error_code error;
   if (std::filesystem::exists(file, error))
     throw InputError(file.string(), "exists already, expected a new name");
@@ -200,7 +193,7 @@ void bind_space(py::module_& module) {
            py::arg_v("thresholds", CoverageOptions{}, "Thresholds()"))
       .def("__len__", [](const PySpace& self) { return self.space->size(); })
       .def_property_readonly("spacing", [](const PySpace& self) { return self.space->options().spacing; })
-      .def_property_readonly("box", [](const PySpace& self) { return box_of(self.space->options().box); })
+      .def_property_readonly("box", [](const PySpace& self) { return array_of(self.space->options().box); })
       .def_property_readonly("states", [](const PySpace& self) { return array_of(self.states()); })
       .def_property_readonly("rows",
                              [](const PySpace& self) {

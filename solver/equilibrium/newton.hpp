@@ -50,7 +50,6 @@ class NewtonSolver {
   const Discretisation& discretisation() const { return *d_; }
 
  private:
-  double residual() const;
   void evaluate(const std::vector<double>& u, NewtonReport& report);
   bool line_search(std::vector<double>& u, NewtonReport& report);
 

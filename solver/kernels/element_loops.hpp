@@ -61,35 +61,56 @@ FOREFEEL_INLINE void gather(const std::int32_t* node, const double* u, Lanes* ou
     }
 }
 
+template <int nodes>
+FOREFEEL_INLINE void scatter(const std::int32_t* node, const Lanes* sum, double* r) {
+  for (int e = 0; e < lane_count; ++e)
+    for (int a = 0; a < nodes; ++a) {
+      double* to = r + 3 * static_cast<std::int64_t>(node[a * lane_count + e]);
+      for (int i = 0; i < 3; ++i) to[i] += sum[3 * a + i][e];
+    }
+}
+
+// Eight elements: their nodes, displacements and weight w.
+template <int nodes>
+struct Group {
+  const std::int32_t* node;
+  Lanes rest[12], local[3 * nodes], weight;
+
+  FOREFEEL_INLINE Group(const ElementView& view, std::int64_t group, const double* u)
+      : node(view.node + group * nodes * lane_count) {
+    for (int i = 0; i < 12; ++i) rest[i] = load(view.gradient + (group * 12 + i) * lane_count);
+    weight = load(view.volume + group * lane_count) * (1.0 / Shape<nodes>::points);
+    gather<nodes>(node, u, local);
+  }
+  // The gradients of the shape functions and the material at quadrature point q.
+  template <class Law>
+  FOREFEEL_INLINE void at(const ElementView& view, int q, Lanes* g, Point<Lanes>& point) const {
+    Shape<nodes>::gradients(q, rest, g);
+    deformation_gradient<nodes>(local, g, point.f);
+    prepare<Law>(view.constants, point);
+  }
+};
+
 template <class Law, int nodes>
 FieldSummary gradient_of(const ElementView& view, const double* u, double* r) {
   using S = Shape<nodes>;
   Lanes energy{}, lowest = spread<Lanes>(__builtin_inf());
   for (std::int64_t group = 0; group < view.groups; ++group) {
-    const std::int32_t* node = view.node + group * nodes * lane_count;
-    Lanes rest[12], local[3 * nodes], sum[3 * nodes]{};
-    for (int i = 0; i < 12; ++i) rest[i] = load(view.gradient + (group * 12 + i) * lane_count);
-    const Lanes weight = load(view.volume + group * lane_count) * (1.0 / S::points);
-    gather<nodes>(node, u, local);
+    const Group<nodes> of(view, group, u);
+    Lanes sum[3 * nodes]{};
     for (int q = 0; q < S::points; ++q) {
       Lanes g[3 * nodes], p[9];
-      S::gradients(q, rest, g);
       Point<Lanes> point;
-      deformation_gradient<nodes>(local, g, point.f);
-      prepare<Law>(view.constants, point);
+      of.template at<Law>(view, q, g, point);
       stress<Law>(view.constants, point, p);
-      energy += weight * point.t.psi;
+      energy += of.weight * point.t.psi;
       lowest = least(lowest, point.j);
-      for (int i = 0; i < 9; ++i) p[i] *= weight;
+      for (int i = 0; i < 9; ++i) p[i] *= of.weight;
       for (int a = 0; a < nodes; ++a)
         for (int i = 0; i < 3; ++i)
           sum[3 * a + i] += p[3 * i] * g[3 * a] + p[3 * i + 1] * g[3 * a + 1] + p[3 * i + 2] * g[3 * a + 2];
     }
-    for (int e = 0; e < lane_count; ++e)
-      for (int a = 0; a < nodes; ++a) {
-        double* to = r + 3 * static_cast<std::int64_t>(node[a * lane_count + e]);
-        for (int i = 0; i < 3; ++i) to[i] += sum[3 * a + i][e];
-      }
+    scatter<nodes>(of.node, sum, r);
   }
   FieldSummary summary;
   summary.min_jacobian = __builtin_inf();
@@ -106,23 +127,18 @@ void hessian_of(const ElementView& view, const double* u, double* blocks) {
   using S = Shape<nodes>;
   constexpr int pairs = nodes * (nodes + 1) / 2;
   for (std::int64_t group = 0; group < view.groups; ++group) {
-    const std::int32_t* node = view.node + group * nodes * lane_count;
-    Lanes rest[12], local[3 * nodes], h[9 * pairs]{};
-    for (int i = 0; i < 12; ++i) rest[i] = load(view.gradient + (group * 12 + i) * lane_count);
-    const Lanes weight = load(view.volume + group * lane_count) * (1.0 / S::points);
-    gather<nodes>(node, u, local);
+    const Group<nodes> of(view, group, u);
+    Lanes h[9 * pairs]{};
     for (int q = 0; q < S::points; ++q) {
       Lanes g[3 * nodes];
-      S::gradients(q, rest, g);
       Point<Lanes> point;
-      deformation_gradient<nodes>(local, g, point.f);
-      prepare<Law>(view.constants, point);
+      of.template at<Law>(view, q, g, point);
       for (int b = 0; b < nodes; ++b)
         for (int k = 0; k < 3; ++k) {
           Lanes d[9]{}, p[9];
           for (int j = 0; j < 3; ++j) d[3 * k + j] = g[3 * b + j];
           stress_change<Law>(view.constants, point, d, p);
-          for (int i = 0; i < 9; ++i) p[i] *= weight;
+          for (int i = 0; i < 9; ++i) p[i] *= of.weight;
           for (int a = 0; a <= b; ++a)
             for (int i = 0; i < 3; ++i)
               h[9 * (b * (b + 1) / 2 + a) + 3 * i + k] +=
@@ -149,36 +165,26 @@ template <class Law, int nodes>
 void product_of(const ElementView& view, std::int64_t stride, const double* u, const double* d, double* y) {
   using S = Shape<nodes>;
   for (std::int64_t group = 0; group < view.groups; ++group) {
-    const std::int32_t* node = view.node + group * nodes * lane_count;
-    Lanes rest[12], local[3 * nodes], along[3][3 * nodes], sum[3][3 * nodes]{};
-    for (int i = 0; i < 12; ++i) rest[i] = load(view.gradient + (group * 12 + i) * lane_count);
-    const Lanes weight = load(view.volume + group * lane_count) * (1.0 / S::points);
-    gather<nodes>(node, u, local);
-    for (int c = 0; c < 3; ++c) gather<nodes>(node, d + c * stride, along[c]);
+    const Group<nodes> of(view, group, u);
+    Lanes along[3][3 * nodes], sum[3][3 * nodes]{};
+    for (int c = 0; c < 3; ++c) gather<nodes>(of.node, d + c * stride, along[c]);
     for (int q = 0; q < S::points; ++q) {
       Lanes g[3 * nodes];
-      S::gradients(q, rest, g);
       Point<Lanes> point;
-      deformation_gradient<nodes>(local, g, point.f);
-      prepare<Law>(view.constants, point);
+      of.template at<Law>(view, q, g, point);
       for (int c = 0; c < 3; ++c) {
         Lanes df[9], p[9];
         deformation_gradient<nodes>(along[c], g, df);
         for (int i = 0; i < 3; ++i) df[4 * i] -= 1.0;
         stress_change<Law>(view.constants, point, df, p);
-        for (int i = 0; i < 9; ++i) p[i] *= weight;
+        for (int i = 0; i < 9; ++i) p[i] *= of.weight;
         for (int a = 0; a < nodes; ++a)
           for (int i = 0; i < 3; ++i)
             sum[c][3 * a + i] +=
                 p[3 * i] * g[3 * a] + p[3 * i + 1] * g[3 * a + 1] + p[3 * i + 2] * g[3 * a + 2];
       }
     }
-    for (int c = 0; c < 3; ++c)
-      for (int e = 0; e < lane_count; ++e)
-        for (int a = 0; a < nodes; ++a) {
-          double* to = y + c * stride + 3 * static_cast<std::int64_t>(node[a * lane_count + e]);
-          for (int i = 0; i < 3; ++i) to[i] += sum[c][3 * a + i][e];
-        }
+    for (int c = 0; c < 3; ++c) scatter<nodes>(of.node, sum[c], y + c * stride);
   }
 }
 

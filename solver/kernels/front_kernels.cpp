@@ -197,27 +197,45 @@ struct Fronts : Vectors<Real> {
       }
       if (!eliminate(panel, pivots, front.ld, front.ld)) return false;
       symmetric_update(pivots, rest, rest, panel + pivots, front.ld, update, front.update_ld);
-      if (front.parent < 0) {
-        if (front.rest > 0)
-          for (int i = 0; i < 9; ++i) {
-            const int a = i / 3 < i % 3 ? i / 3 : i % 3, b = i / 3 + i % 3 - a;
-            corner[i] += update[a * front.update_ld + b];
-          }
-      }
+      if (front.parent < 0 && front.rest > 0)
+        for (int i = 0; i < 9; ++i) {
+          const int a = i / 3 < i % 3 ? i / 3 : i % 3, b = i / 3 + i % 3 - a;
+          corner[i] += update[a * front.update_ld + b];
+        }
     }
     for (int a = 0; a < 3; ++a)
       for (int b = 0; b < a; ++b) corner[3 * a + b] = corner[3 * b + a];
     return true;
   }
 
+  // Front s in a substitution: its panel, the local nodes of its rest, and its part of `lanes` right-hand sides.
+  struct Solving {
+    const Front& front;
+    std::int64_t pivots, rest;  // rows
+    const Real* panel;
+    const std::int32_t* rows;
+    Real* x;
+  };
+  static FOREFEEL_INLINE Solving solving(const FrontTree& tree, std::int64_t s, const Real* panels, Real* b,
+                                         std::int64_t lanes) {
+    const Front& front = tree.fronts[s];
+    return {front,
+            3 * std::int64_t{front.pivots},
+            3 * std::int64_t{front.rest},
+            panels + front.panel,
+            tree.rows + front.rows,
+            b + 3 * std::int64_t{front.first} * lanes};
+  }
+  // take(i, row) for each of the `rest` rows, and its row in a local vector.
+  template <class Take>
+  static FOREFEEL_INLINE void each_row(const std::int32_t* node, std::int64_t rest, const Take& take) {
+    for (std::int64_t i = 0; i < rest; i += 3, ++node)
+      for (int a = 0; a < 3; ++a) take(i + a, 3 * std::int64_t{*node} + a);
+  }
+
   static void forward(const FrontTree& tree, const Real* panels, Real* b, Real* work) {
     for (std::int64_t s = 0; s < tree.count; ++s) {
-      const Front& front = tree.fronts[s];
-      const std::int64_t pivots = 3 * static_cast<std::int64_t>(front.pivots),
-                         rest = 3 * static_cast<std::int64_t>(front.rest);
-      const Real* panel = panels + front.panel;
-      const std::int32_t* rows = tree.rows + front.rows;
-      Real* x = b + 3 * static_cast<std::int64_t>(front.first);
+      const auto [front, pivots, rest, panel, rows, x] = solving(tree, s, panels, b, 1);
       for (std::int64_t j = 0; j < rest; j += wide) store(work + j, Wide{});
       for (std::int64_t p = 0; p < pivots; ++p) {
         const Real* row = panel + p * front.ld;
@@ -236,21 +254,14 @@ struct Fronts : Vectors<Real> {
       for (; p < pivots; ++p)
         for (std::int64_t j = 0; j < rest; j += wide)
           store(work + j, load_wide(work + j) + load_wide(panel + p * front.ld + pivots + j) * x[p]);
-      for (std::int64_t i = 0; i < front.rest; ++i)
-        for (int a = 0; a < 3; ++a) b[3 * static_cast<std::int64_t>(rows[i]) + a] -= work[3 * i + a];
+      each_row(rows, rest, [&](std::int64_t i, std::int64_t row) { b[row] -= work[i]; });
     }
   }
 
   static void backward(const FrontTree& tree, const Real* panels, Real* b, Real* work) {
     for (std::int64_t s = tree.count - 1; s >= 0; --s) {
-      const Front& front = tree.fronts[s];
-      const std::int64_t pivots = 3 * static_cast<std::int64_t>(front.pivots),
-                         rest = 3 * static_cast<std::int64_t>(front.rest);
-      const Real* panel = panels + front.panel;
-      const std::int32_t* rows = tree.rows + front.rows;
-      Real* x = b + 3 * static_cast<std::int64_t>(front.first);
-      for (std::int64_t i = 0; i < front.rest; ++i)
-        for (int a = 0; a < 3; ++a) work[3 * i + a] = b[3 * static_cast<std::int64_t>(rows[i]) + a];
+      const auto [front, pivots, rest, panel, rows, x] = solving(tree, s, panels, b, 1);
+      each_row(rows, rest, [&](std::int64_t i, std::int64_t row) { work[i] = b[row]; });
       const std::int64_t whole = rest / wide * wide;
       for (std::int64_t p = pivots - 1; p >= 0; --p) {
         const Real* row = panel + p * front.ld;
@@ -281,12 +292,7 @@ struct Fronts : Vectors<Real> {
 
   static void forward_lanes(const FrontTree& tree, const Real* panels, Real* b, Real* work) {
     for (std::int64_t s = 0; s < tree.count; ++s) {
-      const Front& front = tree.fronts[s];
-      const std::int64_t pivots = 3 * static_cast<std::int64_t>(front.pivots),
-                         rest = 3 * static_cast<std::int64_t>(front.rest);
-      const Real* panel = panels + front.panel;
-      const std::int32_t* rows = tree.rows + front.rows;
-      Real* x = b + 3 * static_cast<std::int64_t>(front.first) * lane_count;
+      const auto [front, pivots, rest, panel, rows, x] = solving(tree, s, panels, b, lane_count);
       for (std::int64_t first = 0; first < pivots; first += 6) {
         const std::int64_t last = first + 6 < pivots ? first + 6 : pivots;
         for (std::int64_t p = first; p < last; ++p) {
@@ -303,19 +309,17 @@ struct Fronts : Vectors<Real> {
           forward_piece<1>(last - first, panel + first * front.ld + q, front.ld, x + first * lane_count,
                            x + q * lane_count);
       }
-      for (std::int64_t i = 0; i < front.rest; ++i)
-        for (int a = 0; a < 3; ++a)
-          store(work + (3 * i + a) * lane_count,
-                load_eight(b + (3 * static_cast<std::int64_t>(rows[i]) + a) * lane_count));
+      each_row(rows, rest, [&](std::int64_t i, std::int64_t row) {
+        store(work + i * lane_count, load_eight(b + row * lane_count));
+      });
       std::int64_t i = 0;
       for (; i + 12 <= rest; i += 12)
         forward_piece<12>(pivots, panel + pivots + i, front.ld, x, work + i * lane_count);
       for (; i + 3 <= rest; i += 3)
         forward_piece<3>(pivots, panel + pivots + i, front.ld, x, work + i * lane_count);
-      for (i = 0; i < front.rest; ++i)
-        for (int a = 0; a < 3; ++a)
-          store(b + (3 * static_cast<std::int64_t>(rows[i]) + a) * lane_count,
-                load_eight(work + (3 * i + a) * lane_count));
+      each_row(rows, rest, [&](std::int64_t k, std::int64_t row) {
+        store(b + row * lane_count, load_eight(work + k * lane_count));
+      });
     }
   }
 
@@ -334,16 +338,10 @@ struct Fronts : Vectors<Real> {
 
   static void backward_lanes(const FrontTree& tree, const Real* panels, Real* b, Real* work) {
     for (std::int64_t s = tree.count - 1; s >= 0; --s) {
-      const Front& front = tree.fronts[s];
-      const std::int64_t pivots = 3 * static_cast<std::int64_t>(front.pivots),
-                         rest = 3 * static_cast<std::int64_t>(front.rest);
-      const Real* panel = panels + front.panel;
-      const std::int32_t* rows = tree.rows + front.rows;
-      Real* x = b + 3 * static_cast<std::int64_t>(front.first) * lane_count;
-      for (std::int64_t i = 0; i < front.rest; ++i)
-        for (int a = 0; a < 3; ++a)
-          store(work + (3 * i + a) * lane_count,
-                load_eight(b + (3 * static_cast<std::int64_t>(rows[i]) + a) * lane_count));
+      const auto [front, pivots, rest, panel, rows, x] = solving(tree, s, panels, b, lane_count);
+      each_row(rows, rest, [&](std::int64_t i, std::int64_t row) {
+        store(work + i * lane_count, load_eight(b + row * lane_count));
+      });
       std::int64_t p = 0;
       for (; p + 6 <= pivots; p += 6)
         backward_piece<6>(rest, panel + p * front.ld + pivots, front.ld, work, x + p * lane_count);

@@ -91,17 +91,15 @@ struct FactorLayout {
   std::size_t stacks() const { return static_cast<std::size_t>(stack_size + 2 * padding); }
 
   FrontTree tree() const {
-    FrontTree t;
-    t.count = static_cast<std::int64_t>(fronts.size());
-    t.free_nodes = free_nodes;
-    t.fronts = fronts.data();
-    t.rows = rows.data();
-    t.children = children.data();
-    t.runs = runs.data();
-    t.row_start = row_start.data();
-    t.place = place.data();
-    t.block_count = static_cast<std::int64_t>(place.size());
-    return t;
+    return {.count = static_cast<std::int64_t>(fronts.size()),
+            .free_nodes = free_nodes,
+            .fronts = fronts.data(),
+            .rows = rows.data(),
+            .children = children.data(),
+            .runs = runs.data(),
+            .row_start = row_start.data(),
+            .place = place.data(),
+            .block_count = static_cast<std::int64_t>(place.size())};
   }
 
  private:
@@ -307,20 +305,6 @@ void Factorisation::tangent(double* v) const {
   std::visit([&](const auto& n) { n.tangent(v); }, impl_->numbers);
 }
 
-namespace {
-
-FactorCost cost_of(const FactorLayout& l) {
-  const auto bytes = l.padding == row_padding<float> ? sizeof(float) : sizeof(double);
-  return {static_cast<std::int64_t>(l.fronts.size()), l.flops, static_cast<std::int64_t>(bytes * l.panels()),
-          static_cast<std::int64_t>(bytes * l.stacks())};
-}
-
-}  // namespace
-
-FactorCost Factorisation::cost() const {
-  return cost_of(*impl_->layout);
-}
-
 std::shared_ptr<const Discretisation> analyse(const Body& body) {
   auto made = std::make_shared<Discretisation>(discretise(body));
   made->layout = make_layout(*made, Precision::exact);
@@ -328,7 +312,10 @@ std::shared_ptr<const Discretisation> analyse(const Body& body) {
 }
 
 FactorCost cost_of_factor(const Discretisation& discretisation) {
-  return cost_of(*discretisation.layout);
+  const FactorLayout& l = *discretisation.layout;
+  const auto bytes = l.padding == row_padding<float> ? sizeof(float) : sizeof(double);
+  return {l.flops, static_cast<std::int64_t>(bytes * l.panels()),
+          static_cast<std::int64_t>(bytes * l.stacks())};
 }
 
 }  // namespace forefeel

@@ -12,7 +12,6 @@
 namespace forefeel {
 
 struct FactorCost {
-  std::int64_t fronts = 0;
   double flops = 0;  // multiplications of one factorisation
   std::int64_t factor_bytes = 0, stack_bytes = 0;
 };
@@ -41,7 +40,6 @@ class Factorisation {
   void solve_lanes(double* b) const;  // the same for eight right-hand sides side by side
   Mat3 stiffness() const;             // K [N/m]
   void tangent(double* v) const;  // three local vectors du/dx_c one after the other; contact = I, clamp = 0
-  FactorCost cost() const;
   Precision precision() const;
 
  private:

@@ -205,14 +205,16 @@ TEST_CASE("the choice is the same each time, keeps what is given, and few states
   for (std::size_t i = 0; i < given.points.size(); ++i) CHECK(once.made.forces[i] == again.made.forces[i]);
   const Evaluation fixed = evaluate(
       given.known, given.points,
-      {.choose = true, .kernel = Kernel::linear, .neighbours = 30, .select = Select::label, .ridge = 0.01});
+      {.choose = true,
+       .model = {.kernel = Kernel::linear, .neighbours = 30, .select = Select::label, .ridge = 0.01}});
   REQUIRE(fixed.chosen);
   CHECK(fixed.options.model.kernel == Kernel::linear);
   CHECK(fixed.options.model.neighbours == 30);
   CHECK(fixed.options.model.select == Select::label);
   CHECK(fixed.options.model.ridge == 0.01);
   CHECK(std::isfinite(fixed.chosen->p95));
-  CHECK_FALSE(evaluate(given.known, given.points, {.kernel = Kernel::cubic}).chosen);  // as it was asked for
+  CHECK_FALSE(evaluate(given.known, given.points, {.model = {.kernel = Kernel::cubic}})
+                  .chosen);  // as it was asked for
   CHECK_FALSE(
       evaluate(states_at(lattice_points(1, 0.006)), given.points, {}).chosen);  // states with stiffness
   const Evaluation few = evaluate(std::span(given.known).first(5), given.points, {});
@@ -224,14 +226,14 @@ TEST_CASE("the choice is the same each time, keeps what is given, and few states
 TEST_CASE("of many states some patches are left out, and the error is as expected", "[auto]") {
   const Case given = scattered(6, 4000, 0.01);
   const AutoModel chosen =
-      choose_model(given.known, {.kernel = Kernel::cubic, .neighbours = 40, .spacing = 0.004}, {});
+      choose_model(given.known, {.model = {.kernel = Kernel::cubic, .neighbours = 40}, .spacing = 0.004}, {});
   CHECK(chosen.positions >= 100);
   CHECK(chosen.positions <= 600);
   const Evaluation made = evaluate(given.known, given.points,
-                                   {.kernel = Kernel::cubic,
-                                    .neighbours = 40,
-                                    .select = chosen.model.select,
-                                    .ridge = chosen.model.ridge,
+                                   {.model = {.kernel = Kernel::cubic,
+                                              .neighbours = 40,
+                                              .select = chosen.model.select,
+                                              .ridge = chosen.model.ridge},
                                     .spacing = 0.004});
   const double p95 = quantile_of(errors(made, given), 0.95);
   CHECK(p95 < 0.05);
@@ -251,7 +253,7 @@ TEST_CASE(
     repeated.back().force.x() += error;
   }
   const std::vector<Vec3> points{{0.003, 0.002, 0.001}, once[5].at};
-  const EvaluateOptions cubic{.kernel = Kernel::cubic};
+  const EvaluateOptions cubic{.model = {.kernel = Kernel::cubic}};
   const Evaluation plain = evaluate(once, points, cubic), mean = evaluate(repeated, points, cubic);
   CHECK(plain.repeated.averaged == 0);
   CHECK(mean.repeated.averaged == 1);

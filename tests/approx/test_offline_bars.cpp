@@ -108,8 +108,8 @@ TEST_CASE("Bars of drawn places hold the true force about as often as they say")
   constexpr int sets = 6;
   for (unsigned seed = 0; seed < sets; ++seed) {
     const Known known = drawn(seed, 400, 300, 0, stiffening);
-    const Evaluation found =
-        evaluate(known.states, known.points, {.kernel = Kernel::cubic, .bars = true, .spacing = 0.006});
+    const Evaluation found = evaluate(known.states, known.points,
+                                      {.model = {.kernel = Kernel::cubic}, .bars = true, .spacing = 0.006});
     REQUIRE(found.bars);
     const BarCover cover = found.bars->measured->cover();
     CHECK(cover.samples > 380);  // 400, but for those outside the others
@@ -138,14 +138,14 @@ TEST_CASE("Bars grow with the noise of the known forces, also where states lie c
 
 TEST_CASE("A level without enough forces left out has no bar") {
   const Known known = drawn(3, 40, 5, 0, stiffening);
-  const Evaluation found =
-      evaluate(known.states, known.points, {.kernel = Kernel::cubic, .bars = true, .spacing = 0.01});
+  const Evaluation found = evaluate(known.states, known.points,
+                                    {.model = {.kernel = Kernel::cubic}, .bars = true, .spacing = 0.01});
   REQUIRE(found.bars);
   CHECK(std::isfinite(found.bars->at[0][1]));  // 95 % needs 19
   CHECK(std::isinf(found.bars->at[0][2]));     // 99 % needs 99
   const Known few = drawn(3, 7, 5, 0, stiffening);
   const Evaluation none =
-      evaluate(few.states, few.points, {.kernel = Kernel::cubic, .bars = true, .spacing = 0.01});
+      evaluate(few.states, few.points, {.model = {.kernel = Kernel::cubic}, .bars = true, .spacing = 0.01});
   CHECK(std::isinf(none.bars->at[0][0]));
   CHECK(std::isnan(none.bars->measured->cover().inside[0]));
 }
@@ -153,8 +153,8 @@ TEST_CASE("A level without enough forces left out has no bar") {
 TEST_CASE("A point farther away than any force left out is counted") {
   Known known = drawn(5, 200, 3, 0, stiffening);
   known.points.push_back(Vec3(0.5, 0, 0));
-  const Evaluation found =
-      evaluate(known.states, known.points, {.kernel = Kernel::cubic, .bars = true, .spacing = 0.006});
+  const Evaluation found = evaluate(known.states, known.points,
+                                    {.model = {.kernel = Kernel::cubic}, .bars = true, .spacing = 0.006});
   CHECK(found.bars->beyond == 1);
 }
 
