@@ -3,10 +3,33 @@
 //
 //   #include <forefeel/forefeel.hpp>      // installed; find_package(forefeel), target forefeel::forefeel
 //
+//   const TetMesh mesh = phantom("beam", 240);
+//   const Body beam{.mesh = mesh, .clamp = mesh.groups.at("clamp"), .contact = mesh.groups.at("contact")};
+//   StateSpace space({.spacing = 0.004, .box = {Vec3::Constant(-0.008), Vec3::Constant(0.008)}});   // [m]
+//   generate(beam, space);                                     // solves the states of its lattice
+//   const Vec3 x(0.001, 0.003, -0.005);                        // of the tip [m]
+//   const Coverage known = space.coverage(x);                  // how well the force at x is known
+//   ModelUpdater updater(space, {.kernel = Kernel::quintic, .data = Data::force_and_stiffness, .neighbours = 25});
+//   const Vec3 force = updater.model_at(x).force(x);           // [N]
+//
 // Programs to start from are in apps/examples (installed: share/forefeel/examples).
-// Not included here, but installed beside it: geometry/coverage/estimate_spacing.hpp (the spacing of given
-// states), geometry/common/csv_table.hpp (tables), scheduling/record/run_files.hpp (the files of a run),
-// scheduling/study/study.hpp (many sessions compared), forefeel/command.hpp (the command as a function).
+// Not included here, but installed beside it (forefeel/…):
+//   command.hpp                              the command `forefeel` as a function
+//   geometry/common/csv_table.hpp            tables
+//   geometry/common/declared.hpp             columns and parts with their meanings, as declared_policies() returns them
+//   geometry/coverage/estimate_spacing.hpp   the spacing of given states
+//   geometry/coverage/regions.hpp            StateSpace::regions()
+//   geometry/index/adaptive_lattice.hpp      StateSpaceOptions::lattice
+//   geometry/index/delaunay_index.hpp        StateSpace::delaunay()
+//   geometry/index/path_walk.hpp             faster labels along a path
+//   approx/error/offline_bar.hpp             EvaluatedBars::measured
+//   scheduling/placement/placement.hpp       few states at the best places
+//   scheduling/record/run_files.hpp          the files of a run
+//   scheduling/study/study_ranking.hpp       many sessions compared, from study_run.hpp
+//   scheduling/study/study_run.hpp           many sessions run, of study.hpp
+//   scheduling/workers/reference_service.hpp tight solves shared by sessions (SessionInput::references)
+//   solver/body/body_digest.hpp              the identity of a body (TouchedBody::identity)
+//   solver/equilibrium/mesh_error.hpp        what the mesh itself gets wrong
 
 // What is known, and where?
 #include "geometry/common/error.hpp"

@@ -235,11 +235,12 @@ ModelOptions defaults(std::span<const State> states, const AutoModelOptions& opt
 
 }  // namespace
 
-AutoModel choose_model(std::span<const State> states, const AutoModelOptions& options) {
+AutoModel choose_model(std::span<const State> states, const AutoModelOptions& options,
+                       std::span<const SeenPlace> wanted) {
   AutoModel chosen{.model = defaults(states, options)};
   if (states.size() < 8) return chosen;
-  const Trials trials = leave_out(states, options.wanted, options.spacing);
-  const double outside = share_outside(options.wanted);
+  const Trials trials = leave_out(states, wanted, options.spacing);
+  const double outside = share_outside(wanted);
   std::vector<Candidate> candidates = sets_to_try(states, options);
   if (trials.each.empty() || candidates.empty()) return chosen;
   const auto stage = [&](double from, double to) -> std::function<void(double)> {
@@ -263,13 +264,12 @@ AutoModel choose_model(std::span<const State> states, const AutoModelOptions& op
   chosen.model = candidates[best].model;
   chosen.model.neighbours = std::min(chosen.model.neighbours, states.size());
   chosen.all = candidates[best].all;
-  const std::vector<double> expected =
-      expected_quantiles(errors[best], seen, options.wanted, std::array{0.5, 0.95});
+  const std::vector<double> expected = expected_quantiles(errors[best], seen, wanted, std::array{0.5, 0.95});
   chosen.p50 = expected[0];
   chosen.p95 = expected[1];
   chosen.positions = errors[best].size();
   chosen.groups = trials.groups;
-  chosen.beyond = count_beyond(seen, options.wanted);
+  chosen.beyond = count_beyond(seen, wanted);
   return chosen;
 }
 

@@ -14,11 +14,12 @@
 #include <optional>
 #include <span>
 
-#include "approx/error/left_out.hpp"
 #include "approx/model/model_options.hpp"
 #include "geometry/states/state.hpp"
 
 namespace forefeel {
+
+struct SeenPlace;
 
 // What the caller has fixed; the rest is chosen.
 struct AutoModelOptions {
@@ -27,9 +28,7 @@ struct AutoModelOptions {
   std::optional<std::size_t> neighbours = {};
   std::optional<Select> select = {};
   std::optional<double> ridge = {};
-  double spacing = 0.006;  // h of the state space [m]
-  std::span<const SeenPlace> wanted =
-      {};  // where the force is wanted, as seen from the states; empty: not known
+  double spacing = 0.006;                     // h of the state space [m]
   std::function<void(double)> progress = {};  // called by one thread with the share done
 };
 
@@ -43,7 +42,9 @@ struct AutoModel {
       0;  // wanted places farther from the states than any position left out inside, or outside
 };
 
-// states: usable ones, one at each position. With fewer than 8 states or 3 groups the defaults are returned.
-AutoModel choose_model(std::span<const State> states, const AutoModelOptions& options);
+// states: usable ones, one at each position. wanted: where the force is wanted, as seen from the states (left_out.hpp);
+// empty: not known. With fewer than 8 states or 3 groups the defaults are returned.
+AutoModel choose_model(std::span<const State> states, const AutoModelOptions& options,
+                       std::span<const SeenPlace> wanted);
 
 }  // namespace forefeel

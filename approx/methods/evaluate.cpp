@@ -7,6 +7,9 @@
 #include <cmath>
 
 #include "approx/error/leave_one_out.hpp"
+#include "approx/error/left_out.hpp"
+#include "approx/error/offline_bar.hpp"
+#include "approx/methods/rbf_network.hpp"
 #include "approx/model/model_options.hpp"
 #include "approx/model/updater.hpp"
 #include "geometry/common/error.hpp"
@@ -142,18 +145,18 @@ EvaluatedBars bars_of(const StateSpace& space, std::span<const State> states, st
                       const EvaluatedPoints& made, const OfflineBarOptions& options,
                       const EvaluateOptions& given) {
   const auto checked = [&](const Vec3& x) { return given.checked.contains(x); };
-  EvaluatedBars bars{.at = {}, .measured = checked_bars(space, given.checks, options)};
-  OfflineBars left_out;
-  if (!bars.measured.checked())
-    bars.measured = measure_bars(states, options);
+  OfflineBars measured = checked_bars(space, given.checks, options), left_out;
+  if (!measured.checked())
+    measured = measure_bars(states, options);
   else if (!std::ranges::all_of(points, checked))
     left_out = measure_bars(states, options);
-  const OfflineBars& own = bars.measured.checked() ? left_out : bars.measured;
+  const OfflineBars& own = measured.checked() ? left_out : measured;
+  EvaluatedBars bars;
   std::vector<SeenPlace> unchecked, held;
   for (const BarSample& s : own.samples()) held.push_back(s.seen);
   for (std::size_t i = 0; i < points.size(); ++i) {
-    if (bars.measured.checked() && checked(points[i])) {
-      bars.at.push_back(bars.measured.at(made.labels[i], false, checked_scale(made.forces[i])));
+    if (measured.checked() && checked(points[i])) {
+      bars.at.push_back(measured.at(made.labels[i], false, checked_scale(made.forces[i])));
       continue;
     }
     const SeenPlace& seen = options.wanted[i];
@@ -162,6 +165,7 @@ EvaluatedBars bars_of(const StateSpace& space, std::span<const State> states, st
     bars.at.push_back(own.at(made.labels[i], seen.outside, scale_at(space, points[i], made.forces[i])));
   }
   bars.beyond = count_beyond(held, unchecked);
+  bars.measured = std::make_shared<const OfflineBars>(std::move(measured));
   return bars;
 }
 
@@ -194,14 +198,15 @@ Evaluation evaluate(std::span<const State> states, std::span<const Vec3> points,
     for (const Vec3& x : points) wanted.push_back(locate(x));
   }
   if (moving && is_chosen(options, stiffness)) {
-    result.chosen = choose_model(mean.states, {.kernel = options.kernel,
-                                               .data = options.data,
-                                               .neighbours = options.neighbours,
-                                               .select = options.select,
-                                               .ridge = options.ridge,
-                                               .spacing = result.options.spacing,
-                                               .wanted = wanted,
-                                               .progress = options.choosing});
+    result.chosen = choose_model(mean.states,
+                                 {.kernel = options.kernel,
+                                  .data = options.data,
+                                  .neighbours = options.neighbours,
+                                  .select = options.select,
+                                  .ridge = options.ridge,
+                                  .spacing = result.options.spacing,
+                                  .progress = options.choosing},
+                                 wanted);
     model = result.chosen->model;
   }
   if (result.method == Method::rbf) check_memory(model, space.size());

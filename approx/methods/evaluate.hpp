@@ -6,20 +6,23 @@
 //                                                                // chosen (auto_model.hpp)
 //   found.made.forces;  found.chosen->p95;                       // [N]; the error to expect [N]
 
+#include <array>
 #include <cstddef>
 #include <functional>
+#include <memory>
 #include <optional>
 #include <span>
 #include <string_view>
 #include <vector>
 
-#include "approx/error/offline_bar.hpp"
 #include "approx/methods/auto_model.hpp"
 #include "approx/methods/older_methods.hpp"
 #include "geometry/coverage/coverage.hpp"
 #include "geometry/states/repeated_states.hpp"
 
 namespace forefeel {
+
+class OfflineBars;
 
 // Values that are not given: kernel quintic with force+stiffness where the states have it, else cubic with
 // force; 25 neighbours with stiffness, else 100; rule label; no ridge.
@@ -63,8 +66,8 @@ struct EvaluatedPoints {
 // Error bars of the points and the measurement behind them. Also the number of points that lie farther from the states
 // than any held-out force; inside and outside are compared separately. At these points the bars are extrapolated.
 struct EvaluatedBars {
-  std::vector<BarWidths> at;
-  OfflineBars measured;
+  std::vector<std::array<double, 3>> at;        // half-widths of 90, 95 and 99 % [N]
+  std::shared_ptr<const OfflineBars> measured;  // error/offline_bar.hpp
   std::size_t beyond = 0;
   std::size_t outside = 0;  // points outside the states
 };

@@ -1,13 +1,18 @@
 #include "approx/methods/older_methods.hpp"
 
 #include <Eigen/LU>
-#include <Eigen/QR>
 #include <algorithm>
+#include <array>
 #include <cmath>
 #include <limits>
-#include <numeric>
+#include <variant>
+#include <vector>
 
+#include "approx/methods/rbf_network.hpp"
+#include "approx/model/lattice_field.hpp"
+#include "approx/model/updater.hpp"
 #include "geometry/common/error.hpp"
+#include "geometry/index/point_octree.hpp"
 
 namespace forefeel {
 
@@ -37,6 +42,23 @@ std::span<const Method> all_methods() {
                                        Method::rbf_network};
   return methods;
 }
+
+namespace {
+
+class DeflectionCurves {
+ public:
+  explicit DeflectionCurves(std::span<const State> states);
+  Vec3 force(const Vec3& x) const;
+
+ private:
+  struct Curve {
+    Vec3 direction;
+    std::vector<double> depth;  // ascending, from 0 [m]
+    std::vector<Vec3> force;
+    Vec3 at(double d) const;  // linear; extrapolated from the last two states
+  };
+  std::vector<Curve> curves_;
+};
 
 DeflectionCurves::DeflectionCurves(std::span<const State> states) {
   std::vector<const State*> sorted;
@@ -100,6 +122,15 @@ Vec3 DeflectionCurves::force(const Vec3& x) const {
   return sum;
 }
 
+class TwoForce {
+ public:
+  explicit TwoForce(std::span<const State> states);
+  Vec3 force(const Vec3& x) const;
+
+ private:
+  std::vector<Vec3> points_, forces_;
+};
+
 TwoForce::TwoForce(std::span<const State> states) {
   for (const State& s : states)
     if (s.usable()) {
@@ -127,115 +158,22 @@ Vec3 TwoForce::force(const Vec3& x) const {
          (x - points_[first]).dot(span) / span.squaredNorm() * (forces_[first] - forces_[second]);
 }
 
-namespace {
-
-// Positions of the network are centred and of size 1; positions nearer than this count as equal. It is far
-// above the rounding error of states a kilometre from the origin and far below any distance that matters.
-constexpr double tie = 1e-8;
-
-// Rank of every point by x, y and z. Coordinates that differ by rounding have the same rank: a rank ends at a
-// gap in the sorted order, so that no rounding grid can separate two equal coordinates.
-std::vector<std::array<std::size_t, 3>> ranks_of(const std::vector<Vec3>& points) {
-  std::vector<std::array<std::size_t, 3>> ranks(points.size());
-  std::vector<std::size_t> order(points.size());
-  for (std::size_t d = 0; d < 3; ++d) {
-    const auto along = [&](std::size_t i) { return points[i][Eigen::Index(d)]; };
-    std::iota(order.begin(), order.end(), std::size_t{0});
-    std::ranges::sort(order, {}, along);
-    std::size_t rank = 0;
-    for (std::size_t k = 0; k < order.size(); ++k) {
-      if (k > 0 && along(order[k]) - along(order[k - 1]) > tie) ++rank;
-      ranks[order[k]][d] = rank;
-    }
-  }
-  return ranks;
-}
-
-// Farthest-point sampling, from the point nearest to the origin on; the first of `points` among equals.
-std::vector<Vec3> spread(const std::vector<Vec3>& points, std::size_t count) {
-  std::vector<Vec3> chosen;
-  std::vector<double> distance(points.size());
-  for (std::size_t i = 0; i < points.size(); ++i) distance[i] = points[i].norm();
-  const double least = *std::ranges::min_element(distance);
-  auto next = std::ranges::find_if(distance, [&](double r) { return r <= least + tie; });
-  std::vector<double> far(points.size(), 1e300);
-  for (auto i = std::size_t(next - distance.begin()); chosen.size() < count && far[i] > tie;) {
-    chosen.push_back(points[i]);
-    for (std::size_t j = 0; j < points.size(); ++j)
-      far[j] = std::min(far[j], (points[j] - chosen.back()).norm());
-    const double most = *std::ranges::max_element(far);
-    i = std::size_t(std::ranges::find_if(far, [&](double r) { return r >= most - tie; }) - far.begin());
-  }
-  return chosen;
-}
-
 }  // namespace
 
-std::size_t RbfNetwork::centres_of(std::size_t states, std::size_t wished) {
-  return std::min(states, wished > 0 ? wished : std::max<std::size_t>(10, states / 5));
-}
+struct Approximation::Impl {
+  std::variant<LatticeField, DeflectionCurves, TwoForce, RbfNetwork, Model> field =
+      TwoForce(std::span<const State>{});
+  PointOctree points;
+  double largest = 0, steepest = 0;
 
-RbfNetwork::RbfNetwork(std::span<const State> states, std::size_t centres) {
-  std::vector<const State*> known;
-  for (const State& s : states)
-    if (s.usable()) known.push_back(&s);
-  const std::size_t n = known.size();
-  centres = centres_of(n, centres);
-  // Relative to the first state, so that the distance to the origin of coordinates does not matter.
-  const Vec3 origin = known[0]->at;
-  Vec3 mean = Vec3::Zero();
-  for (const State* s : known) mean += (s->at - origin) / double(n);
-  middle_ = origin + mean;
-  scale_ = 0;
-  for (const State* s : known) scale_ = std::max(scale_, (s->at - middle_).norm());
-  if (!(scale_ > 0)) scale_ = 1;
-  std::vector<Vec3> points;
-  for (const State* s : known) points.emplace_back((s->at - middle_) / scale_);
-  // Sorted by position, so that neither the centres nor the sums depend on the order of the states.
-  const auto ranks = ranks_of(points);
-  std::vector<std::size_t> order(n);
-  std::iota(order.begin(), order.end(), std::size_t{0});
-  std::ranges::stable_sort(order, {}, [&](std::size_t i) { return ranks[i]; });
-  std::vector<Vec3> sorted;
-  for (const std::size_t i : order) sorted.push_back(points[i]);
-  centres_ = spread(sorted, centres);
-  const auto m = static_cast<Eigen::Index>(centres_.size());
-  Eigen::MatrixXd matrix(static_cast<Eigen::Index>(n), m + 4);
-  Eigen::MatrixXd right(static_cast<Eigen::Index>(n), 3);
-  for (std::size_t i = 0; i < n; ++i) {
-    const auto row = static_cast<Eigen::Index>(i);
-    const Vec3& y = sorted[i];
-    for (Eigen::Index j = 0; j < m; ++j) {
-      const double r = (y - centres_[std::size_t(j)]).norm();
-      matrix(row, j) = r * r * r;
-    }
-    matrix(row, m) = 1;
-    matrix.block<1, 3>(row, m + 1) = y.transpose();
-    right.row(row) = known[order[i]]->force.transpose();
-  }
-  // If the states do not determine the weights (as many centres as states, states in a plane), the smallest weights are
-  // used, because they do not depend on the order in which columns are eliminated.
-  Eigen::CompleteOrthogonalDecomposition<Eigen::MatrixXd> factor;
-  factor.setThreshold(1e-10);
-  factor.compute(matrix);
-  weights_ = factor.solve(right);
-}
+  void find_bound(std::span<const State> states);
+  double bound(const Vec3& x) const;
+};
 
-Vec3 RbfNetwork::force(const Vec3& x) const {
-  const auto m = static_cast<Eigen::Index>(centres_.size());
-  const Vec3 y = (x - middle_) / scale_;
-  Vec3 sum = (weights_.row(m) + y.transpose() * weights_.bottomRows<3>()).transpose();
-  for (Eigen::Index j = 0; j < m; ++j) {
-    const double r = (y - centres_[std::size_t(j)]).norm();
-    sum += r * r * r * weights_.row(j).transpose();
-  }
-  return sum;
-}
-
-Approximation::Approximation(Method method, std::span<const State> states, const MethodOptions& options)
-    : field_(TwoForce(std::span<const State>{})) {
+Approximation::Approximation(Method method, std::span<const State> states, const MethodOptions& options) {
   if (std::ranges::none_of(states, &State::usable))
     throw InputError("states", "none is solved, expected at least one");
+  auto impl = std::make_shared<Impl>();
   switch (method) {
     case Method::rbf:
       throw InputError("method", "rbf follows the HIP, expected one of the fixed methods");
@@ -245,56 +183,60 @@ Approximation::Approximation(Method method, std::span<const State> states, const
       if (field.size() < 8)
         throw InputError("states",
                          "too few lie on the lattice of the spacing, expected at least a cell of 8");
-      field_ = std::move(field);
+      impl->field = std::move(field);
       break;
     }
     case Method::deflection:
-      field_ = DeflectionCurves(states);
+      impl->field = DeflectionCurves(states);
       break;
     case Method::two_force:
-      field_ = TwoForce(states);
+      impl->field = TwoForce(states);
       break;
     case Method::offline_rbf: {
       Vec3 middle = Vec3::Zero();
       for (const State& s : states) middle += s.at / double(states.size());
-      field_ = fit_model(states, options.model, middle);
+      impl->field = fit_model(states, options.model, middle);
       break;
     }
     case Method::rbf_network:
-      field_ = RbfNetwork(states, options.centres);
+      impl->field = RbfNetwork(states, options.centres);
       break;
   }
-  find_bound(states);
+  impl->find_bound(states);
+  impl_ = std::move(impl);
 }
 
-void Approximation::find_bound(std::span<const State> states) {
+void Approximation::Impl::find_bound(std::span<const State> states) {
   std::vector<const State*> known;
   for (const State& s : states)
     if (s.usable()) {
-      points_.insert(static_cast<std::uint32_t>(known.size()), s.at);
+      points.insert(static_cast<std::uint32_t>(known.size()), s.at);
       known.push_back(&s);
     }
   std::vector<PointOctree::Neighbour> near;
   for (const State* s : known) {
-    largest_ = std::max(largest_, s->force.norm());
-    if (s->has_stiffness()) steepest_ = std::max(steepest_, s->stiffness.norm());
-    points_.nearest(s->at, 4, near);
+    largest = std::max(largest, s->force.norm());
+    if (s->has_stiffness()) steepest = std::max(steepest, s->stiffness.norm());
+    points.nearest(s->at, 4, near);
     const auto other = std::ranges::find_if(near, [](const auto& n) { return n.squared > 0; });
     if (other != near.end())
-      steepest_ =
-          std::max(steepest_, (s->force - known[other->id]->force).norm() / std::sqrt(other->squared));
+      steepest = std::max(steepest, (s->force - known[other->id]->force).norm() / std::sqrt(other->squared));
   }
 }
 
+double Approximation::Impl::bound(const Vec3& x) const {
+  if (const Model* model = std::get_if<Model>(&field)) return model->force_bound();
+  return largest + 2 * steepest * std::sqrt(points.nearest(x).squared);
+}
+
 double Approximation::bound(const Vec3& x) const {
-  if (const Model* model = std::get_if<Model>(&field_)) return model->force_bound();
-  return largest_ + 2 * steepest_ * std::sqrt(points_.nearest(x).squared);
+  return impl_->bound(x);
 }
 
 Vec3 Approximation::force(const Vec3& x) const {
-  const Vec3 force = std::visit([&](const auto& field) { return Vec3(field.force(x)); }, field_);
+  const Vec3 force = std::visit([&](const auto& field) { return Vec3(field.force(x)); }, impl_->field);
   const double norm = force.norm();
-  if (norm <= largest_) return force;
+  if (norm <= impl_->largest) return force;
   const double most = bound(x);
   return norm <= most ? force : Vec3(force * (most / norm * (1 - 1e-15)));
 }

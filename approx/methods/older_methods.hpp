@@ -15,14 +15,13 @@
 // S [N/m]: the largest known stiffness, or the largest secant |F_i - F_j| / |x_i - x_j| of a state and its nearest
 // neighbour.
 
+#include <cstddef>
+#include <memory>
 #include <span>
 #include <string_view>
-#include <variant>
-#include <vector>
 
-#include "approx/model/lattice_field.hpp"
-#include "approx/model/updater.hpp"
-#include "geometry/index/point_octree.hpp"
+#include "approx/model/model_options.hpp"
+#include "geometry/states/state.hpp"
 
 namespace forefeel {
 
@@ -33,46 +32,7 @@ std::span<const Method> all_methods();
 struct MethodOptions {
   ModelOptions model{};     // offline_rbf
   double spacing = 0.006;   // lattice methods [m]
-  std::size_t centres = 0;  // of rbf_network; 0: see centres_of()
-};
-
-class DeflectionCurves {
- public:
-  explicit DeflectionCurves(std::span<const State> states);
-  Vec3 force(const Vec3& x) const;
-
- private:
-  struct Curve {
-    Vec3 direction;
-    std::vector<double> depth;  // ascending, from 0 [m]
-    std::vector<Vec3> force;
-    Vec3 at(double d) const;  // linear; extrapolated from the last two states
-  };
-  std::vector<Curve> curves_;
-};
-
-class TwoForce {
- public:
-  explicit TwoForce(std::span<const State> states);
-  Vec3 force(const Vec3& x) const;
-
- private:
-  std::vector<Vec3> points_, forces_;
-};
-
-class RbfNetwork {
- public:
-  RbfNetwork(std::span<const State> states, std::size_t centres);
-  Vec3 force(const Vec3& x) const;
-  std::size_t centres() const { return centres_.size(); }
-  static std::size_t centres_of(std::size_t states,
-                                std::size_t wished);  // wished 0: a fifth of the states, at least 10
-
- private:
-  Vec3 middle_ = Vec3::Zero();
-  double scale_ = 1;
-  std::vector<Vec3> centres_;                         // scaled
-  Eigen::Matrix<double, Eigen::Dynamic, 3> weights_;  // (centres + 4) x 3
+  std::size_t centres = 0;  // of rbf_network; 0: see RbfNetwork::centres_of()
 };
 
 class Approximation {
@@ -84,11 +44,8 @@ class Approximation {
   double bound(const Vec3& x) const;  // [N]; for offline_rbf the bound of the model
 
  private:
-  std::variant<LatticeField, DeflectionCurves, TwoForce, RbfNetwork, Model> field_;
-  PointOctree points_;
-  double largest_ = 0, steepest_ = 0;
-
-  void find_bound(std::span<const State> states);
+  struct Impl;
+  std::shared_ptr<const Impl> impl_;  // never changed, shared by copies
 };
 
 }  // namespace forefeel

@@ -4,6 +4,7 @@
 
 #include <algorithm>
 
+#include "approx/model/set_sizes.hpp"
 #include "geometry/common/error.hpp"
 
 namespace forefeel {

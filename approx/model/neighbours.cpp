@@ -7,6 +7,7 @@
 #include <span>
 
 #include "approx/loops/view_loops.hpp"
+#include "approx/model/set_sizes.hpp"
 #include "approx/model/views.hpp"
 
 namespace forefeel {

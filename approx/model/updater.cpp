@@ -7,6 +7,7 @@
 #include "approx/model/neighbours.hpp"
 #include "approx/model/polynomial.hpp"
 #include "approx/model/rbf_fit.hpp"
+#include "approx/model/set_sizes.hpp"
 #include "geometry/common/error.hpp"
 
 namespace forefeel {

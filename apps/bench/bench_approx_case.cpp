@@ -70,7 +70,7 @@ Case take_case(const Globals& globals, const std::string& file, Progress& progre
   Case bench;
   take_body(bench, globals, file);
   const int threads = globals.threads > 0 ? globals.threads : omp_get_max_threads();
-  GenerateOptions options;
+  LatticeOptions options;
   options.spacing = bench.options.spacing;
   options.box = bench.options.box;
   options.threads = threads;
@@ -78,13 +78,10 @@ Case take_case(const Globals& globals, const std::string& file, Progress& progre
   const std::vector<Vec3> positions = lattice(bench.options.box, bench.options.spacing);
   const std::size_t expected = positions.size();
   bench.reach = reach_of(positions);  // contains at least rest
-  generate_lattice(bench.body, options, {},
-                   [&](State s) {
-                     if (s.usable()) bench.states.push_back(std::move(s));
-                     progress.show(0.2 * double(bench.states.size()) / double(expected),
-                                   "states of the lattice");
-                   },
-                   {});
+  generate_lattice(bench.body, options, [&](State s) {
+    if (s.usable()) bench.states.push_back(std::move(s));
+    progress.show(0.2 * double(bench.states.size()) / double(expected), "states of the lattice");
+  });
   if (const std::size_t missing = expected - bench.states.size(); missing > 0)
     bench.notes.push_back(
         fmt::format("{} of {} lattice positions have no state; errors inside are also taken beside them",

@@ -243,7 +243,7 @@ std::vector<std::size_t> draw_sample(const Globals& globals, int round, std::siz
   return sample;
 }
 
-void run_round(const Globals& globals, const BenchCase& bench, const GenerateOptions& options, int round,
+void run_round(const Globals& globals, const BenchCase& bench, const LatticeOptions& options, int round,
                Progress& progress, SolverRounds& m) {
   const auto show = [&](const char* what, double first, double last) {
     return [&progress, what, first, last, round](double share) {
@@ -254,7 +254,7 @@ void run_round(const Globals& globals, const BenchCase& bench, const GenerateOpt
   whole(0);
   m.states.clear();
   m.report = generate_lattice(
-      bench.body, options, {}, [&](State s) { m.states.push_back(std::move(s)); },
+      bench.body, options, [&](State s) { m.states.push_back(std::move(s)); },
       [&](std::size_t done, std::size_t total) {
         whole(static_cast<double>(done) / static_cast<double>(total));
       });
@@ -274,7 +274,7 @@ void run_round(const Globals& globals, const BenchCase& bench, const GenerateOpt
   m.cholmod_times.push_back(m.last_cholmod.per_state);
 }
 
-SolverRounds run_rounds(const Globals& globals, const BenchCase& bench, const GenerateOptions& options,
+SolverRounds run_rounds(const Globals& globals, const BenchCase& bench, const LatticeOptions& options,
                         Progress& progress) {
   SolverRounds m;
   const auto begun = SteadyClock::now();
@@ -282,14 +282,14 @@ SolverRounds run_rounds(const Globals& globals, const BenchCase& bench, const Ge
     run_round(globals, bench, options, round, progress, m);
   m.bytes_per_thread = static_cast<double>(SolverBasis(bench.body).bytes_per_solver());
   if (options.threads > 1 && m.report.seconds * options.threads < most_alone) {
-    GenerateOptions alone = options;
+    LatticeOptions alone = options;
     alone.threads = 1;
     const auto show = [&](std::size_t done, std::size_t total) {
       progress.show((rounds + 0.5 * static_cast<double>(done) / static_cast<double>(total)) / (rounds + 1),
                     "one thread");
     };
     const GenerateReport one = generate_lattice(
-        bench.body, alone, {}, [](const State&) {}, show);
+        bench.body, alone, [](const State&) {}, show);
     m.scaling = one.seconds / static_cast<double>(std::max<std::size_t>(1, one.solved)) / m.ours();
   }
   m.errors = sample_errors(bench, m.states, globals.seed, options.threads, [&](double share) {
@@ -360,7 +360,7 @@ int bench_solver(const Globals& globals, const std::string& scene, std::size_t m
   if (most_states == 1) return bench_one_state(globals, bench.body, bench.space.spacing, bench.name);
   const std::size_t whole = lattice(bench.space.box, bench.space.spacing).size();
   if (most_states > 0) bench.space.box = shrunk(bench.space, most_states);
-  GenerateOptions options;
+  LatticeOptions options;
   options.spacing = bench.space.spacing;
   options.box = bench.space.box;
   options.threads = threads;

@@ -125,7 +125,7 @@ void write_vtu(const Classified& set, const std::string& file, const Globals& gl
   write_states_vtu(beside("_states"), set.states);
   if (set.space) write_cells_vtu(beside("_cells"), *set.space);
   if (errors && errors->box.bars) {
-    write_left_out_vtu(beside("_left_out"), errors->box.bars->measured);
+    write_left_out_vtu(beside("_left_out"), *errors->box.bars->measured);
     say(globals, fmt::format("{} (forces left out)", beside("_left_out").string()));
   }
   say(globals, fmt::format("{} (regions), {} (states){}", file, beside("_states").string(),

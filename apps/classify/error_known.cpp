@@ -58,10 +58,10 @@ ErrorKnown error_known(const Globals& globals, const ClassifyArguments& argument
   for (std::size_t i = 0; i < places.size(); ++i) known.places_within += within(known, known.box, i) ? 1 : 0;
   if (arguments.bars && !points.empty()) known.points = evaluate(set.states, points, options);
   if (!known.box.bars) return known;
-  const std::span<const BarSample> samples = known.box.bars->measured.samples();
+  const std::span<const BarSample> samples = known.box.bars->measured->samples();
   std::vector<BarSample> called(samples.begin(), samples.end());
-  if (known.box.bars->measured.checked())  // one factor for all, as at the places
-    for (BarSample& s : called) s.bar = known.box.bars->measured.at(s.label, s.seen.outside, s.scale);
+  if (known.box.bars->measured->checked())  // one factor for all, as at the places
+    for (BarSample& s : called) s.bar = known.box.bars->measured->at(s.label, s.seen.outside, s.scale);
   known.left_out = known_within(called, known.tolerance);
   known.advice = advise_spacing(samples, known.tolerance, arguments.space.coverage.safe_spread);
   return known;
@@ -100,7 +100,7 @@ void tell_errors(const Globals& globals, const ClassifyArguments& arguments, con
   const KnownWithin& left = found.left_out;
   if (left.called > 0)
     text += fmt::format("; of {} forces {} that count as known so, {:.1f} % are", left.called,
-                        found.box.bars->measured.checked() ? "solved as a check" : "left out",
+                        found.box.bars->measured->checked() ? "solved as a check" : "left out",
                         100 * double(left.true_ones) / double(left.called));
   answer(globals, text + " (bar of 95 %)");
 }

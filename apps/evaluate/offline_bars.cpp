@@ -64,30 +64,30 @@ void describe_bars(Json& document, const std::optional<EvaluatedBars>& bars) {
   }
   document["error_bar"] = nullptr;
   if (!bars) return;
-  Json out = cover_json(bars->measured.cover());
+  Json out = cover_json(bars->measured->cover());
   out["levels"] = bar_levels;
   out["beyond"] = bars->beyond;
-  out["checked"] = bars->measured.checked();
+  out["checked"] = bars->measured->checked();
   out["points_outside"] = bars->outside;
-  out["outside"] = cover_json(bars->measured.cover_outside());
+  out["outside"] = cover_json(bars->measured->cover_outside());
   for (const Label label : {Label::safe, Label::sparse, Label::gap, Label::blank})
-    out["by_label"][std::string(name(label))] = cover_json(bars->measured.cover(label));
+    out["by_label"][std::string(name(label))] = cover_json(bars->measured->cover(label));
   document["error_bar"] = out;
 }
 
 std::string bars_in_words(const EvaluatedBars& bars) {
-  const BarCover all = bars.measured.cover();
+  const BarCover all = bars.measured->cover();
   if (all.samples == 0) return "error bars: unknown, too few states to leave some out";
   std::string text = fmt::format(
       "error bars of 90/95/99 %: {} of {} {} lie inside", shares(all), all.samples,
-      bars.measured.checked() ? "check solves" : "comparisons with known forces, left out in groups,");
+      bars.measured->checked() ? "check solves" : "comparisons with known forces, left out in groups,");
   if (std::isfinite(all.width_p50))
     text += fmt::format("; median half-width of 95 % {:.3g} N", all.width_p50);
   for (const Label label : {Label::safe, Label::sparse, Label::gap, Label::blank})
-    if (const BarCover own = bars.measured.cover(label); own.samples >= few && own.samples < all.samples)
+    if (const BarCover own = bars.measured->cover(label); own.samples >= few && own.samples < all.samples)
       text += fmt::format("; {} {} of {}", name(label), shares(own), own.samples);
   if (bars.outside > 0) {
-    const BarCover out = bars.measured.cover_outside();
+    const BarCover out = bars.measured->cover_outside();
     text += fmt::format(
         "; {} points lie outside the states, their bars are those of {} outermost forces left "
         "out",

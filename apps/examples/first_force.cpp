@@ -7,22 +7,15 @@ using namespace forefeel;
 
 int main() {
   // 1. The body: a soft beam of 10 x 2 x 2 cm, clamped at one end, grasped at the other.
-  auto body = std::make_shared<Body>();
-  body->mesh = phantom("beam", 240);
-  body->material = {.law = Law::neo_hookean, .young = 5000, .poisson = 0.3};  // [Pa], [1]
-  body->clamp = body->mesh.groups.at("clamp");
-  body->contact = body->mesh.groups.at("contact");
+  const TetMesh mesh = phantom("beam", 240);
+  const Body beam{.mesh = mesh,
+                  .material = {.law = Law::neo_hookean, .young = 5000, .poisson = 0.3},  // [Pa], [1]
+                  .clamp = mesh.groups.at("clamp"),
+                  .contact = mesh.groups.at("contact")};
 
   // 2. The states: static equilibria with the contact moved to each point of a lattice around rest.
-  const double spacing = 0.004;  // [m]
-  const Box box{Vec3::Constant(-2 * spacing), Vec3::Constant(2 * spacing)};
-  StateSpace space({.spacing = spacing, .box = box});
-  GenerateOptions lattice_options;
-  lattice_options.spacing = spacing, lattice_options.box = box;
-  const auto keep = [&](State state) {
-    if (state.usable()) space.insert(std::move(state));
-  };
-  generate_lattice(body, lattice_options, {}, keep, {});
+  StateSpace space({.spacing = 0.004, .box = {Vec3::Constant(-0.008), Vec3::Constant(0.008)}});  // [m]
+  generate(beam, space);
   fmt::print("states: {}\n", space.size());
 
   // 3. The model: radial basis functions through the 25 nearest states and their stiffness.
@@ -32,7 +25,7 @@ int main() {
   const Vec3 force = updater.model_at(x).force(x);
 
   // 4. The exact force beside it. Forces are those of the body on the hand [N].
-  const Vec3 exact = Solver(body).reference(x, spacing).state.force;
+  const Vec3 exact = Solver(beam).reference(x, space.options().spacing).state.force;
   fmt::print("force: {:.5f} {:.5f} {:.5f} N\n", force.x(), force.y(), force.z());
   fmt::print("relative error: {:.1e}\n", (force - exact).norm() / exact.norm());
 }

@@ -98,8 +98,8 @@ StateFileHeader header_of(const Scene& scene) {
   return header;
 }
 
-GenerateOptions options_of(const Scene& scene) {
-  GenerateOptions options;
+LatticeOptions options_of(const Scene& scene) {
+  LatticeOptions options;
   options.spacing = scene.space.spacing;
   options.box = scene.space.box;
   options.want_displacements = scene.displacements;
@@ -131,7 +131,7 @@ void tell_ended_ranks(KeptStates& kept, const std::string& output) {
 GenerateResult fill_lattice(const Globals& globals, const Scene& scene, StateFile file,
                             const std::vector<State>& known, const std::string& output, RankPool* ranks) {
   std::stop_source stop;
-  GenerateOptions options = options_of(scene);
+  LatticeOptions options = options_of(scene);
   options.threads = globals.threads;
   options.stop = stop.get_token();
 
@@ -170,7 +170,7 @@ GenerateResult fill_lattice(const Globals& globals, const Scene& scene, StateFil
     result.ranks = report.farm;
   } else {
     if (ranks) options.threads = 1;  // three solves give all states of a linear body
-    result.report = generate_lattice(scene.body, options, known, keep, show);
+    result.report = generate_lattice(scene.body, options, keep, show, known);
     if (ranks) result.ranks = FarmReport{};
   }
   kept.flush();
@@ -275,7 +275,7 @@ int run_with_mpi(const Globals& globals, const GenerateArguments& arguments) {
   };
   const auto load = [&](const RankContext& rank) {
     const Scene scene = load_scene(arguments.scene, globals.set, nullptr, {.spacing = false});
-    GenerateOptions options = options_of(scene);
+    LatticeOptions options = options_of(scene);
     options.spacing = received_spacing(scene, rank);
     return LoadedWorker{.worker = make_lattice_worker(scene.body, options, rank.ended),
                         .identity = rank_identity(scene.source.hash)};

@@ -1,17 +1,38 @@
-# Installs the public headers of SOURCE below FOLDER, as forefeel/geometry/…: their includes of each other get the same
-# prefix. Private are the headers that carry CGAL or SQLite along.
-foreach(folder geometry solver approx scheduling)
-  file(GLOB headers RELATIVE ${SOURCE} ${SOURCE}/${folder}/*/*.hpp)
-  list(FILTER headers EXCLUDE REGEX "_cgal\\.hpp$|/(sqlite_handle|state_rows|hostile_file)\\.hpp$")
-  foreach(header IN LISTS headers)
-    file(READ ${SOURCE}/${header} text)
-    string(REGEX REPLACE "#include \"(geometry|solver|approx|scheduling)/" "#include \"forefeel/\\1/" text "${text}")
-    file(WRITE ${FOLDER}/${header} "${text}")
-  endforeach()
-endforeach()
-file(READ ${SOURCE}/scheduling/forefeel.hpp text)
-string(REGEX REPLACE "#include \"(geometry|solver|approx|scheduling)/" "#include \"forefeel/\\1/" text "${text}")
-file(WRITE ${FOLDER}/forefeel.hpp "${text}")
-file(READ ${SOURCE}/apps/main/command_main.hpp text)   # it includes nothing
-file(WRITE ${FOLDER}/command.hpp "${text}")
-message(STATUS "Installing: headers in ${FOLDER}")
+# Installs the public headers of SOURCE below FOLDER, as forefeel/geometry/…: the umbrella header, those that its
+# comment names ("//   FOLDER/FILE.hpp  …"), and all that they include. Their includes of each other get the same prefix.
+cmake_policy(VERSION 3.25)
+set(include_line "#include \"((geometry|solver|approx|scheduling)/[^\"]*)\"")
+set(named_line "//   ((geometry|solver|approx|scheduling)/[a-z_/]+\\.hpp) ")
+
+# Writes a header with its prefixes to TARGET.
+function(install_header header target)
+  file(READ ${SOURCE}/${header} text)
+  string(REGEX REPLACE "${include_line}" "#include \"forefeel/\\1\"" text "${text}")
+  file(WRITE ${FOLDER}/${target} "${text}")
+endfunction()
+
+# Sets `result` to the first groups of all matches of a pattern in a header.
+function(paths_in header pattern result)
+  file(STRINGS ${SOURCE}/${header} lines REGEX "${pattern}")
+  list(TRANSFORM lines REPLACE ".*${pattern}.*" "\\1")
+  set(${result} ${lines} PARENT_SCOPE)
+endfunction()
+
+set(umbrella scheduling/forefeel.hpp)
+paths_in(${umbrella} "${include_line}" open)
+paths_in(${umbrella} "${named_line}" named)
+list(APPEND open ${named})
+set(done)
+while(open)
+  list(POP_FRONT open header)
+  if(NOT header IN_LIST done)
+    list(APPEND done ${header})
+    install_header(${header} ${header})
+    paths_in(${header} "${include_line}" included)
+    list(APPEND open ${included})
+  endif()
+endwhile()
+install_header(${umbrella} forefeel.hpp)
+install_header(apps/main/command_main.hpp command.hpp)
+list(LENGTH done count)
+message(STATUS "Installing: ${count} headers in ${FOLDER}")

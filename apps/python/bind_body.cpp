@@ -141,13 +141,13 @@ py::array_t<StateRow> generate(const PyBody& self, double spacing, const Doubles
     throw InputError("spacing", "gives more than 1e8 positions in the box, expected a larger one");
   std::vector<State> states;
   run_interruptibly(progress, [&](const std::stop_token& stop, const std::function<void(double)>& tell) {
-    GenerateOptions options;
+    LatticeOptions options;
     options.spacing = spacing;
     options.box = {corners[0], corners[1]};
     options.threads = threads;
     options.stop = stop;
     generate_lattice(
-        self.body, options, {}, [&](State state) { states.push_back(std::move(state)); },
+        self.body, options, [&](State state) { states.push_back(std::move(state)); },
         [&](std::size_t done, std::size_t total) {
           tell(static_cast<double>(done) / static_cast<double>(total));
         });

@@ -115,7 +115,7 @@ py::dict description(const Evaluation& made) {
   out["averaged"] = made.repeated.averaged;
   if (made.bars) {
     out["bars"] = widths(made.bars->at);
-    const BarCover cover = made.bars->measured.cover();
+    const BarCover cover = made.bars->measured->cover();
     out["error_bar"] = py::dict(py::arg("levels") = bar_levels, py::arg("coverage") = cover.inside,
                                 py::arg("samples") = cover.samples, py::arg("width_p50") = cover.width_p50);
   }

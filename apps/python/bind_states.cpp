@@ -13,6 +13,7 @@
 #include "geometry/common/error.hpp"
 #include "geometry/coverage/estimate_spacing.hpp"
 #include "geometry/index/morton_order.hpp"
+#include "geometry/index/path_walk.hpp"
 #include "geometry/states/state_file.hpp"
 
 namespace forefeel::python {

@@ -17,6 +17,7 @@
 #include "apps/scene/spacing_check.hpp"
 #include "apps/scene/spec_text.hpp"
 #include "geometry/common/sha256.hpp"
+#include "scheduling/workers/generator.hpp"
 #include "solver/body/body_digest.hpp"
 
 namespace forefeel {

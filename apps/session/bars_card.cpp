@@ -5,6 +5,7 @@
 #include <algorithm>
 #include <cmath>
 
+#include "approx/error/conformal_factors.hpp"
 #include "scheduling/record/attention.hpp"
 
 namespace forefeel {

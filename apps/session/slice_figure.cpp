@@ -9,6 +9,7 @@
 
 #include "apps/picture/plot.hpp"
 #include "geometry/common/quantiles.hpp"
+#include "geometry/index/path_walk.hpp"
 #include "scheduling/record/summary.hpp"
 
 namespace forefeel {

@@ -8,7 +8,7 @@
 
 #include "apps/scene/scene.hpp"
 #include "apps/show/show_content.hpp"
-#include "geometry/states/body_identity.hpp"
+#include "geometry/states/state_header.hpp"
 
 namespace forefeel {
 

@@ -8,6 +8,7 @@
 #include <string_view>
 
 #include "apps/picture/page.hpp"
+#include "geometry/common/declared.hpp"
 #include "geometry/common/output_file.hpp"
 #include "geometry/coverage/region_file.hpp"
 #include "geometry/states/state_file.hpp"

@@ -10,13 +10,13 @@
 #include <vector>
 
 #include "geometry/coverage/state_space_options.hpp"
-#include "geometry/index/path_walk.hpp"
 #include "geometry/states/state.hpp"
 
 namespace forefeel {
 
 class DelaunayIndex;
 class Regions;
+struct PathWalk;
 
 // InputError for a spacing that is not a positive length, and for a sparse distance below the safe spread.
 void check_options(const StateSpaceOptions& options);
@@ -41,9 +41,10 @@ class StateSpace {
   // of three NaN (unknown) is accepted: such a state counts for coverage only.
   Insertion insert(State state);
 
-  Coverage coverage(const Vec3& q) const;            // label and measures at q
-  Label label(const Vec3& q) const;                  // the same label, cheaper
-  Label label(const Vec3& q, PathWalk& walk) const;  // the same, even cheaper along a path
+  Coverage coverage(const Vec3& q) const;  // label and measures at q
+  Label label(const Vec3& q) const;        // the same label, cheaper
+  Label label(const Vec3& q,
+              PathWalk& walk) const;        // the same, even cheaper along a path (index/path_walk.hpp)
   Label region_label(const Vec3& q) const;  // what regions().label_at(q) returns, without making regions
   double spacing_at(const Vec3& q) const;   // h(q) [m]
   void nearest(const Vec3& q, std::size_t n, std::vector<StateId>& out) const;  // by distance, ties by id

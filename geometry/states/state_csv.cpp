@@ -7,6 +7,7 @@
 #include <map>
 
 #include "geometry/common/csv_rows.hpp"
+#include "geometry/common/declared.hpp"
 #include "geometry/common/error.hpp"
 #include "geometry/common/output_file.hpp"
 #include "geometry/common/scanner.hpp"

@@ -30,11 +30,12 @@
 #include <string>
 #include <vector>
 
-#include "geometry/common/declared.hpp"
 #include "geometry/states/state.hpp"
 #include "geometry/states/state_header.hpp"
 
 namespace forefeel {
+
+struct Declared;
 
 class StateFile {
  public:

@@ -1,6 +1,8 @@
 #pragma once
 // At which frames the rendered force of a session is compared with a tight solve, and whether the mesh itself is
-// judged.
+// judged; how a session is stopped from outside.
+
+#include <atomic>
 
 namespace forefeel {
 
@@ -19,5 +21,15 @@ void check(const JudgingOptions& options);
 inline double visit_cell(const JudgingOptions& options, double spacing) {
   return options.visit_cell > 0 ? options.visit_cell : spacing;
 }
+
+struct StopOptions {
+  const std::atomic<bool>* interrupted = nullptr;  // once true, the session ends after that frame
+  // Once true, an interrupted session no longer waits for references.
+  const std::atomic<bool>* hurried = nullptr;
+  double patience = 3;  // an interrupted session waits this long for pending references [s]
+
+  bool is_interrupted() const { return interrupted && interrupted->load(std::memory_order_relaxed); }
+  bool is_hurried() const { return hurried && hurried->load(std::memory_order_relaxed); }
+};
 
 }  // namespace forefeel

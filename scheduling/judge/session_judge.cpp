@@ -10,6 +10,7 @@
 #include <utility>
 #include <vector>
 
+#include "geometry/index/path_walk.hpp"
 #include "scheduling/judge/viscous_reference.hpp"
 #include "scheduling/judge/visited_cells.hpp"
 #include "scheduling/render/session_model.hpp"

@@ -20,7 +20,6 @@
 #include "scheduling/common/session_result.hpp"
 #include "scheduling/judge/frame_pipeline.hpp"
 #include "scheduling/judge/judging_options.hpp"
-#include "scheduling/judge/stop_options.hpp"
 #include "scheduling/render/session_model_options.hpp"
 #include "scheduling/workers/reference_service.hpp"
 

@@ -4,6 +4,7 @@
 #include <iterator>
 #include <map>
 
+#include "geometry/common/declared.hpp"
 #include "scheduling/common/registry.hpp"
 #include "scheduling/motion/predictors.hpp"
 

@@ -27,11 +27,12 @@
 #include <string>
 #include <vector>
 
-#include "geometry/common/declared.hpp"
 #include "scheduling/common/factory_context.hpp"
 #include "scheduling/motion/hip_sample.hpp"
 
 namespace forefeel {
+
+struct Declared;
 
 class Predictor {
  public:

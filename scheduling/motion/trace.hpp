@@ -9,11 +9,11 @@
 
 #include "geometry/common/types.hpp"
 #include "scheduling/motion/trace_format.hpp"
-#include "scheduling/motion/trace_rows.hpp"
 
 namespace forefeel {
 
 class Device;
+struct TraceRows;
 
 struct Trace {
   std::vector<double> times;    // strictly increasing, the first is 0 [s]

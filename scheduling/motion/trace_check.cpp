@@ -9,6 +9,7 @@
 #include "geometry/common/error.hpp"
 #include "geometry/common/quantiles.hpp"
 #include "scheduling/motion/device.hpp"
+#include "scheduling/motion/trace_file.hpp"
 
 namespace forefeel {
 namespace {

@@ -15,16 +15,31 @@
 //
 // Recorded orientation is not read, because the HIP is a point. `ignored` counts the columns that were not read.
 
+#include <cstddef>
 #include <filesystem>
 #include <string>
+#include <vector>
 
+#include "geometry/common/types.hpp"
 #include "scheduling/motion/trace_format.hpp"
-#include "scheduling/motion/trace_rows.hpp"
 
 namespace forefeel {
 
 // What to do with a row whose position is empty or not a number, as when a marker is out of sight.
 enum class MissingPositions { refuse, leave_out };
+
+// The samples of a file, in its order and unchanged: times may repeat or go back.
+struct TraceRows {
+  std::vector<double> times;       // the first is 0 [s]
+  std::vector<Vec3> positions;     // [m]
+  std::vector<std::size_t> lines;  // number of each row's line in the file, from 1
+  std::size_t missing = 0;         // rows left out: position empty or not a number
+  std::size_t lost = 0;            // rows at 0, 0, 0 far from their neighbours (trace_flaws.hpp)
+  bool lost_left_out = false;      // true if the format gives columns, a rate, units or a tool
+  std::size_t ignored = 0;         // columns that are not read
+  bool times_unused = false;       // a column of times beside a rate
+  bool orientation = false;        // some of the ignored columns look like an orientation
+};
 
 // "mm", "ms", "mm/ms" … into format. Returns false for another word.
 bool parse_trace_unit(const std::string& text, TraceFormat& format);

@@ -12,7 +12,7 @@
 #include <vector>
 
 #include "scheduling/motion/trace_cells.hpp"
-#include "scheduling/motion/trace_rows.hpp"
+#include "scheduling/motion/trace_file.hpp"
 
 namespace forefeel {
 

@@ -97,7 +97,7 @@ using Tell = std::function<void(std::size_t done, std::size_t total)>;
 // The solved lattice of spacing h, in the order of positions; incomplete if the user interrupts.
 std::vector<State> lattice_states(const std::shared_ptr<const Body>& body, const AutoSpacingOptions& options,
                                   double h, std::size_t& solves, const Tell& tell) {
-  GenerateOptions lattice;
+  LatticeOptions lattice;
   lattice.spacing = h;
   lattice.box = options.box;
   lattice.threads = options.threads;
@@ -105,7 +105,7 @@ std::vector<State> lattice_states(const std::shared_ptr<const Body>& body, const
   std::stop_source stop;
   lattice.stop = stop.get_token();
   const GenerateReport report = generate_lattice(
-      body, lattice, {}, [&](State s) { states.push_back(std::move(s)); },
+      body, lattice, [&](State s) { states.push_back(std::move(s)); },
       [&](std::size_t done, std::size_t total) {
         if (wanted_to_end(options)) stop.request_stop();
         tell(done, total);

@@ -1,11 +1,6 @@
 #pragma once
 // The positions that a policy ranks: those where a state may be solved next. They are neither known nor being
 // solved.
-//   lattice    the points {k h}^3 in the box
-//   adaptive   the corners of an octree with leaves of width 4 h. If the predicted path enters a leaf whose
-//              corners are known or being solved, the leaf is split, down to width h
-//   path       every second lattice point along each axis, and points of the predicted path, chosen again in
-//              each planning step. None is nearer than h / 2 to a state that is known or being solved
 
 #include <cstdint>
 #include <memory>
@@ -19,8 +14,6 @@
 #include "scheduling/policy/policy.hpp"
 
 namespace forefeel {
-
-enum class Placement { lattice, adaptive, path };
 
 class Candidates {
  public:

@@ -5,6 +5,7 @@
 #include <limits>
 #include <map>
 
+#include "geometry/common/declared.hpp"
 #include "scheduling/common/registry.hpp"
 #include "scheduling/policy/policies.hpp"
 

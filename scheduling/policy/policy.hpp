@@ -34,12 +34,13 @@
 #include <string_view>
 #include <vector>
 
-#include "geometry/common/declared.hpp"
 #include "geometry/coverage/state_space.hpp"
 #include "scheduling/common/factory_context.hpp"
 #include "scheduling/motion/hip_sample.hpp"
 
 namespace forefeel {
+
+struct Declared;
 
 // What a policy may read; constant during a call.
 struct PlannerView {
@@ -64,6 +65,15 @@ struct Candidate {
   double delta = 0;             // distance to the nearest known state [m]; infinite if none is known
   std::uint32_t order = 0;      // rank by distance from rest
   bool passing = false;         // placed for this planning step only
+};
+
+// The positions that may become candidates.
+enum class Placement {
+  lattice,  // the points {k h}^3 in the box
+  adaptive,  // the corners of an octree with leaves of width 4 h. If the predicted path enters a leaf whose corners
+             // are known or being solved, the leaf is split, down to width h
+  path  // every second lattice point along each axis, and points of the predicted path, chosen again in each
+        // planning step. None is nearer than h / 2 to a state that is known or being solved
 };
 
 class Policy {

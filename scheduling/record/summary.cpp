@@ -11,6 +11,8 @@
 #include "scheduling/motion/hand_device.hpp"
 #include "scheduling/record/needed_states.hpp"
 #include "scheduling/render/render_loop.hpp"
+#include "scheduling/session/session_input.hpp"
+#include "scheduling/session/session_plan.hpp"
 
 namespace forefeel {
 namespace {

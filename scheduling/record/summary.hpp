@@ -26,9 +26,12 @@
 #include "scheduling/motion/prediction_score.hpp"
 #include "scheduling/record/control_summary.hpp"
 #include "scheduling/record/stability.hpp"
-#include "scheduling/session/session.hpp"
+#include "scheduling/session/session_options.hpp"
 
 namespace forefeel {
+
+struct SessionInput;
+struct SessionPlan;
 
 inline constexpr std::array all_labels{Label::safe, Label::sparse, Label::gap, Label::blank};
 

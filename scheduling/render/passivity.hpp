@@ -30,24 +30,11 @@
 // Stanley, J. M. Brown, IROS 1995. The reserve follows from the equations above. Nothing here allocates, locks or
 // throws.
 
-#include <limits>
-#include <string_view>
-
 #include "geometry/common/types.hpp"
-#include "scheduling/common/passivity_report.hpp"
+#include "scheduling/common/session_result.hpp"
+#include "scheduling/render/render_options.hpp"
 
 namespace forefeel {
-
-enum class Passivity { observe, control };
-std::string_view name(Passivity passivity);
-
-struct PassivityOptions {
-  Passivity mode = Passivity::observe;
-  double coupling = std::numeric_limits<double>::infinity();     // K_c [N/m]
-  double resolution = 0;                                         // r [m]
-  double force_limit = std::numeric_limits<double>::infinity();  // [N]
-  double recovery = 1;                                           // time constant with which gains rise [s]
-};
 
 struct ModelView {
   Vec3 here = Vec3::Zero(), half_way = Vec3::Zero();  // force at x and half way to rest [N]

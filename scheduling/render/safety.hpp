@@ -17,25 +17,12 @@
 
 #include <cstddef>
 #include <limits>
-#include <optional>
 
 #include "geometry/common/types.hpp"
 #include "scheduling/render/passivity.hpp"
+#include "scheduling/render/render_options.hpp"
 
 namespace forefeel {
-
-struct SafetyOptions {
-  double force_limit = 12;     // that of an omega.3 [N]; a lower limit of the device is used instead
-  double slew_limit = 1000;    // [N/s]
-  double ramp_seconds = 0.1;   // start-up [s]
-  double stale_seconds = 0.5;  // watchdog [s]
-  Passivity passivity = Passivity::observe;
-  std::optional<double> coupling =
-      {};  // control: largest stiffness rendered [N/m]; unset: that of the device
-};
-
-// Throws InputError with the key of an invalid value.
-void check(const SafetyOptions& options);
 
 struct SafetyCounts {
   std::size_t clamped = 0, slewed = 0, stale = 0, non_finite = 0;  // frames

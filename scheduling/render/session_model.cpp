@@ -5,6 +5,7 @@
 #include <algorithm>
 
 #include "approx/model/lattice_field.hpp"
+#include "approx/model/set_sizes.hpp"
 #include "scheduling/common/option_check.hpp"
 
 namespace forefeel {

@@ -1,7 +1,8 @@
 #pragma once
 // How the models of a session are made from its states.
 
-#include "approx/model/updater.hpp"
+#include "approx/model/model_options.hpp"
+#include "geometry/common/types.hpp"
 
 namespace forefeel {
 

@@ -12,9 +12,11 @@
 
 #include "approx/switch/relaxation.hpp"
 #include "geometry/index/lattice_room.hpp"
+#include "scheduling/judge/session_judge.hpp"
 #include "scheduling/render/input_log.hpp"
 #include "scheduling/session/real_run.hpp"
 #include "scheduling/session/run_parts.hpp"
+#include "scheduling/session/session_setup.hpp"
 #include "scheduling/session/shaped_run.hpp"
 #include "scheduling/session/virtual_run.hpp"
 #include "scheduling/shape/shape_stage.hpp"

@@ -1,7 +1,7 @@
 #pragma once
 // Runs a planned session once, without rehearsals, and evaluates it.
 
-#include "scheduling/session/session_hooks.hpp"
+#include "scheduling/session/session.hpp"
 #include "scheduling/session/session_plan.hpp"
 
 namespace forefeel {

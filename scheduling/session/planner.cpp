@@ -8,6 +8,7 @@
 
 #include "geometry/common/quantiles.hpp"
 #include "scheduling/session/plausible.hpp"
+#include "solver/equilibrium/solver.hpp"
 
 namespace forefeel {
 namespace {

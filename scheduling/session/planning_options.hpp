@@ -4,7 +4,7 @@
 #include <filesystem>
 #include <optional>
 
-#include "scheduling/policy/candidates.hpp"
+#include "scheduling/policy/policy.hpp"
 
 namespace forefeel {
 

@@ -22,8 +22,10 @@
 #include "scheduling/render/frame_pacer.hpp"
 #include "scheduling/render/loop_thread.hpp"
 #include "scheduling/session/run_parts.hpp"
+#include "scheduling/session/session_setup.hpp"
 #include "scheduling/shape/shape_thread.hpp"
 #include "scheduling/workers/rank_workers.hpp"
+#include "scheduling/workers/reference_service.hpp"
 
 namespace forefeel {
 namespace {

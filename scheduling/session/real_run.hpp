@@ -6,10 +6,12 @@
 // and, where shapes are wanted, one that makes them (shape/shape_thread.hpp).
 // They share only LoopLink (render/render_loop.hpp) and the queue of the workers.
 
+#include "scheduling/common/session_result.hpp"
 #include "scheduling/session/session_plan.hpp"
 
 namespace forefeel {
 
+class InputLog;
 class ShapeLog;
 
 // What is written during the run; null: nothing.

@@ -11,6 +11,7 @@
 
 #include "scheduling/session/one_run.hpp"
 #include "scheduling/session/run_parts.hpp"
+#include "scheduling/workers/reference_service.hpp"
 
 namespace forefeel {
 namespace {

@@ -4,7 +4,7 @@
 // without knowledge of the motion. Then the schedule with the largest share of first visits within the JND (just
 // noticeable difference) is run. All this takes up to eight times as long as one run.
 
-#include "scheduling/session/session_hooks.hpp"
+#include "scheduling/session/session.hpp"
 #include "scheduling/session/session_plan.hpp"
 
 namespace forefeel {

@@ -9,6 +9,7 @@
 
 #include "geometry/common/quantiles.hpp"
 #include "scheduling/render/input_log.hpp"
+#include "scheduling/session/session_setup.hpp"
 #include "scheduling/workers/cost.hpp"
 
 namespace forefeel {

@@ -7,6 +7,10 @@
 #include <optional>
 #include <string>
 
+#include "geometry/states/state_file.hpp"
+#include "scheduling/common/session_result.hpp"
+#include "scheduling/render/render_loop.hpp"
+#include "scheduling/session/planner.hpp"
 #include "scheduling/session/session_plan.hpp"
 
 namespace forefeel {

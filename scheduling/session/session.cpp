@@ -2,6 +2,7 @@
 
 #include "scheduling/session/one_run.hpp"
 #include "scheduling/session/rehearsal.hpp"
+#include "scheduling/session/session_setup.hpp"
 
 namespace forefeel {
 

@@ -19,10 +19,23 @@
 // collect() of the workers from the planner's; serve() of the workers from the caller's and its OpenMP team.
 // hooks.progress is called from the thread that works, hooks.each_position from one of its own. Hooks must not throw.
 
-#include "scheduling/session/session_hooks.hpp"
+#include <functional>
+
+#include "scheduling/common/session_result.hpp"
 #include "scheduling/session/session_plan.hpp"
 
 namespace forefeel {
+
+// Callbacks of run_session() while a session runs. Each may be empty.
+struct SessionHooks {
+  ShowProgress progress = {};
+  // Called once after the last frame, before labels and errors are added; these change `frames`, `switches`
+  // and `notes`. Keep no reference: the result is moved later.
+  std::function<void(const SessionResult&)> when_run = {};
+  // Called with the HIP position of each frame, in order [m]. Runs on a separate thread, during the run if
+  // possible.
+  std::function<void(const Vec3&)> each_position = {};
+};
 
 // make_plan() refuses invalid sessions. A failure during the run does not throw:
 //   full disk        later states, or later inputs, are not saved

@@ -1,5 +1,7 @@
 #include "scheduling/session/session_input.hpp"
 
+#include "scheduling/workers/reference_service.hpp"
+
 namespace forefeel {
 
 ReferenceOptions reference_options(const SessionInput& input) {

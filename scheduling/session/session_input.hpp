@@ -8,17 +8,20 @@
 #include <vector>
 
 #include "approx/switch/relaxation.hpp"
-#include "geometry/coverage/state_space.hpp"
-#include "geometry/states/state_file.hpp"
-#include "scheduling/motion/device.hpp"
-#include "scheduling/motion/predictor.hpp"
-#include "scheduling/policy/policy.hpp"
-#include "scheduling/workers/cost.hpp"
-#include "scheduling/workers/generator.hpp"
-#include "scheduling/workers/reference_service.hpp"
-#include "solver/body/body.hpp"
+#include "geometry/coverage/state_space_options.hpp"
+#include "geometry/states/state_header.hpp"
 
 namespace forefeel {
+
+class CostModel;
+class Device;
+class Policy;
+class Predictor;
+class RealWorkers;
+class ReferenceService;
+class VirtualWorkers;
+struct Body;
+struct ReferenceOptions;
 
 // The touched body, the identity that its files carry, and the space of its states.
 struct TouchedBody {
@@ -64,7 +67,7 @@ struct SessionInput {
   std::shared_ptr<ReferenceService> references = {};
 };
 
-// The options of a reference service for this input.
+// The options of a reference service for this input (workers/reference_service.hpp).
 ReferenceOptions reference_options(const SessionInput& input);
 
 }  // namespace forefeel

@@ -10,12 +10,15 @@
 #include "geometry/common/error.hpp"
 #include "geometry/common/memory.hpp"
 #include "scheduling/common/option_check.hpp"
+#include "scheduling/motion/device.hpp"
 #include "scheduling/motion/trace_check.hpp"
 #include "scheduling/motion/trace_file.hpp"
+#include "scheduling/render/render_loop.hpp"
 #include "scheduling/session/memory_need.hpp"
 #include "scheduling/session/passivity_plan.hpp"
+#include "scheduling/session/session_setup.hpp"
 #include "scheduling/workers/cost.hpp"
-#include "solver/body/contact_bound.hpp"
+#include "scheduling/workers/generator.hpp"
 #include "solver/equilibrium/first_guess.hpp"
 
 namespace forefeel {
@@ -82,13 +85,6 @@ void take_replay(SessionPlan& plan) {
   plan.arrivals.given = true;
 }
 
-FactoryContext factory_context(const SessionPlan& plan) {
-  return {.box = plan.input.touched.space.box,
-          .inward = plan.input.touched.inward,
-          .seed = plan.options.seed,
-          .folder = plan.input.files.scene};
-}
-
 void take_device(SessionPlan& plan) {
   const TouchedBody& touched = plan.input.touched;
   const SessionOptions& options = plan.options;
@@ -112,16 +108,6 @@ void take_foreign(SessionPlan& plan) {
         "body and mixed with those of another, expected a session without them");
   plan.arrivals.given = true;
   plan.input.files.states.reset();
-}
-
-std::shared_ptr<Policy> policy_of(const SessionPlan& plan) {
-  if (plan.input.parts.policy) return plan.input.parts.policy;
-  return make_policy(plan.options.planning.policy, factory_context(plan));
-}
-
-std::shared_ptr<Predictor> predictor_of(const SessionPlan& plan) {
-  if (plan.input.parts.predictor) return plan.input.parts.predictor;
-  return make_predictor(plan.options.motion.predictor, factory_context(plan));
 }
 
 // Checks registered parts that are made later, so that errors appear now.
@@ -208,25 +194,6 @@ void check_reusable(const SessionParts& parts) {
 
 }  // namespace
 
-bool is_rehearsed(const SessionPlan& plan) {
-  const SessionOptions& options = plan.options;
-  return options.planning.policy.name == "clairvoyant" && !plan.input.parts.policy &&
-         options.clock.kind == Clock::virtual_time && !options.planning.arrivals && !options.motion.replay &&
-         !plan.input.foreign;
-}
-
-std::vector<double> coarse_costs(const CostModel& cost, const Box& box) {
-  std::vector<double> seconds;
-  for (const Vec3& x : lattice(box, box.size().maxCoeff() / 4)) seconds.push_back(checked_seconds(cost, x));
-  return seconds;
-}
-
-std::unique_ptr<CostModel> cost_model(const SessionPlan& plan, ReferenceService& references) {
-  if (plan.input.foreign) return make_cost(CostSpec(), factory_context(plan), {});  // no solve is measured
-  return make_cost(plan.options.workers.cost, factory_context(plan),
-                   [&] { return references.recorded_costs(); });
-}
-
 SessionPlan make_plan(SessionInput input, SessionOptions options) {
   detail::expect_option(input.touched.body != nullptr, "body", "there is none, expected a body to touch");
   check(*input.touched.body, "the session's body");
@@ -290,32 +257,6 @@ SessionPlan with_policy(SessionPlan plan, const PolicySpec& policy) {
   plan.options.planning.policy = policy;
   take_future(plan);
   return plan;
-}
-
-PlannerSetup planner_setup(const SessionPlan& plan) {
-  const SessionOptions& options = plan.options;
-  return {.space = plan.input.touched.space,
-          .known = plan.input.known,
-          .nodes = plan.input.touched.body->mesh.nodes.size(),
-          .policy = policy_of(plan),
-          .predictor = predictor_of(plan),
-          .placement = options.planning.placement,
-          .batch = plan.batch,
-          .preempt = options.planning.preempt,
-          .rest_first = options.planning.rest_first,
-          .latency = options.workers.latency,
-          .model = plan.model,
-          .jnd = options.switching,
-          .audits = {.share = options.planning.audit, .seed = options.seed},
-          .stiffest = contact_stiffness_bound(*plan.input.touched.body)};
-}
-
-JudgeSetup judge_setup(const SessionPlan& plan) {
-  return {.model = plan.model,
-          .judging = plan.options.judging,
-          .stop = plan.options.stop,
-          .viscosity = plan.input.touched.viscosity,
-          .errors = !plan.input.foreign};
 }
 
 }  // namespace forefeel

@@ -6,14 +6,47 @@
 // share parts must not run at the same time, because parts have state. Registered parts other than the device are made
 // anew for each run: run_session() calls their factories again.
 
+#include <cstddef>
 #include <filesystem>
 #include <memory>
 #include <string>
 #include <vector>
 
-#include "scheduling/session/planned_session.hpp"
+#include "scheduling/render/render_options.hpp"
+#include "scheduling/session/arrivals.hpp"
+#include "scheduling/session/session_input.hpp"
+#include "scheduling/session/session_options.hpp"
 
 namespace forefeel {
+
+struct PlannedArrivals {
+  std::vector<Arrival> list;  // by increasing time
+  bool given = false;         // states become known at these times, and nothing is dispatched
+  bool of_replay = false;     // the replayed run had given arrivals
+};
+
+// The first guess of the stiffness (SessionModelOptions::first_guess).
+struct PlannedGuess {
+  // FirstGuess::softness (equilibrium/first_guess.hpp); unknown: no guess was wanted or made.
+  double softness = unknown;
+  std::string left_out;  // why there is no first guess; empty: it is rendered, or none was wanted
+};
+
+// make_plan() makes it. Constant afterwards; only options.stop may be set later. Copies share one device, so do not run
+// two copies at once. The device restarts its motion when asked for an earlier time.
+struct SessionPlan {
+  SessionInput input;
+  SessionOptions options;  // clock.seconds has been set according to clock.length
+  std::shared_ptr<Device> device;
+  std::size_t frames = 0;
+  std::vector<Vec3> motion = {};  // by frame [m], for policies that read it; else empty
+  PlannedArrivals arrivals = {};
+  RenderOptions render = {};  // with the lower force limit of device and options
+  ModelRecipe model = {};
+  int batch = 1;                               // states of one job
+  std::vector<std::string> motion_notes = {};  // on a recorded motion (motion/trace_check.hpp), one line each
+  PlannedGuess guess = {};
+};
 
 // Makes the plan and reads the files of motion and arrivals, once. Throws InputError for anything that cannot
 // run: unknown names, a bad trace, no workers, a factory that throws … Apart from that it throws only std::bad_alloc
@@ -34,19 +67,5 @@ SessionPlan with_inputs_file(SessionPlan plan, std::filesystem::path file, std::
 
 // The same session under another policy.
 SessionPlan with_policy(SessionPlan plan, const PolicySpec& policy);
-
-// Whether the session is simulated in advance (rehearsal.hpp): policy clairvoyant under the virtual clock.
-bool is_rehearsed(const SessionPlan& plan);
-
-// The cost model of simulated workers. Measures solves of the body if the cost is RecordedCost.
-std::unique_ptr<CostModel> cost_model(const SessionPlan& plan, ReferenceService& references);
-
-// The costs at a coarse grid of positions, whose median is the planner's first estimate of a solve [s].
-// InputError for a cost that is negative or NaN.
-std::vector<double> coarse_costs(const CostModel& cost, const Box& box);
-
-// The plan's settings for the planner and the judge.
-PlannerSetup planner_setup(const SessionPlan& plan);
-JudgeSetup judge_setup(const SessionPlan& plan);
 
 }  // namespace forefeel

@@ -3,6 +3,7 @@
 #include "geometry/common/error.hpp"
 #include "scheduling/session/one_run.hpp"
 #include "scheduling/session/rehearsal.hpp"
+#include "scheduling/session/session_setup.hpp"
 
 namespace forefeel {
 

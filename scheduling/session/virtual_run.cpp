@@ -10,7 +10,9 @@
 
 #include "scheduling/render/input_log.hpp"
 #include "scheduling/session/run_parts.hpp"
+#include "scheduling/session/session_setup.hpp"
 #include "scheduling/workers/cost.hpp"
+#include "scheduling/workers/reference_service.hpp"
 
 namespace forefeel {
 namespace {

@@ -8,7 +8,7 @@
 
 #include "geometry/coverage/coverage.hpp"
 #include "scheduling/common/session_result.hpp"
-#include "scheduling/judge/stop_options.hpp"
+#include "scheduling/judge/judging_options.hpp"
 #include "scheduling/shape/shape_log.hpp"
 #include "scheduling/workers/reference_service.hpp"
 

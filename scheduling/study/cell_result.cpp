@@ -6,6 +6,7 @@
 
 #include "geometry/common/quantiles.hpp"
 #include "scheduling/record/notes.hpp"
+#include "scheduling/session/session_input.hpp"
 
 namespace forefeel {
 namespace {

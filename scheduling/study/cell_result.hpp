@@ -12,6 +12,8 @@
 
 namespace forefeel {
 
+struct SessionInput;
+
 class StudyCellResult {
  public:
   StudyCellResult() = default;

@@ -30,7 +30,7 @@ class LatticeWork final : public FarmWork {
 
 class LatticeRankWorker final : public RankWorker {
  public:
-  LatticeRankWorker(std::shared_ptr<const Body> body, const GenerateOptions& options,
+  LatticeRankWorker(std::shared_ptr<const Body> body, const LatticeOptions& options,
                     std::shared_ptr<CoarseNodes> nodes)
       : worker_(std::move(body), options, std::move(nodes)) {}
   void run(Unpacker piece, const Give& give, const std::stop_token&) override {
@@ -44,7 +44,7 @@ class LatticeRankWorker final : public RankWorker {
 }  // namespace
 
 RankedGenerateReport generate_with_ranks(RankPool& pool, std::shared_ptr<const Body> body,
-                                         const GenerateOptions& options, const std::vector<State>& known,
+                                         const LatticeOptions& options, const std::vector<State>& known,
                                          const std::function<void(State)>& sink,
                                          const std::function<void(std::size_t, std::size_t)>& progress,
                                          const FarmOptions& farm) {
@@ -52,7 +52,7 @@ RankedGenerateReport generate_with_ranks(RankPool& pool, std::shared_ptr<const B
   const std::shared_ptr<CoarseNodes> nodes = make_coarse_nodes();
   LatticeWork work(LatticePieces(options, known, nodes, sink, progress));
   const LoadWorker own = [&](const RankContext& rank) {
-    GenerateOptions its = options;
+    LatticeOptions its = options;
     its.stop = rank.ended;
     return LoadedWorker{.worker = std::make_unique<LatticeRankWorker>(body, its, nodes), .identity = {}};
   };
@@ -64,7 +64,7 @@ RankedGenerateReport generate_with_ranks(RankPool& pool, std::shared_ptr<const B
   return report;
 }
 
-std::unique_ptr<RankWorker> make_lattice_worker(std::shared_ptr<const Body> body, GenerateOptions options,
+std::unique_ptr<RankWorker> make_lattice_worker(std::shared_ptr<const Body> body, LatticeOptions options,
                                                 const std::stop_token& ended) {
   options.stop = ended;
   return std::make_unique<LatticeRankWorker>(std::move(body), options, make_coarse_nodes());

@@ -13,17 +13,17 @@ Registry<WorkersKind>& workers_registry() {
 }
 
 template <class Factory>
-void expect_some(const Factory& factory, const WorkersSpec& workers, const char* missing, const char* other) {
+void expect_some(const Factory& factory, const Registered& workers, const char* missing, const char* other) {
   if (!factory)
     throw InputError({.key = "workers", .value = to_text(workers)},
                      fmt::format("has no workers for the {} clock, expected --clock {}", missing, other));
 }
 
-const auto& real_of(const WorkersKind& kind, const WorkersSpec& workers) {
+const auto& real_of(const WorkersKind& kind, const Registered& workers) {
   expect_some(kind.real, workers, "real", "virtual");
   return kind.real;
 }
-const auto& simulated_of(const WorkersKind& kind, const WorkersSpec& workers) {
+const auto& simulated_of(const WorkersKind& kind, const Registered& workers) {
   expect_some(kind.simulated, workers, "virtual", "real");
   return kind.simulated;
 }
@@ -41,19 +41,18 @@ std::vector<std::string> workers_names() {
   return workers_registry().names();
 }
 
-std::unique_ptr<RealWorkers> make_real_workers(const WorkersSpec& workers,
-                                               const RealWorkersContext& context) {
+std::unique_ptr<RealWorkers> make_real_workers(const Registered& workers, const RealWorkersContext& context) {
   const WorkersKind kind = workers_registry().at(workers.name);
   return make_registered(real_of(kind, workers), "workers", workers, context);
 }
 
-std::unique_ptr<VirtualWorkers> make_virtual_workers(const WorkersSpec& workers,
+std::unique_ptr<VirtualWorkers> make_virtual_workers(const Registered& workers,
                                                      const VirtualWorkersContext& context) {
   const WorkersKind kind = workers_registry().at(workers.name);
   return make_registered(simulated_of(kind, workers), "workers", workers, context);
 }
 
-void check_workers(const WorkersSpec& workers, bool virtual_clock) {
+void check_workers(const Registered& workers, bool virtual_clock) {
   const WorkersKind kind = workers_registry().at(workers.name);
   if (virtual_clock)
     simulated_of(kind, workers);

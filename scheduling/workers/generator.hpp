@@ -33,14 +33,15 @@
 #include <string>
 #include <vector>
 
+#include "geometry/states/state.hpp"
 #include "scheduling/common/arguments.hpp"
-#include "scheduling/workers/state_solver.hpp"
-#include "solver/equilibrium/solver.hpp"
 
 namespace forefeel {
 
 class CostModel;
 class ReferenceService;
+struct Body;
+struct Equilibrium;
 
 struct Job {
   struct Neighbour {
@@ -104,6 +105,12 @@ class VirtualWorkers : public Generator {
   virtual void take_event(std::vector<JobResult>& results) = 0;
 };
 
+struct StateSolverOptions {
+  double spacing = 0.006;   // continuation step of the reference branch [m]
+  double tolerance = 1e-6;  // of from()
+  bool displacements = false;
+};
+
 struct RealWorkersContext {
   std::shared_ptr<const Body> body;
   StateSolverOptions solving = {};  // spacing, tolerance, displacements
@@ -125,18 +132,15 @@ struct WorkersKind {
   std::function<std::unique_ptr<VirtualWorkers>(VirtualWorkersContext&)> simulated = {};
 };
 
-// The workers of a session: a name and the settings behind it. Built in: "threads".
-using WorkersSpec = Registered;
-
 // May be called from any thread, and before main() begins. InputError for a name that is taken.
 void register_workers(const std::string& name, WorkersKind kind);
 std::vector<std::string> workers_names();  // sorted
-// Throws InputError for an unknown name (the error lists the known ones), and for a kind without workers for
+// The workers of a name and its settings. Throws InputError for an unknown name (the error lists the known ones), and for a kind without workers for
 // that clock.
-std::unique_ptr<RealWorkers> make_real_workers(const WorkersSpec& workers, const RealWorkersContext& context);
-std::unique_ptr<VirtualWorkers> make_virtual_workers(const WorkersSpec& workers,
+std::unique_ptr<RealWorkers> make_real_workers(const Registered& workers, const RealWorkersContext& context);
+std::unique_ptr<VirtualWorkers> make_virtual_workers(const Registered& workers,
                                                      const VirtualWorkersContext& context);
 // Throws the same InputError as the two above, but makes no workers.
-void check_workers(const WorkersSpec& workers, bool virtual_clock);
+void check_workers(const Registered& workers, bool virtual_clock);
 
 }  // namespace forefeel

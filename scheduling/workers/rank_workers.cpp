@@ -6,6 +6,7 @@
 
 #include "geometry/states/state_message.hpp"
 #include "scheduling/workers/solve_job.hpp"
+#include "solver/equilibrium/linear_body.hpp"
 
 namespace forefeel {
 namespace {

@@ -11,6 +11,9 @@
 #include "geometry/common/error.hpp"
 #include "geometry/common/output_file.hpp"
 #include "scheduling/motion/random.hpp"
+#include "scheduling/workers/state_solver.hpp"
+#include "solver/equilibrium/linear_body.hpp"
+#include "solver/equilibrium/solver.hpp"
 #include "solver/kernels/revision.hpp"
 
 namespace forefeel {

@@ -22,9 +22,12 @@
 #include "geometry/common/types.hpp"
 #include "geometry/states/state_file.hpp"
 #include "scheduling/workers/cost.hpp"
-#include "scheduling/workers/state_solver.hpp"
+#include "scheduling/workers/generator.hpp"
 
 namespace forefeel {
+
+class LinearBasis;
+class SolverBasis;
 
 struct ReferenceOptions {
   std::shared_ptr<const Body> body;

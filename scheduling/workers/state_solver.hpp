@@ -7,16 +7,12 @@
 #include <stop_token>
 #include <vector>
 
-#include "solver/equilibrium/linear_body.hpp"
+#include "scheduling/workers/generator.hpp"
 #include "solver/equilibrium/solver.hpp"
 
 namespace forefeel {
 
-struct StateSolverOptions {
-  double spacing = 0.006;   // continuation step of the reference branch [m]
-  double tolerance = 1e-6;  // of from()
-  bool displacements = false;
-};
+class LinearBasis;
 
 class StateSolver {
  public:

@@ -3,12 +3,15 @@
 
 #include <memory>
 
+#include "scheduling/common/arguments.hpp"
 #include "scheduling/workers/cost_spec.hpp"
-#include "scheduling/workers/generator.hpp"
 
 namespace forefeel {
 
 class RankPool;
+
+// The workers of a session: a name and the settings behind it (generator.hpp). Built in: "threads".
+using WorkersSpec = Registered;
 
 struct WorkerOptions {
   int count = 2;                         // workers that solve; simulated ones under the virtual clock

@@ -5,6 +5,7 @@
 
 #include "scheduling/workers/built_in_workers.hpp"
 #include "scheduling/workers/solve_job.hpp"
+#include "solver/equilibrium/linear_body.hpp"
 
 namespace forefeel {
 

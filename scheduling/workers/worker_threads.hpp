@@ -21,6 +21,9 @@
 
 namespace forefeel {
 
+class LinearBasis;
+class SolverBasis;
+
 class WorkerThreads final : public RealWorkers {
  public:
   using Now = std::function<double()>;  // session time [s]

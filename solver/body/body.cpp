@@ -7,6 +7,7 @@
 #include <cmath>
 
 #include "geometry/common/error.hpp"
+#include "solver/body/law_table.hpp"
 #include "solver/body/material_limits.hpp"
 
 namespace forefeel {

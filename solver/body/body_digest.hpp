@@ -2,7 +2,7 @@
 // The identity of a body, stored with its states and caches. Two bodies with the same identity have the same
 // equilibria.
 
-#include "geometry/states/body_identity.hpp"
+#include "geometry/states/state_header.hpp"
 #include "solver/body/body.hpp"
 
 namespace forefeel {

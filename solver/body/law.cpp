@@ -1,4 +1,6 @@
 #include "solver/body/law.hpp"
+#include "solver/body/law_table.hpp"
+#include "solver/kernels/kernels.hpp"
 
 namespace forefeel {
 

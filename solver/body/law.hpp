@@ -6,6 +6,7 @@
 #include <Eigen/Core>
 
 #include "geometry/common/types.hpp"
+#include "solver/body/law_table.hpp"
 #include "solver/body/material.hpp"
 
 namespace forefeel {

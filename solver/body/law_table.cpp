@@ -2,6 +2,8 @@
 
 #include <cstddef>
 
+#include "solver/body/material.hpp"
+
 namespace forefeel {
 
 #define FOREFEEL_LAW_DECLARED(law) extern const LawEntry law;

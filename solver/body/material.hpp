@@ -1,9 +1,15 @@
 #pragma once
 // An isotropic material: its law (solver/kernels/law_*.cpp) and the two elastic constants at rest.
 
-#include "solver/body/law_table.hpp"
+#include <string_view>
+#include <vector>
+
+#include "solver/kernels/law_list.hpp"
 
 namespace forefeel {
+
+std::string_view name(Law law);  // "neo-hookean", …
+std::vector<Law> all_laws();     // in the order of solver/kernels/law_list.hpp
 
 struct Material {
   Law law = Law::neo_hookean;

@@ -166,6 +166,7 @@ Solver::Solver(std::shared_ptr<const Body> body) {
   const std::shared_ptr<const Discretisation> d = analyse(*body);
   impl_ = std::make_unique<Impl>(std::move(body), d);
 }
+Solver::Solver(Body body) : Solver(std::make_shared<const Body>(std::move(body))) {}
 Solver::Solver(SolverBasis& basis) : impl_(std::make_unique<Impl>(basis.body(), basis.discretisation())) {}
 Solver::~Solver() = default;
 Solver::Solver(Solver&&) noexcept = default;

@@ -65,6 +65,7 @@ class SolverBasis {
 class Solver {
  public:
   explicit Solver(std::shared_ptr<const Body> body);
+  explicit Solver(Body body);
   explicit Solver(SolverBasis& basis);
   ~Solver();
   Solver(Solver&&) noexcept;

@@ -7,6 +7,7 @@
 // psi counts from rest: psi(I) = 0. Include in law files only (see lanes.hpp).
 
 #include "solver/kernels/element_loops.hpp"
+#include "solver/kernels/kernels.hpp"
 #include "solver/kernels/law_list.hpp"
 
 #ifndef FOREFEEL_ISA

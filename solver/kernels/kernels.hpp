@@ -50,6 +50,18 @@ struct ElementKernels {
   void (*product_lanes)(const ElementView&, std::int64_t stride, const double* u, const double* d, double* y);
 };
 
+// What one law's file defines, once per instruction set.
+struct LawEntry {
+  const char* name;       // in scenes: "neo-hookean"
+  bool linear;            // f = -K x exactly
+  bool needs_positive_j;  // psi grows without bound as J = det F -> 0
+  bool softens;           // loses stiffness in compression
+  LawConstants (*constants)(double mu, double lambda);
+  // psi(F) - psi(I) [J/m^3], P = dpsi/dF [Pa] and dP_ij/dF_kl at (3 i + j) + 9 (3 k + l); F and P row by row.
+  double (*evaluate)(const LawConstants&, const double* f, double* stress, double* tangent);
+  ElementKernels kernels;
+};
+
 // Multifrontal Cholesky H = U^T U in 3 x 3 blocks, by Duff and Reid 1983: the free nodes fall into supernodes
 // (fronts); front s eliminates `pivots` consecutive nodes from `first` on and updates `rest` later ones, the
 // contact last among them. Its panel is row-major, (3 pivots) x ld, and holds the rows of U, with 1/U_pp on

@@ -63,7 +63,7 @@ std::vector<State> cached_lattice_states(const std::shared_ptr<const Body>& body
       calls.damaged(damage_in_words(file.string(), cache->damaged(), true));
     cache->drop_damaged();
   }
-  GenerateOptions generate;
+  LatticeOptions generate;
   generate.spacing = options.spacing;
   generate.box = options.box;
   generate.threads = options.threads;
@@ -72,14 +72,15 @@ std::vector<State> cached_lattice_states(const std::shared_ptr<const Body>& body
   std::optional<StateWriter> writer;
   if (cache) writer.emplace(std::move(*cache));
   generate_lattice(
-      body, generate, known,
+      body, generate,
       [&](State state) {
         if (writer) writer->push(state);
         states.push_back(std::move(state));
       },
       [&](std::size_t done, std::size_t total) {
         if (calls.progress) calls.progress(done, total);
-      });
+      },
+      known);
   if (writer) writer->flush();
   tidy(states, options);
   return states;

@@ -9,8 +9,8 @@
 #include <string>
 #include <vector>
 
-#include "geometry/states/body_identity.hpp"
 #include "geometry/states/state.hpp"
+#include "geometry/states/state_header.hpp"
 #include "solver/body/body.hpp"
 
 namespace forefeel {

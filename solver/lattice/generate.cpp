@@ -6,7 +6,9 @@
 #include <cmath>
 #include <exception>
 #include <map>
+#include <utility>
 
+#include "geometry/coverage/state_space.hpp"
 #include "geometry/states/state_outcome.hpp"
 #include "solver/equilibrium/linear_body.hpp"
 #include "solver/lattice/generate.hpp"
@@ -18,7 +20,7 @@ namespace {
 // Solves the missing states by threads and gives them to the sink.
 class Sweep {
  public:
-  Sweep(std::shared_ptr<const Body> body, const GenerateOptions& options, const std::vector<State>& known,
+  Sweep(std::shared_ptr<const Body> body, const LatticeOptions& options, const std::vector<State>& known,
         const std::function<void(State)>& sink, const std::function<void(std::size_t, std::size_t)>& progress)
       : body_(std::move(body)),
         d_(std::make_shared<const Discretisation>(discretise(*body_))),
@@ -130,7 +132,7 @@ class Sweep {
 
   std::shared_ptr<const Body> body_;
   std::shared_ptr<const Discretisation> d_;
-  const GenerateOptions& options_;
+  const LatticeOptions& options_;
   const std::function<void(State)>& sink_;
   const std::function<void(std::size_t, std::size_t)>& progress_;
   const SweepPlan plan_;
@@ -148,9 +150,20 @@ class Sweep {
 
 }  // namespace
 
-GenerateReport generate_lattice(std::shared_ptr<const Body> body, const GenerateOptions& options,
-                                const std::vector<State>& known, const std::function<void(State)>& sink,
-                                const std::function<void(std::size_t, std::size_t)>& progress) {
+GenerateReport generate(const Body& body, StateSpace& space, const GenerateOptions& options) {
+  std::vector<State> known;
+  for (std::uint32_t id = 0; id < space.size(); ++id) known.push_back(space[StateId{id}]);
+  const auto keep = [&](State state) {
+    if (state.usable()) space.insert(std::move(state));
+  };
+  const std::shared_ptr<const Body> borrowed(std::shared_ptr<void>(), &body);
+  return generate_lattice(borrowed, {options, space.options().spacing, space.options().box}, keep, {}, known);
+}
+
+GenerateReport generate_lattice(std::shared_ptr<const Body> body, const LatticeOptions& options,
+                                const std::function<void(State)>& sink,
+                                const std::function<void(std::size_t, std::size_t)>& progress,
+                                const std::vector<State>& known) {
   const auto start = std::chrono::steady_clock::now();
   GenerateReport report = Sweep(std::move(body), options, known, sink, progress).run();
   report.seconds = std::chrono::duration<double>(std::chrono::steady_clock::now() - start).count();

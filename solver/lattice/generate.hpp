@@ -1,24 +1,52 @@
 #pragma once
 // All states of the lattice {k h}^3 inside a box, each on the reference branch: the primary equilibrium path, followed
 // from rest straight to the state.
+//
+//   StateSpace space({.spacing = 0.004, .box = reach});
+//   generate(body, space);                            // its lattice
 
+#include <cstddef>
 #include <functional>
 #include <memory>
+#include <stop_token>
 #include <vector>
 
 #include "geometry/states/state.hpp"
 #include "solver/body/body.hpp"
-#include "solver/lattice/generate_options.hpp"
 
 namespace forefeel {
+
+class StateSpace;
+
+struct GenerateOptions {
+  int threads = 0;          // 0: all
+  double tolerance = 1e-6;  // force, relative
+  bool want_displacements = false;
+  std::stop_token stop = {};
+};
+struct LatticeOptions : GenerateOptions {
+  double spacing = 0.006;  // h [m]
+  Box box;                 // [m]
+};
+struct GenerateReport {
+  std::size_t solved = 0, failed = 0, resumed = 0;
+  std::size_t inverted = 0;  // of the solved: with inverted elements (state_outcome.hpp)
+  double seconds = 0;        // wall time [s]
+  int threads = 0;
+};
+
+// Adds to a space all states of its own lattice, with its spacing and box. States that it holds are not solved again;
+// failed ones are only counted.
+GenerateReport generate(const Body& body, StateSpace& space, const GenerateOptions& options = {});
 
 // Solves every lattice point of the box that `known` does not hold, outward from rest. Failed states in
 // `known` are not retried. sink(state) receives each new state, failed ones included; progress(done, total)
 // reports. Both are called from one thread at a time.
 // A state is marked multivalued if its straight path jumps within its last two steps, if another path ends at
 // another equilibrium, or if its force differs from what the stiffnesses of its neighbours predict.
-GenerateReport generate_lattice(std::shared_ptr<const Body> body, const GenerateOptions& options,
-                                const std::vector<State>& known, const std::function<void(State)>& sink,
-                                const std::function<void(std::size_t, std::size_t)>& progress);
+GenerateReport generate_lattice(std::shared_ptr<const Body> body, const LatticeOptions& options,
+                                const std::function<void(State)>& sink,
+                                const std::function<void(std::size_t, std::size_t)>& progress = {},
+                                const std::vector<State>& known = {});
 
 }  // namespace forefeel

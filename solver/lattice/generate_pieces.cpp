@@ -77,9 +77,8 @@ struct LatticePieces::Impl {
   // Coarse nodes come first, because other pieces depend on them; both kinds are ordered outward from rest.
   using Ready = std::priority_queue<std::size_t, std::vector<std::size_t>, std::greater<>>;
 
-  Impl(const GenerateOptions& options, const std::vector<State>& known,
-       std::shared_ptr<CoarseNodes> its_nodes, std::function<void(State)> its_sink,
-       std::function<void(std::size_t, std::size_t)> its_progress)
+  Impl(const LatticeOptions& options, const std::vector<State>& known, std::shared_ptr<CoarseNodes> its_nodes,
+       std::function<void(State)> its_sink, std::function<void(std::size_t, std::size_t)> its_progress)
       : plan(options, known),
         spacing(options.spacing),
         nodes(std::move(its_nodes)),
@@ -171,7 +170,7 @@ struct LatticePieces::Impl {
   GenerateReport report;
 };
 
-LatticePieces::LatticePieces(const GenerateOptions& options, const std::vector<State>& known,
+LatticePieces::LatticePieces(const LatticeOptions& options, const std::vector<State>& known,
                              std::shared_ptr<CoarseNodes> nodes, std::function<void(State)> sink,
                              std::function<void(std::size_t, std::size_t)> progress)
     : impl_(std::make_unique<Impl>(options, known, std::move(nodes), std::move(sink), std::move(progress))) {}
@@ -225,7 +224,7 @@ const GenerateReport& LatticePieces::report() const {
 }
 
 struct LatticeWorker::Impl {
-  Impl(std::shared_ptr<const Body> its_body, const GenerateOptions& its_options,
+  Impl(std::shared_ptr<const Body> its_body, const LatticeOptions& its_options,
        std::shared_ptr<CoarseNodes> its_nodes)
       : body(std::move(its_body)),
         d(std::make_shared<const Discretisation>(discretise(*body))),
@@ -240,7 +239,7 @@ struct LatticeWorker::Impl {
 
   std::shared_ptr<const Body> body;
   std::shared_ptr<const Discretisation> d;
-  GenerateOptions options;
+  LatticeOptions options;
   std::shared_ptr<CoarseNodes> nodes;
   std::vector<LatticeIndex> looked_at;  // by the piece under way; sorted
   // Only nodes of nodes_looked_at() may be used. Others may not have been sent here, and the values would then depend
@@ -253,7 +252,7 @@ struct LatticeWorker::Impl {
   SweepWorker worker;
 };
 
-LatticeWorker::LatticeWorker(std::shared_ptr<const Body> body, const GenerateOptions& options,
+LatticeWorker::LatticeWorker(std::shared_ptr<const Body> body, const LatticeOptions& options,
                              std::shared_ptr<CoarseNodes> nodes)
     : impl_(std::make_unique<Impl>(std::move(body), options, std::move(nodes))) {}
 

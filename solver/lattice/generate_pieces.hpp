@@ -29,7 +29,7 @@ class LatticePieces {
     Bytes content = {};
   };
   // sink and progress as in generate_lattice(); called by the thread that calls done().
-  LatticePieces(const GenerateOptions& options, const std::vector<State>& known,
+  LatticePieces(const LatticeOptions& options, const std::vector<State>& known,
                 std::shared_ptr<CoarseNodes> nodes, std::function<void(State)> sink,
                 std::function<void(std::size_t, std::size_t)> progress);
   ~LatticePieces();
@@ -51,7 +51,7 @@ class LatticePieces {
 // Solves pieces; for one thread. Not for linear bodies: solving their lattice is faster than sending it.
 class LatticeWorker {
  public:
-  LatticeWorker(std::shared_ptr<const Body> body, const GenerateOptions& options,
+  LatticeWorker(std::shared_ptr<const Body> body, const LatticeOptions& options,
                 std::shared_ptr<CoarseNodes> nodes);
   ~LatticeWorker();
   // nullopt: options.stop was requested before the end.

@@ -5,6 +5,7 @@
 
 #include "geometry/coverage/state_space.hpp"
 #include "solver/body/law.hpp"
+#include "solver/body/law_table.hpp"
 
 namespace forefeel {
 namespace {
@@ -138,7 +139,7 @@ std::vector<LatticeIndex> towards_rest(const CoarsePlanes& planes, const Lattice
   return parents;
 }
 
-SweepPlan::SweepPlan(const GenerateOptions& options, const std::vector<State>& known)
+SweepPlan::SweepPlan(const LatticeOptions& options, const std::vector<State>& known)
     : planes_(coarse_planes(options.box, options.spacing)) {
   std::set<LatticeIndex> there;
   for (const State& state : known) {
@@ -197,7 +198,7 @@ std::vector<LatticeIndex> corners_of(const CoarsePlanes& planes, std::span<const
   return {corners.begin(), corners.end()};
 }
 
-SweepOptions sweep_options(const Body& body, const GenerateOptions& options, const std::stop_token& stop,
+SweepOptions sweep_options(const Body& body, const LatticeOptions& options, const std::stop_token& stop,
                            SolvedNodes solved) {
   const bool soft = std::ranges::any_of(materials(body), [](const Material& material) {
     return law_entry(material.law).softens || material.poisson >= 0.49;

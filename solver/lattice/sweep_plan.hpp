@@ -9,7 +9,7 @@
 #include <span>
 #include <vector>
 
-#include "solver/lattice/generate_options.hpp"
+#include "solver/lattice/generate.hpp"
 #include "solver/lattice/sweep.hpp"
 
 namespace forefeel {
@@ -23,7 +23,7 @@ std::vector<LatticeIndex> towards_rest(const CoarsePlanes& planes, const Lattice
 class SweepPlan {
  public:
   // Plans all lattice positions in the box that `known` does not hold.
-  SweepPlan(const GenerateOptions& options, const std::vector<State>& known);
+  SweepPlan(const LatticeOptions& options, const std::vector<State>& known);
 
   std::size_t positions() const { return all_.size(); }  // of the lattice in the box
   std::size_t resumed() const { return positions() - missing_.size(); }
@@ -52,7 +52,7 @@ std::vector<LatticeIndex> corners_of(const CoarsePlanes& planes, std::span<const
 // The solved coarse node of that index, or null.
 using SolvedNodes = std::function<const SweepNode*(const LatticeIndex&)>;
 
-SweepOptions sweep_options(const Body& body, const GenerateOptions& options, const std::stop_token& stop,
+SweepOptions sweep_options(const Body& body, const LatticeOptions& options, const std::stop_token& stop,
                            SolvedNodes solved);
 SweepNode solve_coarse_node(SweepWorker& worker, const LatticeIndex& coarse);
 std::vector<SweepNode> solve_fine_nodes(SweepWorker& worker, std::span<const LatticeIndex> fine);

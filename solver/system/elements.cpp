@@ -4,6 +4,7 @@
 #include <array>
 
 #include "solver/body/law.hpp"
+#include "solver/body/law_table.hpp"
 
 namespace forefeel {
 

@@ -224,7 +224,7 @@ TEST_CASE("the choice is the same each time, keeps what is given, and few states
 TEST_CASE("of many states some patches are left out, and the error is as expected", "[auto]") {
   const Case given = scattered(6, 4000, 0.01);
   const AutoModel chosen =
-      choose_model(given.known, {.kernel = Kernel::cubic, .neighbours = 40, .spacing = 0.004});
+      choose_model(given.known, {.kernel = Kernel::cubic, .neighbours = 40, .spacing = 0.004}, {});
   CHECK(chosen.positions >= 100);
   CHECK(chosen.positions <= 600);
   const Evaluation made = evaluate(given.known, given.points,

@@ -58,15 +58,13 @@ const LiverStates& liver_states() {
       body->clamp = body->mesh.groups.at("clamp");
       body->contact = body->mesh.groups.at("contact");
     }
-    GenerateOptions generate;
+    LatticeOptions generate;
     generate.spacing = g.h;
     generate.box = {Vec3(-0.036, -0.036, -0.024), Vec3(g.front, 0.036, 0.036)};
     generate.threads = 1;
-    generate_lattice(body, generate, {},
-                     [&](State s) {
-                       if (s.usable()) g.states.push_back(std::move(s));
-                     },
-                     {});
+    generate_lattice(body, generate, [&](State s) {
+      if (s.usable()) g.states.push_back(std::move(s));
+    });
     Solver solver(body);
     for (int out = 1; out <= 4; ++out) {
       g.outside.emplace_back();

@@ -1,6 +1,7 @@
 #include <catch2/catch.hpp>
 
 #include "approx/methods/older_methods.hpp"
+#include "approx/methods/rbf_network.hpp"
 #include "geometry/common/error.hpp"
 #include "tests/approx/sets.hpp"
 

@@ -74,11 +74,11 @@ TEST_CASE("Bars from check solves hold the true force as often as they say, and 
     known = drawn(50 + seed, 30, 400, 0, stiffening);
     const Known checks = drawn(70 + seed, 100, 0, 0, stiffening);
     checked = evaluate(known.states, known.points, {.bars = true, .checks = checks.states, .checked = box});
-    REQUIRE(checked.bars->measured.checked());
+    REQUIRE(checked.bars->measured->checked());
     const std::array<double, 3> shares = inside(known, checked, stiffening);
     for (std::size_t level = 0; level < 3; ++level) mean[level] += shares[level] / draws;
   }
-  CHECK_FALSE(evaluate(known.states, known.points, {.bars = true}).bars->measured.checked());
+  CHECK_FALSE(evaluate(known.states, known.points, {.bars = true}).bars->measured->checked());
   INFO(mean[0] << " " << mean[1] << " " << mean[2]);
   // Three deviations of a mean over 12 draws of 100 checks and 400 places each.
   for (std::size_t level = 0; level < 3; ++level) {
@@ -111,7 +111,7 @@ TEST_CASE("Bars of drawn places hold the true force about as often as they say")
     const Evaluation found =
         evaluate(known.states, known.points, {.kernel = Kernel::cubic, .bars = true, .spacing = 0.006});
     REQUIRE(found.bars);
-    const BarCover cover = found.bars->measured.cover();
+    const BarCover cover = found.bars->measured->cover();
     CHECK(cover.samples > 380);  // 400, but for those outside the others
     const std::array<double, 3> shares = inside(known, found, stiffening);
     for (std::size_t level = 0; level < 3; ++level) {
@@ -129,10 +129,10 @@ TEST_CASE("Bars grow with the noise of the known forces, also where states lie c
   const Evaluation a = evaluate(quiet.states, quiet.points, options),
                    b = evaluate(noisy.states, noisy.points, options);
   // A single component has the deviation 0.2 N: |noise| exceeds 0.2 sqrt(7.81) N at 5 % (chi squared, 3 degrees).
-  const double usual = b.bars->measured.cover().width_p50;
+  const double usual = b.bars->measured->cover().width_p50;
   CHECK(usual > 0.2 * std::sqrt(7.81));
   CHECK(usual < 4 * 0.2 * std::sqrt(7.81));
-  CHECK(b.bars->measured.constant() > 0);
+  CHECK(b.bars->measured->constant() > 0);
   for (std::size_t i = 0; i < 100; ++i) CHECK(b.bars->at[i][1] > a.bars->at[i][1] * 0.5);
 }
 
@@ -147,7 +147,7 @@ TEST_CASE("A level without enough forces left out has no bar") {
   const Evaluation none =
       evaluate(few.states, few.points, {.kernel = Kernel::cubic, .bars = true, .spacing = 0.01});
   CHECK(std::isinf(none.bars->at[0][0]));
-  CHECK(std::isnan(none.bars->measured.cover().inside[0]));
+  CHECK(std::isnan(none.bars->measured->cover().inside[0]));
 }
 
 TEST_CASE("A point farther away than any force left out is counted") {
@@ -183,7 +183,7 @@ TEST_CASE("Bars one layer outside a lattice are those of extrapolation") {
     REQUIRE(found.bars);
     const std::array<double, 3> shares = inside(known, found, smooth_stiffening);
     CAPTURE(shares[0], shares[1], shares[2]);
-    CHECK(found.bars->measured.cover_outside().samples >= known.points.size());
+    CHECK(found.bars->measured->cover_outside().samples >= known.points.size());
     CHECK(shares[1] > 0.8);
     std::vector<double> errors;
     for (std::size_t i = 0; i < known.points.size(); ++i)

@@ -94,12 +94,12 @@ TEST_CASE("The same on a liver's states, of all and of the 100 nearest", "[scipy
   body->mesh = phantom("liver");
   body->clamp = body->mesh.groups.at("clamp");
   body->contact = body->mesh.groups.at("contact");
-  GenerateOptions generate;
+  LatticeOptions generate;
   generate.spacing = 0.008;
   generate.box = {Vec3::Constant(-0.024), Vec3::Constant(0.024)};
   generate.threads = 1;
   std::vector<State> states;
-  generate_lattice(body, generate, {}, [&](State s) { states.push_back(std::move(s)); }, {});
+  generate_lattice(body, generate, [&](State s) { states.push_back(std::move(s)); });
   REQUIRE(states.size() > 300);
   const StateSpace space = space_of(states, generate.spacing);
   std::vector<Vec3> points;

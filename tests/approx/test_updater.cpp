@@ -4,6 +4,7 @@
 #include <utility>
 
 #include "approx/model/neighbours.hpp"
+#include "approx/model/set_sizes.hpp"
 #include "approx/model/updater.hpp"
 #include "tests/approx/jumps.hpp"
 #include "tests/approx/sets.hpp"

@@ -8,6 +8,7 @@
 
 #include "geometry/coverage/setups.hpp"
 #include "geometry/coverage/state_space.hpp"
+#include "geometry/index/path_walk.hpp"
 
 namespace forefeel {
 namespace {

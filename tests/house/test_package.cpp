@@ -1,7 +1,11 @@
 // The installed library: builds every example against it in a clean prefix and runs the examples.
 
+#include <algorithm>
 #include <catch2/catch.hpp>
 #include <cstdio>
+#include <fstream>
+#include <iterator>
+#include <map>
 #include <regex>
 #include <sstream>
 
@@ -45,12 +49,58 @@ void check_headers(const Workshop& shop) {
   CHECK(shop.shell("find " + include + " -name '*_cgal.hpp'").out.empty());
   for (const char* header : {"forefeel.hpp", "command.hpp"})
     CHECK(fs::exists(shop.path() / include / header));
-  // All headers compile with what is installed beside them.
+  // Each header compiles alone, with what is installed beside it.
   ran(shop,
-      "cd prefix/include && find forefeel -name '*.hpp' | sed 's/.*/#include <&>/' | tee ../../all.cpp");
-  ran(shop,
-      "g++ -std=c++20 -fsyntax-only -Iprefix/include -isystem /usr/include/eigen3 -DEIGEN_DONT_PARALLELIZE "
-      "all.cpp");
+      "cd prefix/include && for header in $(find forefeel -name '*.hpp'); do echo \"#include <$header>\" | "
+      "g++ -std=c++20 -fsyntax-only -I. -isystem /usr/include/eigen3 -DEIGEN_DONT_PARALLELIZE -x c++ - || "
+      "{ echo $header; exit 1; }; done");
+}
+
+// What a program includes with the umbrella header: lengths of the longest include chains that begin at each header.
+class Door {
+ public:
+  explicit Door(fs::path include) : include_(std::move(include)) {}
+
+  int chain(const std::string& header) {
+    if (const auto known = chains_.find(header); known != chains_.end()) return known->second;
+    const std::string text = read(header);
+    INFO(header);
+    CHECK(std::ranges::count(text, '\n') <= 400);
+    int longest = 0;
+    for (const std::string& other : found(text, "#include \"([^\"]+)\""))
+      longest = std::max(longest, chain(other));
+    return chains_[header] = 1 + longest;
+  }
+  std::size_t headers() const { return chains_.size(); }
+
+  std::string read(const std::string& header) const {
+    std::ifstream in(include_ / header);
+    INFO(header);
+    REQUIRE(in);
+    return {std::istreambuf_iterator<char>(in), {}};
+  }
+  // The first groups of all matches.
+  static std::vector<std::string> found(const std::string& text, const std::string& pattern) {
+    const std::regex regex(pattern);
+    std::vector<std::string> groups;
+    for (std::sregex_iterator match(text.begin(), text.end(), regex), end; match != end; ++match)
+      groups.push_back((*match)[1]);
+    return groups;
+  }
+
+ private:
+  fs::path include_;
+  std::map<std::string, int> chains_;
+};
+
+void check_door(const Workshop& shop) {
+  Door door(shop.path() / "prefix/include");
+  CHECK(door.chain("forefeel/forefeel.hpp") <= 14);
+  CHECK(door.headers() - 1 <= 60);
+  // What the umbrella header names is installed beside it.
+  const auto named = Door::found(door.read("forefeel/forefeel.hpp"), "\n//   ([a-z_/]+\\.hpp) ");
+  CHECK(named.size() > 10);
+  for (const std::string& header : named) CHECK_FALSE(door.read("forefeel/" + header).empty());
 }
 
 void check_manual(const Workshop& shop) {
@@ -104,6 +154,7 @@ TEST_CASE("examples are built against the installed library in a clean prefix, a
   const Workshop shop;
   ran(shop, "cmake --install '" + build_folder().string() + "' --prefix prefix");
   check_headers(shop);
+  check_door(shop);
   check_manual(shop);
   check_readme(shop);
   ran(shop,

@@ -10,6 +10,7 @@
 #include <unistd.h>
 
 #include "scheduling/session/session.hpp"
+#include "solver/body/body.hpp"
 
 namespace forefeel::testing {
 

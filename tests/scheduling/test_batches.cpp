@@ -9,6 +9,7 @@
 
 #include "scheduling/session/planner.hpp"
 #include "scheduling/session/session_plan.hpp"
+#include "scheduling/session/session_setup.hpp"
 #include "scheduling/workers/worker_threads.hpp"
 #include "small_body.hpp"
 

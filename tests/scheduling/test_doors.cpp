@@ -15,6 +15,7 @@
 #include "scheduling/session/session.hpp"
 #include "scheduling/workers/cost.hpp"
 #include "scheduling/workers/generator.hpp"
+#include "scheduling/workers/reference_service.hpp"
 #include "scheduling/workers/worker_threads.hpp"
 #include "small_body.hpp"
 #include "tests/support/temporary_folder.hpp"

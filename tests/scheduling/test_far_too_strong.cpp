@@ -13,6 +13,8 @@
 #include "scheduling/session/planner.hpp"
 #include "scheduling/session/plausible.hpp"
 #include "scheduling/session/session.hpp"
+#include "scheduling/session/session_setup.hpp"
+#include "scheduling/workers/reference_service.hpp"
 #include "small_body.hpp"
 #include "tests/support/temporary_folder.hpp"
 

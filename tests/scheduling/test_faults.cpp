@@ -15,6 +15,7 @@
 #include <string>
 #include <thread>
 
+#include "approx/model/updater.hpp"
 #include "run_logs.hpp"
 #include "scheduling/record/attention.hpp"
 #include "scheduling/record/summary.hpp"

@@ -13,6 +13,7 @@
 #include <string>
 #include <vector>
 
+#include "approx/model/updater.hpp"
 #include "scheduling/record/attention.hpp"
 #include "scheduling/record/summary.hpp"
 #include "scheduling/render/frame_pacer.hpp"

@@ -14,6 +14,7 @@
 #include "run_logs.hpp"
 #include "scheduling/record/summary.hpp"
 #include "scheduling/session/session.hpp"
+#include "scheduling/workers/reference_service.hpp"
 #include "small_body.hpp"
 #include "tests/support/temporary_folder.hpp"
 

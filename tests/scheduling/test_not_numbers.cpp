@@ -9,6 +9,7 @@
 #include "geometry/common/error.hpp"
 #include "scheduling/common/arguments.hpp"
 #include "scheduling/session/session.hpp"
+#include "scheduling/workers/cost.hpp"
 #include "small_body.hpp"
 
 using namespace forefeel;

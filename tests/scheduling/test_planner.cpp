@@ -6,6 +6,7 @@
 
 #include "scheduling/session/planner.hpp"
 #include "scheduling/session/session_plan.hpp"
+#include "scheduling/session/session_setup.hpp"
 #include "small_body.hpp"
 
 using namespace forefeel;

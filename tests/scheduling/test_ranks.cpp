@@ -27,8 +27,8 @@ RankPool::Clock clock_in_steps(double step) {
   return [now = std::make_shared<double>(0), step] { return *now += step; };
 }
 
-GenerateOptions small_lattice() {
-  GenerateOptions options;
+LatticeOptions small_lattice() {
+  LatticeOptions options;
   options.spacing = 0.006;
   options.box = {Vec3(-0.018, -0.013, -0.012), Vec3(0.012, 0.013, 0.018)};
   return options;
@@ -58,9 +58,9 @@ struct Collected {
 
 Values by_one_thread(const std::shared_ptr<const Body>& body) {
   Collected all;
-  GenerateOptions options = small_lattice();
+  LatticeOptions options = small_lattice();
   options.threads = 1;
-  generate_lattice(body, options, {}, all.sink(), {});
+  generate_lattice(body, options, all.sink());
   return all.values;
 }
 

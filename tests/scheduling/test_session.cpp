@@ -7,6 +7,7 @@
 #include "scheduling/record/summary_columns.hpp"
 #include "scheduling/session/session.hpp"
 #include "small_body.hpp"
+#include "solver/equilibrium/solver.hpp"
 #include "tests/support/session_keys.hpp"
 
 using namespace forefeel;

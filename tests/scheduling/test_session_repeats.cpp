@@ -3,8 +3,10 @@
 #include <set>
 
 #include "run_logs.hpp"
+#include "scheduling/judge/session_judge.hpp"
 #include "scheduling/record/summary_columns.hpp"
 #include "scheduling/session/session.hpp"
+#include "scheduling/session/session_setup.hpp"
 #include "scheduling/session/virtual_run.hpp"
 #include "scheduling/workers/cost.hpp"
 #include "scheduling/workers/reference_service.hpp"

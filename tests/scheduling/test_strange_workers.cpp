@@ -6,6 +6,9 @@
 #include <utility>
 
 #include "scheduling/session/session.hpp"
+#include "scheduling/workers/cost.hpp"
+#include "scheduling/workers/generator.hpp"
+#include "scheduling/workers/reference_service.hpp"
 #include "small_body.hpp"
 
 using namespace forefeel;

@@ -8,6 +8,7 @@
 
 #include "approx/switch/relaxation.hpp"
 #include "scheduling/session/session.hpp"
+#include "scheduling/workers/reference_service.hpp"
 #include "small_body.hpp"
 
 using namespace forefeel;

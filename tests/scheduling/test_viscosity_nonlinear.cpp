@@ -9,6 +9,7 @@
 #include <vector>
 
 #include "approx/switch/relaxation.hpp"
+#include "scheduling/workers/reference_service.hpp"
 #include "small_body.hpp"
 
 using namespace forefeel;

@@ -28,13 +28,13 @@ bool same_bits(const State& a, const State& b) {
 }
 
 std::vector<State> lattice_states(const std::shared_ptr<const Body>& body, int threads) {
-  GenerateOptions options;
+  LatticeOptions options;
   options.spacing = 0.006;
   options.box = {Vec3(-0.018, -0.013, -0.012), Vec3(0.024, 0.013, 0.018)};
   options.threads = threads;
   std::vector<State> states;
   const GenerateReport report =
-      generate_lattice(body, options, {}, [&](State s) { states.push_back(std::move(s)); }, {});
+      generate_lattice(body, options, [&](State s) { states.push_back(std::move(s)); });
   CHECK(report.failed == 0);
   return states;
 }

@@ -6,6 +6,7 @@
 
 #include "region_body.hpp"
 #include "solver/body/law.hpp"
+#include "solver/kernels/kernels.hpp"
 #include "tests/support/paths.hpp"
 #include "tests/support/skip.hpp"
 #include "tests/support/temporary_folder.hpp"

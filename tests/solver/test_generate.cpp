@@ -11,8 +11,8 @@ using namespace forefeel;
 
 namespace {
 
-GenerateOptions small_box(int threads) {
-  GenerateOptions options;
+LatticeOptions small_box(int threads) {
+  LatticeOptions options;
   options.spacing = 0.006;
   options.box = {Vec3(-0.018, -0.013, -0.012), Vec3(0.024, 0.013, 0.018)};  // odd and even ends
   options.threads = threads;
@@ -20,7 +20,7 @@ GenerateOptions small_box(int threads) {
 }
 
 std::map<std::array<long, 3>, State> generate(const std::shared_ptr<const Body>& body,
-                                              const GenerateOptions& options,
+                                              const LatticeOptions& options,
                                               const std::vector<State>& known = {},
                                               GenerateReport* report = nullptr) {
   std::map<std::array<long, 3>, State> states;
@@ -29,7 +29,7 @@ std::map<std::array<long, 3>, State> generate(const std::shared_ptr<const Body>&
                                 std::lround(s.at[2] / 0.006)};
     CHECK(states.emplace(k, std::move(s)).second);
   };
-  const GenerateReport result = generate_lattice(body, options, known, keep, {});
+  const GenerateReport result = generate_lattice(body, options, keep, {}, known);
   if (report) *report = result;
   return states;
 }
@@ -66,7 +66,7 @@ TEST_CASE("fast states are within 1e-6 of tight ones, all laws; stiffness and en
 
 TEST_CASE("St. Venant-Kirchhoff with inverted elements: states that are not marked equal those of solve") {
   const auto body = block_body(Law::st_venant_kirchhoff, 0.4);
-  GenerateOptions options;
+  LatticeOptions options;
   options.box = {Vec3(-0.042, -0.036, -0.012), Vec3(0.006, 0.012, 0.012)};
   options.threads = 2;
   const auto states = generate(body, options);
@@ -93,13 +93,13 @@ TEST_CASE(
     "large steps, and states outside of the coarse lattice, equal tight solves along the straight path") {
   for (const double poisson : {0.4, 0.49}) {
     const auto body = block_body(Law::neo_hookean, poisson, 2);
-    GenerateOptions options;
+    LatticeOptions options;
     options.spacing = 0.012;
     options.box = {Vec3(-0.036, -0.024, -0.036), Vec3(0.036, 0.012, 0.012)};
     options.threads = 2;
     std::vector<State> states;
     const GenerateReport report =
-        generate_lattice(body, options, {}, [&](State s) { states.push_back(std::move(s)); }, {});
+        generate_lattice(body, options, [&](State s) { states.push_back(std::move(s)); });
     CHECK(report.failed == 0);
     REQUIRE(states.size() == lattice(options.box, options.spacing).size());
     Solver solver(body);
@@ -147,15 +147,13 @@ TEST_CASE(
 TEST_CASE("a stopped lattice hands over only finished states, which are kept") {
   const auto body = block_body(Law::neo_hookean);
   std::stop_source stop;
-  GenerateOptions options = small_box(2);
+  LatticeOptions options = small_box(2);
   options.stop = stop.get_token();
   std::vector<State> kept;
-  const GenerateReport report = generate_lattice(body, options, {},
-                                                 [&](State s) {
-                                                   kept.push_back(std::move(s));
-                                                   if (kept.size() == 20) stop.request_stop();
-                                                 },
-                                                 {});
+  const GenerateReport report = generate_lattice(body, options, [&](State s) {
+    kept.push_back(std::move(s));
+    if (kept.size() == 20) stop.request_stop();
+  });
   CHECK(kept.size() >= 20);
   CHECK(kept.size() < lattice(options.box, 0.006).size());
   CHECK(report.solved == kept.size());
@@ -165,5 +163,5 @@ TEST_CASE("a stopped lattice hands over only finished states, which are kept") {
 TEST_CASE("an exception in the sink comes out of generate_lattice") {
   const auto body = block_body(Law::neo_hookean);
   const auto full = [](State) { throw std::runtime_error("disk full"); };
-  CHECK_THROWS_WITH(generate_lattice(body, small_box(2), {}, full, {}), "disk full");
+  CHECK_THROWS_WITH(generate_lattice(body, small_box(2), full), "disk full");
 }

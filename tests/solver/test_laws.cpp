@@ -4,6 +4,7 @@
 #include <random>
 
 #include "solver/body/law.hpp"
+#include "solver/kernels/kernels.hpp"
 
 using namespace forefeel;
 

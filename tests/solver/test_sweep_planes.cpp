@@ -33,8 +33,8 @@ TEST_CASE(
 
 TEST_CASE("each coarse node leads to rest by steps along the axes; the corners on the way are coarse nodes") {
   const Box box{Vec3(-0.018, -0.03, -0.012), Vec3(0.024, 0.012, 0.018)};
-  const CoarsePlanes planes = coarse_planes(box, GenerateOptions{}.spacing);
-  GenerateOptions options;
+  const CoarsePlanes planes = coarse_planes(box, LatticeOptions{}.spacing);
+  LatticeOptions options;
   options.box = box;
   const SweepPlan plan(options, {});
   REQUIRE(plan.coarse().size() == planes.at[0].size() * planes.at[1].size() * planes.at[2].size());

@@ -1,4 +1,4 @@
-#include "geometry/states/body_identity.hpp"
+#include "geometry/states/state_header.hpp"
 
 #include <fmt/format.h>
 
