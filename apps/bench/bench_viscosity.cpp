@@ -94,7 +94,7 @@ std::string script_of(const Curves& curves) {
         "{0}$loop{1} using 1:3 with lines lw 1.5 lc rgb '{2}' title '{3:.3g} s', $loop{1} every {4} using "
         "1:2 with points "
         "pt 7 ps 0.35 lc rgb '{5}' notitle",
-        i > 0 ? ", " : "", i, line_colour(i), curves.loops[i].period, every, colours_in_use().rendered);
+        i > 0 ? ", " : "", i, line_colour(i), curves.loops[i].period, every, ink("rendered"));
   }
   const auto panel = [](const std::string& name, const std::string& title, const std::string& y) {
     return fmt::format(
@@ -102,7 +102,7 @@ std::string script_of(const Curves& curves) {
         "1:3 with lines "
         "lw 2 lc rgb '{3}' title 'exact', ${0} every 6 using 1:2 with points pt 7 ps 0.4 lc rgb '{4}' title "
         "'filter'\n",
-        name, title, y, colours_in_use().reference_light, colours_in_use().rendered);
+        name, title, y, ink("reference_light"), ink("rendered"));
   };
   return data + plot_style + "set key top right samplen 1\nset yrange [0:*]\nset multiplot layout 1,3\n" +
          panel("relaxation", fmt::format("held at {:.3g} mm", 1e3 * curves.depth), "force [N]") +
@@ -219,10 +219,10 @@ int bench_viscosity(const Globals& globals, const std::string& scene, const std:
   document["files"] = Json::array();
   if (!folder.empty()) {
     const fs::path out(folder);
-    write_text(out / "viscosity.csv", csv_of(curves));
+    write_whole(out / "viscosity.csv", csv_of(curves));
     document["files"].push_back("viscosity.csv");
     if (const auto svg = draw_svg("viscosity", 1200, 360, script_of(curves))) {
-      write_text(out / "viscosity.svg", *svg + "\n");
+      write_whole(out / "viscosity.svg", *svg + "\n");
       document["files"].push_back("viscosity.svg");
     } else {
       warn(globals, "viscosity.svg is missing: gnuplot was not found or failed");

@@ -244,11 +244,8 @@ struct RunDocuments {
   }
 
   void write(const fs::path& run, const ReportPictures& pictures, Salvage& salvage) {
-    salvage.attempt("summary.json", [&] {
-      OutputFile file(run / "summary.json");
-      file.write(json_text(document, 2) + "\n");
-      file.commit();
-    });
+    salvage.attempt("summary.json",
+                    [&] { write_whole(run / "summary.json", json_text(document, 2) + "\n"); });
     salvage.attempt("report.html", [&] { write_report(run, summary, document, scene, pictures); });
     if (!given.figures.formats.empty())
       salvage.attempt("figures", [&] {

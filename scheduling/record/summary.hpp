@@ -22,15 +22,13 @@
 #include <string>
 #include <vector>
 
-#include "geometry/coverage/coverage.hpp"
+#include "geometry/coverage/all_labels.hpp"
 #include "scheduling/motion/prediction_score.hpp"
 #include "scheduling/record/control_summary.hpp"
 #include "scheduling/record/stability.hpp"
 #include "scheduling/session/session.hpp"
 
 namespace forefeel {
-
-inline constexpr std::array all_labels{Label::safe, Label::sparse, Label::gap, Label::blank};
 
 // One value for each label.
 template <class Value>
