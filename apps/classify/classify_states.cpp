@@ -17,6 +17,7 @@
 #include "apps/scene/scene.hpp"
 #include "geometry/common/error.hpp"
 #include "geometry/common/memory.hpp"
+#include "geometry/coverage/all_labels.hpp"
 #include "geometry/coverage/bridge.hpp"
 #include "geometry/coverage/estimate_spacing.hpp"
 #include "geometry/coverage/regions.hpp"
@@ -198,12 +199,7 @@ const JsonKeys<Agreement>& agreement_keys() {
       {"agreement.share", "1",
        "with --agreement: share of the volume where both indexes agree, common blank left out", &A::share},
       {"agreement.volume_delaunay_octree.LABEL.LABEL", "m^3", "with --agreement: by the label of each index",
-       [](const A& a) {
-         Json table;
-         for (std::size_t d = 0; d < 4; ++d)
-           table[std::string(name(static_cast<Label>(d)))] = by_label(a.volume[d]);
-         return table;
-       }},
+       [](const A& a) { return by_labels(a.volume); }},
       {"agreement.worst", "", "with --agreement: labels and volume of the largest disagreement",
        [](const A& a) {
          if (!a.worst) return Json();
@@ -218,12 +214,7 @@ const JsonKeys<Agreement>& agreement_keys() {
 void print_agreement(const Globals& globals, const Agreement& agreement) {
   say(globals, fmt::format("the indexes agree on {:.2f} % of the volume, common blank left out",
                            100 * agreement.share));
-  say(globals, "volume [cm3]  safe       sparse     gap        blank      (octree)");
-  for (std::size_t d = 0; d < 4; ++d) {
-    const auto& v = agreement.volume[d];
-    say(globals, fmt::format("{:<12}{:>10.4g} {:>10.4g} {:>10.4g} {:>10.4g}", name(static_cast<Label>(d)),
-                             1e6 * v[0], 1e6 * v[1], 1e6 * v[2], 1e6 * v[3]));
-  }
+  print_volumes(globals, agreement.volume, "octree");
   if (const auto& worst = agreement.worst)
     say(globals, fmt::format("in the middle of the longest stretch that differs along x: {:.4g}, {:.4g}, "
                              "{:.4g} mm, {} against {}",
@@ -352,6 +343,22 @@ nlohmann::ordered_json by_label(const std::array<double, 4>& values) {
   for (int i = 0; i < 4; ++i)
     result[std::string(name(static_cast<Label>(i)))] = number(values[static_cast<std::size_t>(i)]);
   return result;
+}
+
+nlohmann::ordered_json by_labels(const LabelTable& volume) {
+  nlohmann::ordered_json table;
+  for (const Label row : all_labels)
+    table[std::string(name(row))] = by_label(volume[static_cast<std::size_t>(row)]);
+  return table;
+}
+
+void print_volumes(const Globals& globals, const LabelTable& volume, const std::string& columns) {
+  say(globals, "volume [cm3]  safe       sparse     gap        blank      (" + columns + ")");
+  for (const Label row : all_labels) {
+    const std::array<double, 4>& v = volume[static_cast<std::size_t>(row)];
+    say(globals, fmt::format("{:<12}{:>10.4g} {:>10.4g} {:>10.4g} {:>10.4g}", name(row), 1e6 * v[0],
+                             1e6 * v[1], 1e6 * v[2], 1e6 * v[3]));
+  }
 }
 
 std::int64_t peak_bytes() {
