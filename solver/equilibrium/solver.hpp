@@ -73,7 +73,8 @@ class Solver {
 
   const Body& body() const;
   std::shared_ptr<const Equilibrium> rest() const;
-  // Calls progress(share of the way) after each continuation step of reference() and from(); a linear body has no steps.
+  // Calls progress(share of the way) after each continuation step of reference() and from(); a linear body has no
+  // steps.
   void watch(std::function<void(double)> progress);
   // On the reference branch (the primary equilibrium path): from rest straight to x in equal steps of at most `spacing`
   // [m], each solved to tolerance.

@@ -1,5 +1,5 @@
-// Bodies that are hard to solve: large deformations of a liver up to nu = 0.499, other units, slivers, thin beams, a tip
-// beside the clamp, and elements that lock.
+// Bodies that are hard to solve: large deformations of a liver up to nu = 0.499, other units, slivers, thin beams, a
+// tip beside the clamp, and elements that lock.
 #include <algorithm>
 #include <catch2/catch.hpp>
 #include <cmath>
