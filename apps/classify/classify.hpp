@@ -66,7 +66,7 @@ struct Classified {
   RegionSummary regions;
   double fill_distance = unknown,
          fill_bound = unknown;  // largest distance to a state: as found, and an upper bound [m]
-  std::optional<LargestHole> hole;
+  std::optional<EmptyBall> hole;
   std::shared_ptr<const AdaptiveLattice> lattice;  // set if the spacing varies from place to place
 
   Coverage coverage(const Vec3& q) const { return space ? space->coverage(q) : octree->coverage(q); }
@@ -106,7 +106,7 @@ void label_regions(Classified& result, const ClassifyArguments& arguments, const
 
 // The JSON keys volume, components, gaps, fill_distance and largest_hole.
 void regions_json(nlohmann::ordered_json& out, const RegionSummary& regions, double fill_distance,
-                  double fill_bound, const std::optional<LargestHole>& hole);
+                  double fill_bound, const std::optional<EmptyBall>& hole);
 
 int classify_run(const Globals& globals, const ClassifyArguments& arguments);  // writes a .pvd series of RUN/
 int classify_diff(const Globals& globals, const ClassifyArguments& arguments);  // --diff A B

@@ -19,7 +19,6 @@
 #include "geometry/common/error.hpp"
 #include "geometry/common/output_file.hpp"
 #include "geometry/coverage/region_file.hpp"
-#include "geometry/coverage/region_sampling.hpp"
 #include "geometry/coverage/regions.hpp"
 #include "geometry/states/state_file.hpp"
 #include "scheduling/common/dispatch_file.hpp"
@@ -156,7 +155,7 @@ struct SeriesResult {
   Box box;
   RegionSummary regions;  // at the end
   double fill_distance = unknown;
-  std::optional<LargestHole> hole;
+  std::optional<EmptyBall> hole;
   double seconds = 0;
 };
 

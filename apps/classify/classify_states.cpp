@@ -19,10 +19,10 @@
 #include "geometry/common/memory.hpp"
 #include "geometry/coverage/bridge.hpp"
 #include "geometry/coverage/estimate_spacing.hpp"
-#include "geometry/coverage/region_sampling.hpp"
 #include "geometry/coverage/regions.hpp"
 #include "geometry/coverage/setups.hpp"
 #include "geometry/coverage/voxel_grid.hpp"
+#include "geometry/coverage/voxel_summary.hpp"
 #include "geometry/index/morton_order.hpp"
 #include "geometry/states/check_solves.hpp"
 #include "geometry/states/state_file.hpp"
@@ -138,22 +138,6 @@ std::unique_ptr<OctreeIndex> make_octree(const Classified& set, const ClassifyAr
   return octree;
 }
 
-// The sides of each gap, seen from its innermost point, by the rule of Regions.
-void find_sides(const OctreeIndex& octree, const Classified& set, const CoverageOptions& coverage,
-                std::vector<RegionComponent>& components) {
-  std::size_t done = 0;
-  std::vector<StateId> near;
-  std::vector<Vec3> offsets;
-  for (RegionComponent& c : components) {
-    if (c.label != Label::gap || done++ >= 1000) continue;
-    const double h = set.lattice ? set.lattice->spacing_at(c.inner) : set.spacing;
-    octree.within(c.inner, coverage.gap_cone_radius * h, near);
-    offsets.clear();
-    for (const StateId id : near) offsets.push_back(octree.position(id) - c.inner);
-    c.sides = bridge_sides(offsets, bridge_link_deg(coverage.sparse_distance));
-  }
-}
-
 // The states for the triangulation, without displacements.
 std::unique_ptr<StateSpace> make_space(const Classified& set, const ClassifyArguments& arguments,
                                        const std::function<void(double)>& progress) {
@@ -184,7 +168,12 @@ void label_octree(Classified& result, const ClassifyArguments& arguments, bool w
     thread_local PathWalk walk;  // along the rows of voxels
     return result.octree->label(q, walk);
   });
-  find_sides(*result.octree, result, arguments.space.coverage, result.regions.components);
+  const CoverageOptions& coverage = arguments.space.coverage;
+  find_sides(result.regions.components, coverage.sparse_distance,
+             [&](const Vec3& place, std::vector<Vec3>& offsets) {
+               const double h = result.lattice ? result.lattice->spacing_at(place) : result.spacing;
+               result.octree->points().offsets_within(place, coverage.gap_cone_radius * h, offsets);
+             });
   if (!with_holes) return;
   const std::unique_ptr<StateSpace> space = make_space(result, arguments, [](double) {});
   measure_holes(result, *space);
@@ -286,8 +275,7 @@ void label_regions(Classified& result, const ClassifyArguments& arguments, const
   if (arguments.space.index == "octree") return label_octree(result, arguments, with_holes);
   Progress progress(globals, "classify");
   result.space = make_space(result, arguments, [&](double share) { progress.show(0.5 * share, "states"); });
-  result.space->regions().settle(static_cast<std::size_t>(-1),
-                                 [&](double share) { progress.show(0.5 + 0.5 * share, "regions"); });
+  result.space->regions().settle([&](double share) { progress.show(0.5 + 0.5 * share, "regions"); });
   result.regions = result.space->regions().summary();
   if (with_holes) measure_holes(result, *result.space);
 }

@@ -41,7 +41,7 @@ nlohmann::ordered_json gaps_json(const RegionSummary& regions) {
 }  // namespace
 
 void regions_json(nlohmann::ordered_json& out, const RegionSummary& regions, double fill_distance,
-                  double fill_bound, const std::optional<LargestHole>& hole) {
+                  double fill_bound, const std::optional<EmptyBall>& hole) {
   out["volume"] = by_label(regions.volume);
   for (int i = 0; i < 4; ++i)
     out["components"][std::string(name(static_cast<Label>(i)))] =

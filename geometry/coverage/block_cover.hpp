@@ -18,6 +18,7 @@
 
 #include "geometry/coverage/cell_raster.hpp"
 #include "geometry/coverage/cover_blocks.hpp"
+#include "geometry/coverage/region_summary.hpp"
 
 namespace forefeel {
 
@@ -28,11 +29,6 @@ struct CoveredStates {
   double largest = 0;    // coordinate, without sign [m]
 };
 
-struct EmptyBall {
-  double radius = 0;  // [m]
-  Vec3 centre = Vec3::Zero();
-};
-
 struct BlockFindings {
   double fill = 0;  // largest radius of an empty ball with its centre in the box [m]
   // Such balls from large to small, up to the first whose centre is certainly in the hull of the states.
@@ -40,11 +36,18 @@ struct BlockFindings {
   std::vector<std::uint32_t> open;  // states of the block with a cell that is not certain
 };
 
+// What the blocks share.
+struct CoverTask {
+  const CoveredStates& states;
+  std::span<const CoverBlock> blocks;
+  std::span<const std::uint32_t> order;  // of the states (cover_blocks.hpp)
+  const Thresholds& limits;
+  VoxelLabels& voxels;
+};
+
 class BlockCover {
  public:
-  BlockCover(const CoveredStates& states, std::span<const CoverBlock> blocks,
-             std::span<const std::uint32_t> order, const Thresholds& limits, VoxelLabels& voxels);
-  ~BlockCover();
+  explicit BlockCover(const CoverTask& task) : task_(task), seen_(task.states.at.size(), 0) {}
   // Sets the labels safe and sparse of the block's voxels, and mark::unset for the others.
   BlockFindings run(std::size_t block);
 
@@ -55,16 +58,11 @@ class BlockCover {
   void keep_balls(std::vector<EmptyBall>& balls, BlockFindings& found);
   void answer(std::vector<std::size_t>& asked);
   void answer_brick(std::span<const std::size_t> asked);
-  std::array<std::size_t, 3> voxel(std::size_t index) const;
   std::uint8_t mark_at(const Vec3& q);
   bool foreign(const Vec3& centre, double radius, std::uint32_t& state) const;
   bool extend(const Spread& spread);
 
-  const CoveredStates& states_;
-  std::span<const CoverBlock> blocks_;
-  std::span<const std::uint32_t> order_;
-  const Thresholds& limits_;
-  VoxelLabels& voxels_;
+  CoverTask task_;
   Box known_;                         // all states in it are triangulated [m]
   std::vector<std::uint32_t> local_;  // state of each number of the triangulation
   std::vector<std::uint32_t> seen_;   // by state: the last run that included it

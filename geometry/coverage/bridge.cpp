@@ -12,6 +12,7 @@ namespace forefeel {
 namespace {
 
 constexpr double degrees = 180 / std::numbers::pi;
+constexpr std::size_t most_bridges = 1000;  // gaps whose sides are found, largest first
 
 // Directions in one cell of this side are merged, because clustering up to 2000 single directions would be slow.
 constexpr double grain = 0.04;
@@ -84,14 +85,14 @@ double rim_reach(double sparse_distance, double spacing) {
   return (sparse_distance + 0.5) * spacing;
 }
 
-void name_safe_neighbours(const std::vector<std::set<std::uint32_t>>& beside,
-                          std::vector<std::set<std::uint32_t>>& near_safe,
-                          std::vector<RegionComponent>& components) {
-  for (std::size_t c = 0; c < components.size(); ++c) {
-    std::set<std::uint32_t>& safe = near_safe[c];
-    for (const std::uint32_t next : beside[c])
-      if (components[next].label == Label::safe) safe.insert(next);
-    components[c].safe_neighbours.assign(safe.begin(), safe.end());
+void find_sides(std::vector<RegionComponent>& components, double sparse_distance, const StatesNear& near) {
+  std::size_t done = 0;
+  std::vector<Vec3> offsets;
+  for (RegionComponent& c : components) {
+    if (c.label != Label::gap || done++ >= most_bridges) continue;
+    offsets.clear();
+    near(c.inner, offsets);
+    c.sides = bridge_sides(offsets, bridge_link_deg(sparse_distance));
   }
 }
 

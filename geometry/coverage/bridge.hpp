@@ -4,16 +4,13 @@
 // the link angle. Two states at a distance h, seen from kappa_p h [m] or farther, are at most 2 asin(1 / (2 kappa_p))
 // apart (39 degrees for kappa_p = 1.5). With that link angle, states of spacing h always form one side.
 
-#include <cstddef>
-#include <set>
+#include <functional>
 #include <span>
 #include <vector>
 
 #include "geometry/coverage/region_summary.hpp"
 
 namespace forefeel {
-
-inline constexpr std::size_t most_bridges = 1000;  // gaps whose sides are found, largest first
 
 double bridge_link_deg(double sparse_distance);  // link angle [deg] for kappa_p
 
@@ -23,10 +20,9 @@ std::vector<BridgeSide> bridge_sides(std::span<const Vec3> offsets, double link_
 // Largest distance of a gap to its safe neighbours: the thickness kappa_p h of its sparse rim plus h/2 [m].
 double rim_reach(double sparse_distance, double spacing);  // kappa_p, h [m]
 
-// Fills RegionComponent::safe_neighbours. For each component, beside holds the components that share a facet
-// with it, and near_safe (for gaps) the safe components within rim_reach().
-void name_safe_neighbours(const std::vector<std::set<std::uint32_t>>& beside,
-                          std::vector<std::set<std::uint32_t>>& near_safe,
-                          std::vector<RegionComponent>& components);
+// Fills RegionComponent::sides of the 1000 largest gaps, seen from their inner places. near: appends the states within
+// the gap radius of a place, relative to it [m].
+using StatesNear = std::function<void(const Vec3& place, std::vector<Vec3>& offsets)>;
+void find_sides(std::vector<RegionComponent>& components, double sparse_distance, const StatesNear& near);
 
 }  // namespace forefeel

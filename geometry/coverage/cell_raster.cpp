@@ -74,19 +74,19 @@ void CellRaster::add_flat(const std::array<Vec3, 4>& corners) {
 }
 
 std::uint8_t CellRaster::mark_at(const Vec3& q) const {
-  const Vec3 d = q - corner_[0];
+  const Vec3 d = q - cell_.corner[0];
   double squared = 0, nearest = 1e300, farthest = 0;
   for (std::size_t i = 0; i < 4; ++i) {
-    const double weight = (i == 0 ? 1.0 : 0.0) + slope_[i].dot(d);
-    const double away = (corner_[i] - q).squaredNorm();
+    const double weight = (i == 0 ? 1.0 : 0.0) + cell_.slope[i].dot(d);
+    const double away = (cell_.corner[i] - q).squaredNorm();
     squared += weight * away;
     nearest = std::min(nearest, away);
     farthest = std::max(farthest, away);
   }
   const double excess = squared - limits_.safe_spread * limits_.safe_spread;
-  if (std::abs(excess) <= doubt_) return mark::ask;
+  if (std::abs(excess) <= cell_.doubt) return mark::ask;
   if (excess > 0) {
-    if (!exact_) return mark::ask;
+    if (!cell_.exact) return mark::ask;
     const double near = limits_.sparse_distance * limits_.sparse_distance;
     return nearest < near * (1 - unsure) ? mark::sparse : mark::unset;
   }
@@ -112,15 +112,15 @@ void CellRaster::add(const std::array<Vec3, 4>& corners, bool exact) {
   const Vec3 bc = b.cross(c);
   const double volume = a.dot(bc), squared = squared_longest(corners), longest = std::sqrt(squared);
   if (!(volume > (thin * longest + 64 * grain_) * squared)) return add_flat(corners);
-  corner_ = corners;
-  exact_ = exact;
-  doubt_ = unsure * std::max(squared, limits_.safe_spread * limits_.safe_spread);
-  slope_[1] = bc / volume;
-  slope_[2] = c.cross(a) / volume;
-  slope_[3] = a.cross(b) / volume;
-  slope_[0] = -slope_[1] - slope_[2] - slope_[3];
+  cell_.corner = corners;
+  cell_.exact = exact;
+  cell_.doubt = unsure * std::max(squared, limits_.safe_spread * limits_.safe_spread);
+  cell_.slope[1] = bc / volume;
+  cell_.slope[2] = c.cross(a) / volume;
+  cell_.slope[3] = a.cross(b) / volume;
+  cell_.slope[0] = -cell_.slope[1] - cell_.slope[2] - cell_.slope[3];
   std::array<double, 4> inverse{};
-  for (std::size_t i = 0; i < 4; ++i) inverse[i] = slope_[i].x() != 0 ? 1 / slope_[i].x() : 0;
+  for (std::size_t i = 0; i < 4; ++i) inverse[i] = cell_.slope[i].x() != 0 ? 1 / cell_.slope[i].x() : 0;
   const double slack = grain_ + 1e-9 * longest;
   for (std::int32_t k = first_[2]; k < end_[2]; ++k)
     for (std::int32_t j = first_[1]; j < end_[1]; ++j) {
@@ -128,11 +128,11 @@ void CellRaster::add(const std::array<Vec3, 4>& corners, bool exact) {
                    dz = voxels_.centre[2][static_cast<std::size_t>(k)] - corners[0].z();
       double first = -1e300, last = 1e300;
       for (std::size_t i = 0; i < 4; ++i) {
-        const double rest = (i == 0 ? 1.0 : 0.0) + slope_[i].y() * dy + slope_[i].z() * dz + beside;
+        const double rest = (i == 0 ? 1.0 : 0.0) + cell_.slope[i].y() * dy + cell_.slope[i].z() * dz + beside;
         const double end = -rest * inverse[i];  // relative to corner 0
-        if (slope_[i].x() > 0)
+        if (cell_.slope[i].x() > 0)
           first = std::max(first, end);
-        else if (slope_[i].x() < 0)
+        else if (cell_.slope[i].x() < 0)
           last = std::min(last, end);
         else if (rest < 0)
           last = -1e300;

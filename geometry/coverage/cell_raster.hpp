@@ -46,10 +46,12 @@ class CellRaster {
   const Thresholds& limits_;
   Voxel low_, high_, first_{}, end_{};
   double grain_;
-  // Of the current cell: w_i(q) = at_[i] + slope_[i] . (q - corner 0)
-  std::array<Vec3, 4> corner_, slope_;
-  double doubt_ = 0;  // of pi^2 [m^2]
-  bool exact_ = false;
+  struct Cell {
+    std::array<Vec3, 4> corner, slope;  // w_i(q) = (1 for i = 0, else 0) + slope_i . (q - corner_0)
+    double doubt = 0;                   // of pi^2 [m^2]
+    bool exact = false;
+  };
+  Cell cell_;  // the current one
   std::vector<std::size_t> asked_;
 };
 

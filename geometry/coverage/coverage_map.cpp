@@ -44,10 +44,6 @@ void guarded(std::exception_ptr& failed, Work&& work) {
   }
 }
 
-bool before(const EmptyBall& a, const EmptyBall& b) {
-  return a.radius > b.radius;
-}
-
 }  // namespace
 
 struct CoverageMap::Impl {
@@ -79,7 +75,7 @@ void CoverageMap::Impl::cover(const std::function<void(double)>& progress) {
   std::size_t done = 0;
 #pragma omp parallel
   {
-    BlockCover cover(states, blocks, order, limits, voxels);
+    BlockCover cover({states, blocks, order, limits, voxels});
 #pragma omp for schedule(dynamic, 1)
     for (std::size_t b = 0; b < blocks.size(); ++b) {
       guarded(failed, [&] { found[b] = cover.run(b); });
@@ -103,9 +99,8 @@ void CoverageMap::Impl::add_large_cells() {
   std::ranges::sort(open);
   StateId last;
   for (const std::uint32_t i : open) last = large.insert({i}, states.at[i], last);
-  for (const DelaunayIndex::Ball& ball : large.circumballs())
-    if (options.box.contains(ball.centre)) balls.push_back({ball.radius, ball.centre});
-  std::ranges::stable_sort(balls, before);
+  for (const EmptyBall& ball : empty_balls(large, options.box)) balls.push_back(ball);
+  std::ranges::stable_sort(balls, std::greater(), &EmptyBall::radius);
   std::vector<EmptyBall> empty;
   StateId near;
   for (const EmptyBall& ball : balls) {
@@ -141,17 +136,12 @@ Label CoverageMap::label_at(const Vec3& q) const {
 
 RegionSummary CoverageMap::summary(bool with_leaves) const {
   const Impl& my = *impl_;
-  const double kappa = my.options.coverage.sparse_distance;
-  RegionSummary result = summarise(my.voxels, rim_reach(kappa, my.options.spacing), with_leaves);
-  std::size_t done = 0;
-  for (RegionComponent& c : result.components) {
-    if (c.label != Label::gap || done++ >= most_bridges) continue;
-    std::vector<Vec3> offsets;
-    my.states.points.for_each_within(
-        c.inner, my.limits.gap_radius,
-        [&](std::uint32_t, const Vec3& offset, double) { offsets.push_back(offset); });
-    c.sides = bridge_sides(offsets, bridge_link_deg(kappa));
-  }
+  const double kappa = my.options.coverage.sparse_distance, rim = rim_reach(kappa, my.options.spacing);
+  RegionSummary result = summarise(
+      my.voxels, [rim](const Vec3&) { return rim; }, with_leaves);
+  find_sides(result.components, kappa, [&my](const Vec3& place, std::vector<Vec3>& offsets) {
+    my.states.points.offsets_within(place, my.limits.gap_radius, offsets);
+  });
   return result;
 }
 
@@ -163,10 +153,10 @@ double CoverageMap::fill_distance() const {
                         impl_->options.box, impl_->fill, 4e-3 * impl_->voxels.grid.side);
 }
 
-std::optional<LargestHole> CoverageMap::largest_hole() const {
+std::optional<EmptyBall> CoverageMap::largest_hole() const {
   const Impl& my = *impl_;
   if (my.balls.empty() || !my.large.spread(my.balls.back().centre, {}).inside) return std::nullopt;
-  return LargestHole{my.balls.back().radius, my.balls.back().centre};
+  return my.balls.back();
 }
 
 }  // namespace forefeel

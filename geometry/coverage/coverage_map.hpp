@@ -27,7 +27,7 @@ class CoverageMap {
   Label label_at(const Vec3& q) const;            // of the voxel that holds q, a place of the box
   RegionSummary summary(bool with_leaves) const;  // without them, `leaves` is empty
   double fill_distance() const;                   // [m]; at most 1e-3 h too small; infinite without states
-  std::optional<LargestHole> largest_hole() const;
+  std::optional<EmptyBall> largest_hole() const;
 
  private:
   struct Impl;

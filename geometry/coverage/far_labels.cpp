@@ -2,7 +2,6 @@
 
 #include <algorithm>
 #include <cmath>
-#include <numbers>
 
 #include "geometry/coverage/cell_raster.hpp"
 
@@ -24,8 +23,8 @@ class FarLabels {
     if (!any_unset(low, end)) return;
     if (width == 1) return fill(low, end, label_of(voxels_.centre_of(low[0], low[1], low[2])));
     const VoxelGrid& grid = voxels_.grid;
-    const Vec3 q = grid.low_of(low) + Vec3::Constant(0.5 * grid.side * width);
-    const double e = reach(low, width) * (1 + 1e-9), tiny = 1e-9 * grid.side;
+    const Vec3 q = grid.middle(low, width);
+    const double e = grid.reach(low, width) * (1 + 1e-9), tiny = 1e-9 * grid.side;
     const PointOctree::Neighbour nearest = points_.nearest(q);
     if (nearest.id == PointOctree::nobody) return fill(low, end, Label::blank);
     if (std::sqrt(nearest.squared) > limits_.sparse_distance + e + tiny) {
@@ -64,14 +63,6 @@ class FarLabels {
       std::replace(first, last, mark::unset, static_cast<std::uint8_t>(label));
       return false;
     });
-  }
-  // From the middle of the cube to its farthest voxel centre; the box may cut voxels at its faces off.
-  double reach(const Voxel& low, std::int32_t width) const {
-    const double side = voxels_.grid.side, whole = 0.5 * (width - 1) * side * std::numbers::sqrt3;
-    for (std::size_t axis = 0; axis < 3; ++axis)
-      if (low[axis] == 0 || low[axis] + width >= voxels_.count[axis])
-        return whole + 0.5 * side * std::numbers::sqrt3;
-    return whole;
   }
   Label label_of(const Vec3& q) const {
     if (points_.nearest(q, limits_.sparse_distance).id != PointOctree::nobody) return Label::sparse;

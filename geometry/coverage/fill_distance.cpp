@@ -1,12 +1,13 @@
 #include "geometry/coverage/fill_distance.hpp"
 
 #include <algorithm>
+#include <cmath>
 #include <queue>
 
 namespace forefeel {
 
-FillDistance largest_distance(const std::function<double(const Vec3&)>& delta, const Box& box, double known,
-                              double tolerance, std::size_t budget) {
+double largest_distance(const std::function<double(const Vec3&)>& delta, const Box& box, double known,
+                        double tolerance) {
   struct Part {
     double bound;
     Box box;
@@ -20,8 +21,7 @@ FillDistance largest_distance(const std::function<double(const Vec3&)>& delta, c
     if (bound > known + tolerance) queue.push({bound, part});
   };
   push(box);
-  for (std::size_t places = 1; !queue.empty() && queue.top().bound > known + tolerance; places += 2) {
-    if (places > budget) return {known, queue.top().bound};
+  while (!queue.empty() && queue.top().bound > known + tolerance) {
     const Part part = queue.top();
     queue.pop();
     int longest = 0;
@@ -31,7 +31,7 @@ FillDistance largest_distance(const std::function<double(const Vec3&)>& delta, c
     push(low);
     push(high);
   }
-  return {known, known + tolerance};
+  return known;
 }
 
 double largest_in_box(const std::function<double(const Vec3&)>& delta, const Box& box, double known,
@@ -45,9 +45,17 @@ double largest_in_box(const std::function<double(const Vec3&)>& delta, const Box
     for (const bool upper : {false, true}) {
       Box face = box;
       (upper ? face.low : face.high)[axis] = (upper ? face.high : face.low)[axis];
-      largest = largest_distance(delta, face, largest, tolerance, static_cast<std::size_t>(-1)).reached;
+      largest = largest_distance(delta, face, largest, tolerance);
     }
   return largest;
+}
+
+std::vector<EmptyBall> empty_balls(const DelaunayIndex& delaunay, const Box& box) {
+  std::vector<EmptyBall> balls;
+  for (const DelaunayIndex::Cell& cell : delaunay.cells())
+    if (std::isfinite(cell.circumradius) && box.contains(cell.centre))
+      balls.push_back({cell.circumradius, cell.centre});
+  return balls;
 }
 
 }  // namespace forefeel

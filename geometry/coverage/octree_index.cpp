@@ -169,23 +169,6 @@ Coverage OctreeIndex::coverage(const Vec3& q) const {
   return result;
 }
 
-void OctreeIndex::nearest(const Vec3& q, std::size_t n, std::vector<StateId>& out) const {
-  std::vector<PointOctree::Neighbour> found;
-  points_.nearest(q, n, found);
-  out.clear();
-  for (const auto& neighbour : found) out.push_back({neighbour.id});
-}
-
-void OctreeIndex::within(const Vec3& q, double radius, std::vector<StateId>& out) const {
-  std::vector<PointOctree::Neighbour> found;
-  points_.for_each_within(q, radius, [&](std::uint32_t id, const Vec3&, double d) {
-    found.push_back({d, id});
-  });
-  std::sort(found.begin(), found.end());
-  out.clear();
-  for (const auto& neighbour : found) out.push_back({neighbour.id});
-}
-
 std::vector<AdaptiveLattice::Point> OctreeIndex::proposals() const {
   if (!lattice_) return {};
   std::vector<AdaptiveLattice::Point> result = lattice_->points();

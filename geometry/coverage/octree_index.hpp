@@ -41,12 +41,9 @@ class OctreeIndex {
   // The same along a path: the tetrahedron of states that proved the last place safe often proves the next
   // one, too. Only erase() makes a walk out of date; an additional state cannot invalidate the proof.
   Label label(const Vec3& q, PathWalk& walk) const;
-  void nearest(const Vec3& q, std::size_t n, std::vector<StateId>& out) const;
-  void within(const Vec3& q, double radius, std::vector<StateId>& out) const;
+  void nearest(const Vec3& q, std::size_t n, std::vector<StateId>& out) const { points_.nearest(q, n, out); }
 
-  double delta(const Vec3& q) const { return std::sqrt(points_.nearest(q).squared); }  // [m]
-  const Vec3& position(StateId id) const { return at_[id.value]; }
-  const AdaptiveLattice* lattice() const { return lattice_.get(); }
+  const PointOctree& points() const { return points_; }
   AdaptiveLattice* lattice() { return lattice_.get(); }
   // Where to add states: points of the adaptive lattice without a state within half their spacing, outward
   // from rest.

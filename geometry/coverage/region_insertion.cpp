@@ -23,12 +23,11 @@ void RegionTree::mark(std::int32_t index) {
   if (here.kind != RegionNode::Kind::leaf || here.label == Label::safe) return;
   here.kind = RegionNode::Kind::unresolved;
   if (progress_.complete) progress_.marked.push_back(index);
-  ++progress_.pending;
 }
 
 bool RegionTree::breaks(const RegionNode& leaf, const Vec3& at) const {
   const Vec3 d = at - centre(leaf);
-  const double length = d.norm(), e = reach(leaf) + 1e-6 * frame_.voxel;
+  const double length = d.norm(), e = reach(leaf) + 1e-6 * grid_.side;
   if (leaf.label == Label::safe) return false;
   if (leaf.label != Label::sparse && length <= thresholds_.widest.sparse_distance + e) return true;
   if (leaf.label == Label::gap) return false;
@@ -49,10 +48,10 @@ bool RegionTree::reaches(const RegionNode& node, const Vec3& at) const {
                                                          : node.below & RegionNode::bit(Label::blank);
   const double radius = blank ? std::max(thresholds_.widest.gap_radius, thresholds_.widest.sparse_distance)
                               : std::max(thresholds_.widest.safe_radius, thresholds_.widest.sparse_distance);
-  const double half = 0.5 * node.width() * frame_.voxel;
-  const Vec3 middle = frame_.grid.low_of(node.low) + Vec3::Constant(half);
+  const double half = 0.5 * node.width() * grid_.side;
+  const Vec3 middle = grid_.low_of(node.low) + Vec3::Constant(half);
   const Vec3 beyond = ((at - middle).cwiseAbs().array() - half).max(0.0);
-  const double reached = radius * (1 + 1e-6) + frame_.voxel;
+  const double reached = radius * (1 + 1e-6) + grid_.side;
   return beyond.squaredNorm() <= reached * reached;
 }
 
@@ -110,22 +109,20 @@ void RegionTree::inserted(const Vec3& at, std::span<const std::uint32_t> disturb
   for (const std::int32_t index : watches_.restless) wake(index);
   watches_.restless.clear();
 
-  const double far =
-      std::max(thresholds_.widest.gap_radius, thresholds_.widest.sparse_distance) + frame_.voxel;
-  const double side = frame_.voxel * static_cast<double>(1 << frame_.root_level);
-  std::array<std::int32_t, 3> first{}, last{};
+  const double far = std::max(thresholds_.widest.gap_radius, thresholds_.widest.sparse_distance) + grid_.side;
+  const double side = grid_.side * static_cast<double>(1 << roots_.level);
+  std::array<std::int64_t, 3> first{}, last{};
   for (std::size_t axis = 0; axis < 3; ++axis) {
-    const double where =
-        at[static_cast<Eigen::Index>(axis)] - frame_.grid.origin[static_cast<Eigen::Index>(axis)];
-    const double top = static_cast<double>(frame_.root_grid[axis] - 1);
+    const double where = at[static_cast<Eigen::Index>(axis)] - grid_.origin[static_cast<Eigen::Index>(axis)];
+    const double top = static_cast<double>(roots_.count[axis] - 1);
     if ((where + far) / side < 0 || (where - far) / side > top + 1) return;
-    first[axis] = static_cast<std::int32_t>(std::clamp(std::floor((where - far) / side), 0.0, top));
-    last[axis] = static_cast<std::int32_t>(std::clamp(std::floor((where + far) / side), 0.0, top));
+    first[axis] = static_cast<std::int64_t>(std::clamp(std::floor((where - far) / side), 0.0, top));
+    last[axis] = static_cast<std::int64_t>(std::clamp(std::floor((where + far) / side), 0.0, top));
   }
-  for (std::int32_t k = first[2]; k <= last[2]; ++k)
-    for (std::int32_t j = first[1]; j <= last[1]; ++j)
-      for (std::int32_t i = first[0]; i <= last[0]; ++i) {
-        const std::int32_t root = (k * frame_.root_grid[1] + j) * frame_.root_grid[0] + i;
+  for (std::int64_t k = first[2]; k <= last[2]; ++k)
+    for (std::int64_t j = first[1]; j <= last[1]; ++j)
+      for (std::int64_t i = first[0]; i <= last[0]; ++i) {
+        const auto root = static_cast<std::int32_t>((k * roots_.count[1] + j) * roots_.count[0] + i);
         const bool waited = node(root).waits;
         pass_to(root, at);
         if (node(root).waits && !waited) waiting_.roots.push_back(root);

@@ -4,11 +4,6 @@
 #include <cmath>
 
 namespace forefeel {
-namespace {
-
-constexpr std::uint32_t nobody = 0xffffffffu;
-
-}  // namespace
 
 // For a node whose voxels are all farther than kappa_p h from every state: proves gap or blank for all of
 // them.
@@ -51,9 +46,9 @@ bool RegionTree::all_safe(const RegionNode& node, const Thresholds& limits) {
         for (std::int32_t i = 0; i < w; ++i) {
           const bool corner = (i == 0 || i == w - 1) && (j == 0 || j == w - 1) && (k == 0 || k == w - 1);
           if (corner != (pass == 0)) continue;
-          const std::array<std::int32_t, 3> at{node.low[0] + i, node.low[1] + j, node.low[2] + k};
-          if (at[0] >= frame_.voxels[0] || at[1] >= frame_.voxels[1] || at[2] >= frame_.voxels[2]) continue;
-          const Vec3 q = frame_.grid.centre(at);
+          const Voxel at{node.low[0] + i, node.low[1] + j, node.low[2] + k};
+          if (at[0] >= grid_.count[0] || at[1] >= grid_.count[1] || at[2] >= grid_.count[2]) continue;
+          const Vec3 q = grid_.centre(at);
           const Spread spread = delaunay_.spread(q, walk_);
           if (spread.spread > limits.safe_spread || !query_.safe_cone(q, spread, limits)) return false;
         }
@@ -79,7 +74,7 @@ void RegionTree::resolve_voxel(std::int32_t index) {
     return (state - q).squaredNorm() <= limits.sparse_distance * limits.sparse_distance;
   };
   if (was_sparse || (spread.inside && std::ranges::any_of(spread.at, near)) ||
-      query_.points().nearest(q, limits.sparse_distance).id != nobody) {
+      query_.points().nearest(q, limits.sparse_distance).id != PointOctree::nobody) {
     if (coarse)
       watch_cell(index);
     else if (enclosed && !watch_place(q, index))
@@ -105,9 +100,9 @@ void RegionTree::resolve(std::int32_t index) {
   const Thresholds* limits = limits_over(here);
   if (!limits) return branch(index);
   const Vec3 q = centre(here);
-  const double e = reach(here) * (1 + 1e-9), tiny = 1e-9 * frame_.voxel;
+  const double e = reach(here) * (1 + 1e-9), tiny = 1e-9 * grid_.side;
   const PointOctree::Neighbour found = query_.points().nearest(q);
-  if (found.id == nobody) return become_leaf(here, Label::blank, Vec3::UnitX());
+  if (found.id == PointOctree::nobody) return become_leaf(here, Label::blank, Vec3::UnitX());
   const Vec3 offset = delaunay_.position({found.id}) - q;
   const double nearest = std::sqrt(found.squared);
   if (nearest > limits->sparse_distance + e + tiny) {

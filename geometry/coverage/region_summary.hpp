@@ -1,6 +1,6 @@
 #pragma once
-// Regions as plain data: labelled leaves, their components, and the gaps' sides. Made by Regions::summary()
-// and sample_regions().
+// Regions as plain data: labelled leaves, their components, and the gaps' sides. Made by Regions::summary(),
+// sample_regions() and CoverageMap.
 
 #include <array>
 #include <cstddef>
@@ -39,7 +39,8 @@ struct RegionComponent {
   std::vector<BridgeSide> sides;  // of a gap, nearest first; only for the 1000 largest gaps
 };
 
-struct LargestHole {
+// A ball that holds no state.
+struct EmptyBall {
   double radius = 0;  // [m]
   Vec3 centre = Vec3::Zero();
 };

@@ -33,7 +33,7 @@ bool RegionTree::watch_place(const Vec3& q, std::int32_t index) {
 }
 
 bool RegionTree::is_fresh() const {
-  return pool_.nodes.size() == frame_.roots && std::ranges::all_of(pool_.nodes, [](const RegionNode& root) {
+  return pool_.nodes.size() == roots_.size() && std::ranges::all_of(pool_.nodes, [](const RegionNode& root) {
            return root.kind == RegionNode::Kind::unresolved && !root.waits;
          });
 }
@@ -68,8 +68,7 @@ std::exception_ptr RegionTree::settle_root(const RegionNode& root) {
   return caught([&] {
     pool_.nodes.assign(1, root);
     walk_ = {};
-    auto budget = static_cast<std::size_t>(-1);
-    settle_below(0, budget);
+    settle_below(0);
   });
 }
 
@@ -84,7 +83,7 @@ void RegionTree::settle_fresh(const std::function<void(double)>& progress) {
   {
     RegionTree part(pattern);
 #pragma omp for schedule(dynamic) ordered
-    for (std::size_t root = 0; root < frame_.roots; ++root) {
+    for (std::size_t root = 0; root < roots_.size(); ++root) {
       std::exception_ptr mine = part.settle_root(roots[root]);
 #pragma omp ordered
       {
@@ -92,7 +91,7 @@ void RegionTree::settle_fresh(const std::function<void(double)>& progress) {
           mine = caught([&] {
             take_root(static_cast<std::int32_t>(root), part);
             if (progress && root % 16 == 0)
-              progress(static_cast<double>(root) / static_cast<double>(frame_.roots));
+              progress(static_cast<double>(root) / static_cast<double>(roots_.size()));
           });
         if (!failed) failed = mine;
       }

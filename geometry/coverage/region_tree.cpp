@@ -3,15 +3,12 @@
 #include <algorithm>
 #include <cmath>
 
-#include "geometry/coverage/bridge.hpp"
 #include "geometry/index/adaptive_lattice.hpp"
 
 namespace forefeel {
 namespace {
 
-constexpr std::size_t most_roots = 1u << 21;
-
-std::int32_t child_of(const RegionNode& node, const std::array<std::int32_t, 3>& voxel) {
+std::int32_t child_of(const RegionNode& node, const Voxel& voxel) {
   const int shift = node.level - 1;
   return node.children +
          (((voxel[0] >> shift) & 1) | ((voxel[1] >> shift) & 1) << 1 | ((voxel[2] >> shift) & 1) << 2);
@@ -26,75 +23,41 @@ RegionTree::SpacingLimits::SpacingLimits(const StateSpaceOptions& options)
       widest(lattice ? usual.scaled(lattice->coarsest() / options.spacing) : usual),
       scaled(usual) {}
 
-RegionTree::Frame::Frame(const StateSpaceOptions& options)
-    : grid(options.box, options.spacing / 4), voxel(grid.side), root_level(block_level + 3) {
-  for (std::size_t axis = 0; axis < 3; ++axis) voxels[axis] = static_cast<std::int32_t>(grid.count[axis]);
-  for (;; ++root_level) {
-    roots = 1;
-    for (std::size_t axis = 0; axis < 3; ++axis) {
-      root_grid[axis] = ((voxels[axis] - 1) >> root_level) + 1;
-      roots *= static_cast<std::size_t>(root_grid[axis]);
-    }
-    if (roots <= most_roots) break;
-  }
-}
-
 RegionTree::RegionTree(const PointOctree& points, DelaunayIndex& delaunay, const StateSpaceOptions& options)
     : delaunay_(delaunay),
       query_(points, delaunay),
       thresholds_(options),
-      link_deg_(bridge_link_deg(options.coverage.sparse_distance)),
-      frame_(options),
+      grid_(options.box, options.spacing / 4),
+      roots_(grid_),
       far_(points) {
-  pool_.nodes.resize(frame_.roots);
-  for (std::size_t root = 0; root < frame_.roots; ++root) {
-    const auto r = static_cast<std::int32_t>(root);
-    pool_.nodes[root].level = static_cast<std::uint8_t>(frame_.root_level);
-    pool_.nodes[root].low = {(r % frame_.root_grid[0]) << frame_.root_level,
-                             (r / frame_.root_grid[0] % frame_.root_grid[1]) << frame_.root_level,
-                             (r / frame_.root_grid[0] / frame_.root_grid[1]) << frame_.root_level};
+  pool_.nodes.resize(roots_.size());
+  for (std::size_t root = 0; root < roots_.size(); ++root) {
+    pool_.nodes[root].level = static_cast<std::uint8_t>(roots_.level);
+    pool_.nodes[root].low = roots_.low(root);
   }
-  progress_.pending = frame_.roots;
 }
 
 Box RegionTree::box_of(const RegionNode& node) const {
-  return frame_.grid.cube(node.low, node.width());
+  return grid_.cube(node.low, node.width());
 }
 
-std::int32_t RegionTree::root_of(const std::array<std::int32_t, 3>& voxel) const {
-  return ((voxel[2] >> frame_.root_level) * frame_.root_grid[1] + (voxel[1] >> frame_.root_level)) *
-             frame_.root_grid[0] +
-         (voxel[0] >> frame_.root_level);
+double RegionTree::spacing_at(const Vec3& q) const {
+  return thresholds_.lattice ? thresholds_.lattice->spacing_at(q) : thresholds_.spacing;
 }
 
-std::int32_t RegionTree::leaf_of(const std::array<std::int32_t, 3>& voxel) const {
-  for (std::size_t axis = 0; axis < 3; ++axis)
-    if (voxel[axis] < 0 || voxel[axis] >= frame_.voxels[axis]) return -1;
-  std::int32_t index = root_of(voxel);
-  while (node(index).kind == RegionNode::Kind::branch) index = child_of(node(index), voxel);
-  return index;
+double RegionTree::gap_radius(const Vec3& q) const {
+  return thresholds_.usual.gap_radius * (spacing_at(q) / thresholds_.spacing);
 }
 
 Label RegionTree::label_of(const Vec3& q, PathWalk& walk) {
   if (!walk.near.valid()) walk.near = {query_.points().nearest(q).id};
   if (!thresholds_.lattice) return query_.label(q, walk, thresholds_.usual);
-  return query_.label(q, walk,
-                      thresholds_.usual.scaled(thresholds_.lattice->spacing_at(q) / thresholds_.spacing));
-}
-
-double RegionTree::gap_radius(const Vec3& q) const {
-  return thresholds_.usual.gap_radius *
-         (thresholds_.lattice ? thresholds_.lattice->spacing_at(q) / thresholds_.spacing : 1);
-}
-
-double RegionTree::rim(const Vec3& q) const {
-  return rim_reach(thresholds_.usual.sparse_distance / thresholds_.spacing,
-                   thresholds_.lattice ? thresholds_.lattice->spacing_at(q) : thresholds_.spacing);
+  return query_.label(q, walk, thresholds_.usual.scaled(spacing_at(q) / thresholds_.spacing));
 }
 
 const Thresholds* RegionTree::limits_over(const RegionNode& node) {
   if (!thresholds_.lattice) return &thresholds_.usual;
-  const Vec3 q = centre(node), half = Vec3::Constant(0.5 * (node.width() - 1) * frame_.voxel);
+  const Vec3 q = centre(node), half = Vec3::Constant(0.5 * (node.width() - 1) * grid_.side);
   const std::optional<double> h = thresholds_.lattice->spacing_over({q - half, q + half});
   if (!h) return nullptr;
   thresholds_.scaled = thresholds_.usual.scaled(*h / thresholds_.spacing);
@@ -102,9 +65,9 @@ const Thresholds* RegionTree::limits_over(const RegionNode& node) {
 }
 
 Label RegionTree::label_at(const Vec3& q) {
-  if (!frame_.grid.box.contains(q)) return label_of(q, walk_);
-  const std::array<std::int32_t, 3> voxel = frame_.grid.voxel_of(q);
-  std::int32_t index = root_of(voxel);
+  if (!grid_.box.contains(q)) return label_of(q, walk_);
+  const Voxel voxel = grid_.voxel_of(q);
+  auto index = static_cast<std::int32_t>(roots_.root_of(voxel));
   for (;;) {
     if (node(index).waiting >= 0) pass_on(index);
     if (node(index).kind == RegionNode::Kind::unresolved) resolve(index);
@@ -184,17 +147,13 @@ void RegionTree::collapse(std::int32_t index) {
   }
 }
 
-void RegionTree::settle_below(std::int32_t index, std::size_t& budget) {
-  if (budget == 0) return;
-  if (node(index).kind == RegionNode::Kind::unresolved) {
-    --budget;
-    resolve(index);
-  }
+void RegionTree::settle_below(std::int32_t index) {
+  if (node(index).kind == RegionNode::Kind::unresolved) resolve(index);
   if (node(index).kind != RegionNode::Kind::branch || !(node(index).below & RegionNode::unresolved_bit))
     return;
   std::uint8_t below = 0;
   for (std::int32_t child = 0; child < 8; ++child) {
-    settle_below(node(index).children + child, budget);
+    settle_below(node(index).children + child);
     if (node(index).kind != RegionNode::Kind::branch) return;  // collapsing the child reached this node
     below |= summary(node(node(index).children + child));
   }
@@ -213,35 +172,29 @@ void RegionTree::refresh_above(std::int32_t index) {
   }
 }
 
-bool RegionTree::settle_marked(std::size_t budget) {
-  while (!progress_.marked.empty() && budget > 0) {
+void RegionTree::settle_marked() {
+  while (!progress_.marked.empty()) {
     const std::int32_t index = progress_.marked.back();
     const std::int32_t parent = node(index).parent;
-    settle_below(index, budget);
-    if (budget == 0 && (summary(node(index)) & RegionNode::unresolved_bit)) break;
+    settle_below(index);
     progress_.marked.pop_back();
     collapse(parent);
     // Siblings are adjacent in the list: one refresh after the last of them is enough.
     if (progress_.marked.empty() || node(progress_.marked.back()).parent != parent) refresh_above(index);
   }
-  progress_.pending = progress_.marked.size();
-  return progress_.marked.empty();
 }
 
-bool RegionTree::settle(std::size_t budget, const std::function<void(double)>& progress) {
+void RegionTree::settle(const std::function<void(double)>& progress) {
   for (const std::int32_t root : waiting_.roots) pass_on_all(root);
   waiting_.roots.clear();
-  if (progress_.complete) return settle_marked(budget);
-  if (budget == static_cast<std::size_t>(-1) && is_fresh()) settle_fresh(progress);
-  for (std::size_t root = 0; root < frame_.roots && budget > 0; ++root) {
-    settle_below(static_cast<std::int32_t>(root), budget);
-    if (progress && root % 64 == 0) progress(static_cast<double>(root) / static_cast<double>(frame_.roots));
+  if (progress_.complete) return settle_marked();
+  if (is_fresh()) settle_fresh(progress);
+  for (std::size_t root = 0; root < roots_.size(); ++root) {
+    settle_below(static_cast<std::int32_t>(root));
+    if (progress && root % 64 == 0) progress(static_cast<double>(root) / static_cast<double>(roots_.size()));
   }
-  if (budget == 0) return false;
   progress_.complete = true;
   progress_.marked.clear();
-  progress_.pending = 0;
-  return true;
 }
 
 }  // namespace forefeel

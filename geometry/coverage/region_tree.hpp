@@ -27,7 +27,6 @@
 #include <exception>
 #include <functional>
 #include <memory>
-#include <numbers>
 #include <span>
 #include <vector>
 
@@ -49,8 +48,8 @@ struct RegionNode {
 
   std::int32_t children = -1;  // index of the first of eight
   std::int32_t parent = -1;
-  std::array<std::int32_t, 3> low{};  // lowest voxel
-  std::uint8_t level = 0;             // 2^level voxels wide
+  Voxel low{};             // lowest voxel
+  std::uint8_t level = 0;  // 2^level voxels wide
   Kind kind = Kind::unresolved;
   bool waits = false;          // an insertion may be stored here or below
   std::int32_t waiting = -1;   // of a branch: head of the list of insertions not yet passed to its children
@@ -70,59 +69,33 @@ class RegionTree {
 
   Label label_at(const Vec3& q);
   void inserted(const Vec3& at, std::span<const std::uint32_t> disturbed);
-  // Resolves at most `budget` leaves; true when none is left.
-  bool settle(std::size_t budget, const std::function<void(double)>& progress = {});
+  void settle(const std::function<void(double)>& progress = {});
 
-  // visit(index, node) for every resolved leaf inside the box.
+  // visit(node) for every resolved leaf inside the box.
   template <class Visit>
   void for_each_leaf(Visit&& visit) const {
-    for (std::size_t root = 0; root < frame_.roots; ++root)
+    for (std::size_t root = 0; root < roots_.size(); ++root)
       visit_leaves(static_cast<std::int32_t>(root), visit);
   }
-  const RegionNode& node(std::int32_t index) const { return pool_.nodes[static_cast<std::size_t>(index)]; }
-  std::size_t root_count() const { return frame_.roots; }
-  std::int32_t leaf_of(const std::array<std::int32_t, 3>& voxel) const;  // -1 outside the box
-  Box box_of(const RegionNode& node) const;                              // clipped to the box of the states
-  const Box& box() const { return frame_.grid.box; }
-  double voxel() const { return frame_.voxel; }
+  Box box_of(const RegionNode& node) const;  // clipped to the box of the states
+  const VoxelGrid& grid() const { return grid_; }
   const CoverageQuery& query() const { return query_; }
-  Label label_of(const Vec3& q, PathWalk& walk);  // from the indexes, not from the leaves
-  double gap_radius(const Vec3& q) const;         // [m]
-  double rim(const Vec3& q) const;                // rim_reach() at q [m]
-  // visit(index) for every safe leaf within `reach` [m] of `around`; call settle() before.
-  template <class Visit>
-  void for_each_safe_near(const Box& around, double reach, Visit&& visit) const {
-    for (std::size_t root = 0; root < frame_.roots; ++root)
-      visit_safe_near(static_cast<std::int32_t>(root), around, reach * reach, visit);
-  }
-  double link_deg() const { return link_deg_; }
-  // Leaves marked and insertions not yet passed on, since the last settle().
-  std::size_t pending() const { return progress_.pending + waiting_.all.size() - waiting_.free.size(); }
+  double spacing_at(const Vec3& q) const;  // h(q) [m]
+  double gap_radius(const Vec3& q) const;  // [m]
 
  private:
+  const RegionNode& node(std::int32_t index) const { return pool_.nodes[static_cast<std::size_t>(index)]; }
   template <class Visit>
   void visit_leaves(std::int32_t index, Visit& visit) const {
     const RegionNode& here = node(index);
-    if (here.kind == RegionNode::Kind::leaf) visit(index, here);
+    if (here.kind == RegionNode::Kind::leaf) visit(here);
     if (here.kind == RegionNode::Kind::branch)
       for (int child = 0; child < 8; ++child) visit_leaves(here.children + child, visit);
   }
 
-  template <class Visit>
-  void visit_safe_near(std::int32_t index, const Box& around, double squared, Visit& visit) const {
-    const RegionNode& here = node(index);
-    if (here.kind == RegionNode::Kind::outside || here.kind == RegionNode::Kind::unresolved) return;
-    if (here.kind == RegionNode::Kind::branch && !(here.below & RegionNode::bit(Label::safe))) return;
-    const Box mine = box_of(here);
-    if ((around.low - mine.high).cwiseMax(mine.low - around.high).cwiseMax(0.0).squaredNorm() > squared)
-      return;
-    if (here.kind == RegionNode::Kind::leaf && here.label == Label::safe) visit(index);
-    if (here.kind == RegionNode::Kind::branch)
-      for (int child = 0; child < 8; ++child) visit_safe_near(here.children + child, around, squared, visit);
-  }
-  std::int32_t root_of(const std::array<std::int32_t, 3>& voxel) const;
-  Vec3 centre(const RegionNode& node) const;
-  double reach(const RegionNode& node) const;  // from its centre to its farthest voxel centre
+  Label label_of(const Vec3& q, PathWalk& walk);  // from the indexes, not from the leaves
+  Vec3 centre(const RegionNode& node) const { return grid_.middle(node.low, node.width()); }
+  double reach(const RegionNode& node) const { return grid_.reach(node.low, node.width()); }
   bool outside(const RegionNode& node) const;
   void resolve(std::int32_t index);  // to a leaf, or to a branch of unresolved children
   void resolve_voxel(std::int32_t index);
@@ -134,14 +107,14 @@ class RegionTree {
   void become_leaf(RegionNode& node, Label label, const Vec3& axis = Vec3::Zero());
   void branch(std::int32_t index);
   void collapse(std::int32_t index);
-  void settle_below(std::int32_t index, std::size_t& budget);
+  void settle_below(std::int32_t index);
   bool is_fresh() const;  // no leaf was ever resolved, and no insertion waits
   void settle_fresh(const std::function<void(double)>& progress);
   std::exception_ptr settle_root(const RegionNode& root);
   void take_root(std::int32_t root, RegionTree& part);  // moves the nodes below the only root of `part` here
   void watch_cell(std::int32_t index);                  // watches the cell that walk_ has found
   bool watch_place(const Vec3& q, std::int32_t index);
-  bool settle_marked(std::size_t budget);
+  void settle_marked();
   void refresh_above(std::int32_t index);
   bool reaches(const RegionNode& node, const Vec3& at) const;
   void pass_to(std::int32_t index,
@@ -159,14 +132,6 @@ class RegionTree {
     Thresholds usual;                                // at the spacing that the regions are made for
     Thresholds widest;                               // at the coarsest spacing of the lattice
     Thresholds scaled;                               // storage of what limits_over() returns
-  };
-  struct Frame {
-    explicit Frame(const StateSpaceOptions& options);
-    VoxelGrid grid;
-    double voxel;  // h / 4 [m]
-    std::array<std::int32_t, 3> voxels{}, root_grid{};
-    int root_level;
-    std::size_t roots = 0;
   };
   struct NodePool {
     std::vector<RegionNode> nodes;
@@ -195,14 +160,13 @@ class RegionTree {
   struct Progress {
     std::vector<std::int32_t> marked;  // since settle() last resolved all leaves
     bool complete = false;  // settle() resolved all leaves once; unresolved ones lie below `marked`
-    std::size_t pending = 0;
   };
 
   DelaunayIndex& delaunay_;
   CoverageQuery query_;
   SpacingLimits thresholds_;
-  double link_deg_;
-  Frame frame_;
+  VoxelGrid grid_;
+  RootCubes roots_;
   NodePool pool_;
   Watches watches_;
   Insertions waiting_;
@@ -211,25 +175,8 @@ class RegionTree {
   Progress progress_;
 };
 
-inline Vec3 RegionTree::centre(const RegionNode& node) const {
-  if (node.level == 0) return frame_.grid.centre(node.low);
-  return frame_.grid.low_of(node.low) + Vec3::Constant(0.5 * frame_.voxel * node.width());
-}
-
-inline double RegionTree::reach(const RegionNode& node) const {
-  const double whole = 0.5 * (node.width() - 1) * frame_.voxel * std::numbers::sqrt3;
-  if (node.level == 0) return whole;
-  // The box may cut a voxel off: its centre is then up to half a voxel from the middle of the whole voxel,
-  // per axis.
-  for (std::size_t axis = 0; axis < 3; ++axis)
-    if (node.low[axis] == 0 || node.low[axis] + node.width() >= frame_.voxels[axis])
-      return whole + 0.5 * frame_.voxel * std::numbers::sqrt3;
-  return whole;
-}
-
 inline bool RegionTree::outside(const RegionNode& node) const {
-  return node.low[0] >= frame_.voxels[0] || node.low[1] >= frame_.voxels[1] ||
-         node.low[2] >= frame_.voxels[2];
+  return node.low[0] >= grid_.count[0] || node.low[1] >= grid_.count[1] || node.low[2] >= grid_.count[2];
 }
 
 inline void RegionTree::become_leaf(RegionNode& node, Label label, const Vec3& axis) {

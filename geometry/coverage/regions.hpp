@@ -12,8 +12,6 @@
 // may change are resolved later: label_at() resolves those on one path from the root, settle() all of them.
 // Const members resolve pending leaves, so only one thread may use the regions at a time.
 
-#include <array>
-#include <cstddef>
 #include <cstdint>
 #include <functional>
 #include <memory>
@@ -37,21 +35,14 @@ class Regions {
 
   // Label of the leaf that contains q; outside the box, the label at q itself.
   Label label_at(const Vec3& q) const;
-  double finest() const;  // side of the smallest leaf [m]
-  const Box& box() const;
 
-  // Resolves at most `budget` pending leaves; true when none is left. For the idle time of a planner.
-  bool settle(std::size_t budget = static_cast<std::size_t>(-1),
-              const std::function<void(double)>& progress = {}) const;
-
-  std::array<double, 4> volumes() const;            // [m^3], settles first
-  RegionSummary summary() const;                    // settles first; O(leaves)
-  double fill_distance() const;                     // [m]; at most 1e-3 h too small; infinite without states
-  std::optional<LargestHole> largest_hole() const;  // nullopt if no cell has its circumcentre in box and hull
+  void settle(const std::function<void(double)>& progress = {}) const;  // resolves all leaves
+  RegionSummary summary() const;                                        // settles first; O(voxels)
+  double fill_distance() const;                   // [m]; at most 1e-3 h too small; infinite without states
+  std::optional<EmptyBall> largest_hole() const;  // nullopt if no cell has its circumcentre in box and hull
 
   // To be called after each insertion into the indexes; disturbed: of DelaunayIndex.
   void inserted(const Vec3& at, std::span<const std::uint32_t> disturbed);
-  std::size_t pending() const;  // leaves marked since all were settled
 
  private:
   struct Impl;

@@ -1,8 +1,9 @@
-#include "geometry/coverage/safe_neighbours.hpp"
+// The safe components next to the others: those that share a facet, and for a gap those within its rim.
 
+#include <algorithm>
 #include <cmath>
 
-#include "geometry/coverage/coverage.hpp"
+#include "geometry/coverage/voxel_summary.hpp"
 
 namespace forefeel {
 namespace {
@@ -12,8 +13,8 @@ constexpr auto safe = static_cast<std::uint8_t>(Label::safe), gap = static_cast<
 
 class Search {
  public:
-  Search(const VoxelLabels& voxels, const VoxelRuns& runs, double rim)
-      : voxels_(voxels), runs_(runs), rim_(rim / voxels.grid.side) {}
+  Search(const VoxelLabels& voxels, const VoxelRuns& runs, const RimReach& rim)
+      : voxels_(voxels), runs_(runs), rim_of_(rim) {}
 
   void plane(std::int64_t k) {
     for (std::int64_t j = 0; j < voxels_.count[1]; ++j) {
@@ -59,15 +60,16 @@ class Search {
   }
   // The safe runs within the rim of a run of a gap. A voxel d voxels away is max(0, |d| - 1) sides away.
   void look_around(std::int64_t j, std::int64_t k, std::size_t row, std::uint32_t run) {
-    const auto reach = static_cast<std::int64_t>(std::floor(rim_ * (1 + 1e-12))) + 1;
+    const std::int32_t first = runs_.start(run), end = runs_.end(row, run);
+    const double rim = rim_of_(voxels_.centre_of((first + end) / 2, j, k)) / voxels_.grid.side;  // [voxels]
+    const auto reach = static_cast<std::int64_t>(std::floor(rim * (1 + 1e-12))) + 1;
     const auto apart = [](std::int64_t d) {
       return static_cast<double>(std::max<std::int64_t>(0, std::abs(d) - 1));
     };
-    const std::int32_t first = runs_.start(run), end = runs_.end(row, run);
     for (std::int64_t dk = -reach; dk <= reach; ++dk)
       for (std::int64_t dj = -reach; dj <= reach; ++dj) {
         if (j + dj < 0 || j + dj >= voxels_.count[1] || k + dk < 0 || k + dk >= voxels_.count[2]) continue;
-        const double left = rim_ * rim_ * (1 + 1e-12) - apart(dj) * apart(dj) - apart(dk) * apart(dk);
+        const double left = rim * rim * (1 + 1e-12) - apart(dj) * apart(dj) - apart(dk) * apart(dk);
         if (left < 0) continue;
         const auto along = static_cast<std::int32_t>(std::floor(std::sqrt(left))) + 1;
         const auto other = static_cast<std::size_t>((k + dk) * voxels_.count[1] + j + dj);
@@ -81,13 +83,13 @@ class Search {
 
   const VoxelLabels& voxels_;
   const VoxelRuns& runs_;
-  double rim_;  // [voxels]
+  const RimReach& rim_of_;
   std::size_t thinned_ = 0;
 };
 
 }  // namespace
 
-std::vector<Pair> safe_neighbours(const VoxelLabels& voxels, const VoxelRuns& runs, double rim) {
+std::vector<Pair> safe_neighbours(const VoxelLabels& voxels, const VoxelRuns& runs, const RimReach& rim) {
   std::vector<Pair> all;
 #pragma omp parallel
   {

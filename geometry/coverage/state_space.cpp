@@ -125,23 +125,11 @@ double StateSpace::spacing_at(const Vec3& q) const {
 }
 
 void StateSpace::nearest(const Vec3& q, std::size_t n, std::vector<StateId>& out) const {
-  thread_local std::vector<PointOctree::Neighbour> found;
-  impl_->points.nearest(q, n, found);
-  out.clear();
-  out.reserve(found.size());
-  for (const auto& neighbour : found) out.push_back({neighbour.id});
+  impl_->points.nearest(q, n, out);
 }
 
 void StateSpace::within(const Vec3& q, double radius, std::vector<StateId>& out) const {
-  thread_local std::vector<PointOctree::Neighbour> found;
-  found.clear();
-  impl_->points.for_each_within(q, radius, [&](std::uint32_t id, const Vec3&, double squared) {
-    found.push_back({squared, id});
-  });
-  std::sort(found.begin(), found.end());
-  out.clear();
-  out.reserve(found.size());
-  for (const auto& neighbour : found) out.push_back({neighbour.id});
+  impl_->points.within(q, radius, out);
 }
 
 StateId StateSpace::find(const Vec3& q) const {

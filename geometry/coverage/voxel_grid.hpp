@@ -7,10 +7,13 @@
 #include <array>
 #include <cmath>
 #include <cstdint>
+#include <numbers>
 
 #include "geometry/common/types.hpp"
 
 namespace forefeel {
+
+using Voxel = std::array<std::int32_t, 3>;
 
 struct VoxelGrid {
   Box box;                        // [m]
@@ -24,12 +27,10 @@ struct VoxelGrid {
     origin = box.centre() - 0.5 * side * Vec3(count[0], count[1], count[2]);
   }
 
-  Vec3 low_of(const std::array<std::int32_t, 3>& voxel) const {
-    return origin + side * Vec3(voxel[0], voxel[1], voxel[2]);
-  }
+  Vec3 low_of(const Voxel& voxel) const { return origin + side * Vec3(voxel[0], voxel[1], voxel[2]); }
   // The voxel that contains a place of the box.
-  std::array<std::int32_t, 3> voxel_of(const Vec3& q) const {
-    std::array<std::int32_t, 3> voxel{};
+  Voxel voxel_of(const Vec3& q) const {
+    Voxel voxel{};
     for (std::size_t axis = 0; axis < 3; ++axis) {
       const auto a = static_cast<Eigen::Index>(axis);
       const double last = std::min(count[axis] - 1, 2147483647.0);
@@ -38,13 +39,13 @@ struct VoxelGrid {
     return voxel;
   }
   // The cube of `width` voxels with its low corner at voxel `low`, cut off at the box.
-  Box cube(const std::array<std::int32_t, 3>& low, double width) const {
+  Box cube(const Voxel& low, double width) const {
     const Vec3 corner = low_of(low);
     return {corner.cwiseMax(box.low).cwiseMin(box.high),
             (corner + Vec3::Constant(side * width)).cwiseMin(box.high).cwiseMax(box.low)};
   }
   // The middle of the part of a voxel that lies in the box.
-  Vec3 centre(const std::array<std::int32_t, 3>& voxel) const {
+  Vec3 centre(const Voxel& voxel) const {
     const Vec3 low = low_of(voxel);
     const Vec3 below = (box.low - low).cwiseMax(0.0),
                above = (low + Vec3::Constant(side) - box.high).cwiseMax(0.0);
@@ -52,6 +53,42 @@ struct VoxelGrid {
     Vec3 middle = low + Vec3::Constant(0.5 * side);
     for (int axis = 0; axis < 3; ++axis) middle[axis] += 0.5 * (cut(below[axis]) - cut(above[axis]));
     return middle;
+  }
+  // The middle of a cube of `width` voxels, and how far from it the centres of its voxels lie at most. A voxel that the
+  // box cuts off has its centre up to half a voxel from the middle of the whole voxel, per axis.
+  Vec3 middle(const Voxel& low, std::int32_t width) const {
+    return width == 1 ? centre(low) : Vec3(low_of(low) + Vec3::Constant(0.5 * side * width));
+  }
+  double reach(const Voxel& low, std::int32_t width) const {
+    const double whole = 0.5 * (width - 1) * side * std::numbers::sqrt3;
+    if (width == 1) return whole;
+    for (std::size_t axis = 0; axis < 3; ++axis)
+      if (low[axis] == 0 || low[axis] + width >= count[axis]) return whole + 0.5 * side * std::numbers::sqrt3;
+    return whole;
+  }
+};
+
+// The cubes of 2^level voxels that cover a grid: of 32 voxels, or larger where there would be more than two million.
+struct RootCubes {
+  int level = 5;
+  std::array<std::int64_t, 3> count{};
+
+  explicit RootCubes(const VoxelGrid& grid) {
+    for (;; ++level) {
+      for (std::size_t axis = 0; axis < 3; ++axis)
+        count[axis] = ((static_cast<std::int64_t>(grid.count[axis]) - 1) >> level) + 1;
+      if (size() <= std::size_t{1} << 21) return;
+    }
+  }
+  std::size_t size() const { return static_cast<std::size_t>(count[0] * count[1] * count[2]); }
+  Voxel low(std::size_t root) const {
+    const auto r = static_cast<std::int64_t>(root);
+    return {static_cast<std::int32_t>((r % count[0]) << level),
+            static_cast<std::int32_t>((r / count[0] % count[1]) << level),
+            static_cast<std::int32_t>((r / count[0] / count[1]) << level)};
+  }
+  std::int64_t root_of(const Voxel& v) const {
+    return ((v[2] >> level) * count[1] + (v[1] >> level)) * count[0] + (v[0] >> level);
   }
 };
 

@@ -10,8 +10,6 @@
 
 namespace forefeel {
 
-using Voxel = std::array<std::int32_t, 3>;
-
 struct VoxelLabels {
   VoxelGrid grid;
   std::array<std::int64_t, 3> count{};           // voxels along each axis
@@ -36,6 +34,22 @@ struct VoxelLabels {
   }
   std::size_t index(std::int64_t i, std::int64_t j, std::int64_t k) const {
     return static_cast<std::size_t>((k * count[1] + j) * count[0] + i);
+  }
+  Voxel voxel(std::size_t index) const {
+    const auto i = static_cast<std::int64_t>(index), row = i / count[0];
+    return {static_cast<std::int32_t>(i % count[0]), static_cast<std::int32_t>(row % count[1]),
+            static_cast<std::int32_t>(row / count[1])};
+  }
+  // The cube of `width` voxels with its low corner at `from`, as far as it lies in the box.
+  void fill(const Voxel& from, std::int32_t width, std::uint8_t value) {
+    std::array<std::int64_t, 3> end{};
+    for (std::size_t axis = 0; axis < 3; ++axis)
+      end[axis] = std::min<std::int64_t>(from[axis] + width, count[axis]);
+    for (std::int64_t k = from[2]; k < end[2]; ++k)
+      for (std::int64_t j = from[1]; j < end[1]; ++j) {
+        std::uint8_t* const row = label.data() + index(0, j, k);
+        std::fill(row + from[0], row + end[0], value);
+      }
   }
   Vec3 centre_of(std::int64_t i, std::int64_t j, std::int64_t k) const {
     return {centre[0][static_cast<std::size_t>(i)], centre[1][static_cast<std::size_t>(j)],

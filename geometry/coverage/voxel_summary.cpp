@@ -3,46 +3,20 @@
 #include <algorithm>
 #include <cmath>
 #include <numeric>
-#include <set>
-#include <utility>
 
-#include "geometry/coverage/bridge.hpp"
-#include "geometry/coverage/safe_neighbours.hpp"
-#include "geometry/coverage/voxel_runs.hpp"
+#include "geometry/common/error.hpp"
 
 namespace forefeel {
 namespace {
 
-constexpr std::size_t most_roots = 1u << 21;
-
-// Cubes of voxels that are searched for leaves one by one, and the order of voxels within and among them.
-struct Roots {
-  int level = 5;
-  std::array<std::int64_t, 3> count{};
-
-  explicit Roots(const VoxelLabels& voxels) {
-    for (;; ++level) {
-      for (std::size_t axis = 0; axis < 3; ++axis) count[axis] = ((voxels.count[axis] - 1) >> level) + 1;
-      if (static_cast<std::size_t>(count[0] * count[1] * count[2]) <= most_roots) return;
-    }
-  }
-  std::size_t size() const { return static_cast<std::size_t>(count[0] * count[1] * count[2]); }
-  Voxel low(std::size_t root) const {
-    const auto r = static_cast<std::int64_t>(root);
-    return {static_cast<std::int32_t>((r % count[0]) << level),
-            static_cast<std::int32_t>((r / count[0] % count[1]) << level),
-            static_cast<std::int32_t>((r / count[0] / count[1]) << level)};
-  }
-  // Increases along the order in which leaves are listed.
-  std::uint64_t key(const Voxel& v) const {
-    auto value = static_cast<std::uint64_t>(((v[2] >> level) * count[1] + (v[1] >> level)) * count[0] +
-                                            (v[0] >> level));
-    for (int bit = level - 1; bit >= 0; --bit)
-      value = value << 3 |
-              static_cast<std::uint64_t>((v[0] >> bit & 1) | (v[1] >> bit & 1) << 1 | (v[2] >> bit & 1) << 2);
-    return value;
-  }
-};
+// Increases along the order in which leaves are listed.
+std::uint64_t key_of(const RootCubes& roots, const Voxel& v) {
+  auto value = static_cast<std::uint64_t>(roots.root_of(v));
+  for (int bit = roots.level - 1; bit >= 0; --bit)
+    value = value << 3 |
+            static_cast<std::uint64_t>((v[0] >> bit & 1) | (v[1] >> bit & 1) << 1 | (v[2] >> bit & 1) << 2);
+  return value;
+}
 
 // Of the leaves of a component: their number, and the largest, the first of several.
 struct LeafTally {
@@ -65,7 +39,7 @@ struct Cube {
 
 class Leaves {
  public:
-  Leaves(const VoxelLabels& voxels, const VoxelRuns& runs, const Roots& roots)
+  Leaves(const VoxelLabels& voxels, const VoxelRuns& runs, const RootCubes& roots)
       : voxels_(voxels), runs_(runs), roots_(roots), tally(runs.components()) {}
 
   // Lists the leaves of a root in `cubes`.
@@ -74,7 +48,7 @@ class Leaves {
     collect(roots_.low(root), 1 << roots_.level);
     for (const Cube& cube : cubes)
       tally[component(cube)].take(
-          {.leaves = 1, .width = cube.width, .key = roots_.key(cube.low), .low = cube.low});
+          {.leaves = 1, .width = cube.width, .key = key_of(roots_, cube.low), .low = cube.low});
   }
   std::uint32_t component(const Cube& cube) const {
     const auto row = static_cast<std::size_t>(cube.low[2] * voxels_.count[1] + cube.low[1]);
@@ -113,14 +87,14 @@ class Leaves {
 
   const VoxelLabels& voxels_;
   const VoxelRuns& runs_;
-  const Roots& roots_;
+  const RootCubes& roots_;
 
  public:
   std::vector<LeafTally> tally;  // by component
 };
 
 // Volumes and bounds. first: the key of the first voxel of each component.
-std::vector<RegionComponent> measure(const VoxelLabels& voxels, const VoxelRuns& runs, const Roots& roots,
+std::vector<RegionComponent> measure(const VoxelLabels& voxels, const VoxelRuns& runs, const RootCubes& roots,
                                      std::vector<std::uint64_t>& first) {
   std::vector<RegionComponent> found(runs.components());
   first.assign(found.size(), ~std::uint64_t{0});
@@ -139,15 +113,16 @@ std::vector<RegionComponent> measure(const VoxelLabels& voxels, const VoxelRuns&
       mine.label = static_cast<Label>(voxels.label[row * static_cast<std::size_t>(voxels.count[0]) + from]);
       mine.volume += (high.x() - low.x()) * area;
       mine.bounds = {mine.bounds.low.cwiseMin(low), mine.bounds.high.cwiseMax(high)};
-      first[c] = std::min(first[c], roots.key({static_cast<std::int32_t>(from), static_cast<std::int32_t>(j),
-                                               static_cast<std::int32_t>(k)}));
+      first[c] =
+          std::min(first[c], key_of(roots, {static_cast<std::int32_t>(from), static_cast<std::int32_t>(j),
+                                            static_cast<std::int32_t>(k)}));
     }
   }
   return found;
 }
 
 // The leaves of all components, and of each their number and the middle of the largest.
-std::vector<RegionLeaf> find_leaves(const VoxelLabels& voxels, const VoxelRuns& runs, const Roots& roots,
+std::vector<RegionLeaf> find_leaves(const VoxelLabels& voxels, const VoxelRuns& runs, const RootCubes& roots,
                                     bool with_leaves, std::vector<RegionComponent>& components) {
   std::vector<LeafTally> tally(components.size());
   std::vector<std::vector<RegionLeaf>> of_root(with_leaves ? roots.size() : 0);
@@ -180,9 +155,9 @@ std::vector<RegionLeaf> find_leaves(const VoxelLabels& voxels, const VoxelRuns& 
 
 }  // namespace
 
-RegionSummary summarise(const VoxelLabels& voxels, double rim, bool with_leaves) {
+RegionSummary summarise(const VoxelLabels& voxels, const RimReach& rim, bool with_leaves) {
   const VoxelRuns runs(voxels);
-  const Roots roots(voxels);
+  const RootCubes roots(voxels.grid);
   std::vector<std::uint64_t> first;
   std::vector<RegionComponent> found = measure(voxels, runs, roots, first);
   RegionSummary result;
@@ -210,6 +185,22 @@ RegionSummary summarise(const VoxelLabels& voxels, double rim, bool with_leaves)
     result.leaf_count += c.leaves;
   }
   return result;
+}
+
+RegionSummary sample_regions(const Box& box, double spacing, double rim,
+                             const std::function<Label(const Vec3&)>& label) {
+  double total = 1;
+  for (const double n : VoxelGrid(box, spacing / 4).count) total *= n;
+  if (!(total <= 4e8))
+    throw InputError("box", "holds more than 4e8 voxels of h/4, expected a smaller box or a larger spacing");
+  VoxelLabels voxels(box, spacing / 4, 0);
+#pragma omp parallel for schedule(dynamic)
+  for (std::int64_t k = 0; k < voxels.count[2]; ++k)
+    for (std::int64_t j = 0; j < voxels.count[1]; ++j)
+      for (std::int64_t i = 0; i < voxels.count[0]; ++i)
+        voxels.label[voxels.index(i, j, k)] = static_cast<std::uint8_t>(label(voxels.centre_of(i, j, k)));
+  return summarise(
+      voxels, [rim](const Vec3&) { return rim; }, true);
 }
 
 }  // namespace forefeel

@@ -164,14 +164,8 @@ DelaunayIndex::~DelaunayIndex() = default;
 DelaunayIndex::DelaunayIndex(DelaunayIndex&&) noexcept = default;
 DelaunayIndex& DelaunayIndex::operator=(DelaunayIndex&&) noexcept = default;
 
-std::size_t DelaunayIndex::size() const {
-  return impl_->triangulation.number_of_vertices();
-}
 int DelaunayIndex::dimension() const {
   return impl_->triangulation.dimension();
-}
-std::size_t DelaunayIndex::cell_count() const {
-  return impl_->triangulation.number_of_finite_cells();
 }
 std::span<const std::uint32_t> DelaunayIndex::disturbed() const {
   return impl_->disturbed;
@@ -271,11 +265,13 @@ void DelaunayIndex::watch(const void* cell, std::uint32_t token) {
 std::vector<DelaunayIndex::Cell> DelaunayIndex::cells() const {
   std::vector<Cell> result;
   if (dimension() < 3) return result;
-  result.reserve(cell_count());
+  result.reserve(impl_->triangulation.number_of_finite_cells());
   for (const CellHandle cell : impl_->triangulation.finite_cell_handles()) {
     Cell out;
     for (int i = 0; i < 4; ++i) out.states[static_cast<std::size_t>(i)] = {cell->vertex(i)->info()};
-    out.circumradius = circumradius(cell);
+    const Vec3 centre = circumcentre(cell);
+    out.centre = vec(cell->vertex(0)->point()) + centre;
+    out.circumradius = centre.norm();
     result.push_back(out);
   }
   return result;
@@ -288,17 +284,6 @@ std::vector<StateId> DelaunayIndex::hull_states() const {
   impl_->triangulation.finite_adjacent_vertices(impl_->triangulation.infinite_vertex(),
                                                 std::back_inserter(corners));
   for (const VertexHandle corner : corners) result.push_back({corner->info()});
-  return result;
-}
-
-std::vector<DelaunayIndex::Ball> DelaunayIndex::circumballs() const {
-  std::vector<Ball> result;
-  if (dimension() < 3) return result;
-  result.reserve(cell_count());
-  for (const CellHandle cell : impl_->triangulation.finite_cell_handles()) {
-    const Vec3 centre = circumcentre(cell);
-    if (centre.allFinite()) result.push_back({vec(cell->vertex(0)->point()) + centre, centre.norm()});
-  }
   return result;
 }
 

@@ -43,7 +43,6 @@ class DelaunayIndex {
   DelaunayIndex(DelaunayIndex&&) noexcept;
   DelaunayIndex& operator=(DelaunayIndex&&) noexcept;
 
-  std::size_t size() const;
   int dimension() const;  // of the affine hull of the states; -1 while there are none
 
   // Adds a state. near: a known state close to it, or an invalid id. Returns the id of the state at exactly
@@ -65,18 +64,14 @@ class DelaunayIndex {
   void watch(const void* cell, std::uint32_t token);  // walk.cell of such a walk; no insert() in between
   std::span<const std::uint32_t> disturbed() const;   // tokens that the last insert() reports, each once
 
+  // The ball through the corners of a cell holds no state; it is infinite where the cell is flat.
   struct Cell {
     std::array<StateId, 4> states;  // positively oriented
+    Vec3 centre;                    // of the ball [m]
     double circumradius = 0;        // [m]
   };
-  std::vector<Cell> cells() const;  // finite ones
-  std::size_t cell_count() const;
+  std::vector<Cell> cells() const;           // finite ones
   std::vector<StateId> hull_states() const;  // corners of the hull's facets
-  struct Ball {
-    Vec3 centre;        // [m]
-    double radius = 0;  // [m]
-  };
-  std::vector<Ball> circumballs() const;  // of the finite cells that are not flat: the largest empty balls
 
  private:
   struct Impl;

@@ -257,4 +257,30 @@ void PointOctree::nearest(const Vec3& q, std::size_t n, std::vector<Neighbour>& 
   std::sort_heap(out.begin(), out.end());
 }
 
+namespace {
+
+void keep_ids(const std::vector<PointOctree::Neighbour>& found, std::vector<StateId>& out) {
+  out.clear();
+  out.reserve(found.size());
+  for (const PointOctree::Neighbour& neighbour : found) out.push_back({neighbour.id});
+}
+
+}  // namespace
+
+void PointOctree::nearest(const Vec3& q, std::size_t n, std::vector<StateId>& out) const {
+  thread_local std::vector<Neighbour> found;
+  nearest(q, n, found);
+  keep_ids(found, out);
+}
+
+void PointOctree::within(const Vec3& q, double radius, std::vector<StateId>& out) const {
+  thread_local std::vector<Neighbour> found;
+  found.clear();
+  for_each_within(q, radius, [&](std::uint32_t id, const Vec3&, double squared) {
+    found.push_back({squared, id});
+  });
+  std::sort(found.begin(), found.end());
+  keep_ids(found, out);
+}
+
 }  // namespace forefeel

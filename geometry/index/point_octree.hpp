@@ -12,6 +12,7 @@
 #include <vector>
 
 #include "geometry/common/types.hpp"
+#include "geometry/states/state.hpp"
 
 namespace forefeel {
 
@@ -32,8 +33,10 @@ class PointOctree {
 
   // The nearest point within `reach` [m]; id `nobody` if there is none. The lowest id wins a tie.
   Neighbour nearest(const Vec3& q, double reach = std::numeric_limits<double>::infinity()) const;
-  // The n nearest by distance, ties by id.
+  // The n nearest, or those within a radius [m]: by distance, ties by id.
   void nearest(const Vec3& q, std::size_t n, std::vector<Neighbour>& out) const;
+  void nearest(const Vec3& q, std::size_t n, std::vector<StateId>& out) const;
+  void within(const Vec3& q, double radius, std::vector<StateId>& out) const;
 
   // visit(id, offset from q, squared distance) for every point with |x - q| <= radius, in no particular
   // order.
@@ -41,6 +44,11 @@ class PointOctree {
   void for_each_within(const Vec3& q, double radius, Visit&& visit) const {
     if (nodes_.empty()) return;
     visit_within(0, centre_, half_, q, radius * radius, visit);
+  }
+
+  // Appends the offsets from q of the points within the radius.
+  void offsets_within(const Vec3& q, double radius, std::vector<Vec3>& out) const {
+    for_each_within(q, radius, [&](std::uint32_t, const Vec3& offset, double) { out.push_back(offset); });
   }
 
   // Finds the point x within `reach` of q with the largest value of axis . d - cosine |d| + margin, d = x - q.

@@ -10,6 +10,7 @@ namespace {
 
 constexpr std::array<std::pair<std::string_view, double>, 4> units{
     {{"m", 1}, {"cm", 1e-2}, {"mm", 1e-3}, {"um", 1e-6}}};
+constexpr double shortest_likely = 1e-3, longest_likely = 3;        // where no other unit is suggested [m]
 constexpr double shortest_suggested = 5e-3, longest_suggested = 2;  // longest side of an organ or limb [m]
 
 }  // namespace

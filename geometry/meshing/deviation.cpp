@@ -8,6 +8,12 @@
 #include "geometry/meshing/surface_summary.hpp"
 
 namespace forefeel {
+namespace {
+
+constexpr double large_volume_change = 0.05;
+constexpr double large_hausdorff = 0.05;  // of the longest side
+
+}  // namespace
 
 Deviation deviation_of(const Surface& surface, const TetMesh& mesh, double hausdorff,
                        std::optional<double> length) {

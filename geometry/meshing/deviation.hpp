@@ -23,10 +23,8 @@ struct Deviation {
 Deviation deviation_of(const Surface& surface, const TetMesh& mesh, double hausdorff,
                        std::optional<double> length = std::nullopt);
 
-inline constexpr double large_volume_change = 0.05;
-inline constexpr double large_hausdorff = 0.05;  // of the longest side
-
-// One sentence for each of the two deviations (volume, distance) that is large: what, how much, what to do.
+// One sentence for each of the two deviations that is above 5 % (of the volume; of the longest side): what, how much,
+// what to do.
 std::vector<std::string> in_words(const Deviation& deviation, const RepairReport& repair);
 
 }  // namespace forefeel

@@ -2,10 +2,11 @@
 #include <algorithm>
 #include <cmath>
 #include <numbers>
-#include <numeric>
 #include <set>
 
+#include "geometry/common/union_find.hpp"
 #include "geometry/meshing/tet_fill.hpp"
+#include "geometry/meshing/tet_improve.hpp"
 
 namespace forefeel {
 namespace {
@@ -16,29 +17,24 @@ Triangle sorted(Triangle t) {
 }
 
 // Number of the region of each tetrahedron. A region is connected without crossing the surface.
-std::vector<int> regions_of(const TetMesh& mesh, const Surface& surface) {
+std::vector<std::uint32_t> regions_of(const TetMesh& mesh, const Surface& surface) {
   std::set<Triangle> walls;
   for (const Triangle& t : surface.triangles) walls.insert(sorted(t));
-  std::vector<std::pair<Triangle, int>> sides;
+  std::vector<std::pair<Triangle, std::uint32_t>> sides;
   for (std::size_t t = 0; t < mesh.tets.size(); ++t)
     for (std::size_t k = 0; k < 4; ++k) {
       const Tet& tet = mesh.tets[t];
-      sides.emplace_back(sorted({tet[(k + 1) % 4], tet[(k + 2) % 4], tet[(k + 3) % 4]}), static_cast<int>(t));
+      sides.emplace_back(sorted({tet[(k + 1) % 4], tet[(k + 2) % 4], tet[(k + 3) % 4]}),
+                         static_cast<std::uint32_t>(t));
     }
   std::ranges::sort(sides);
-  std::vector<int> parent(mesh.tets.size());
-  std::iota(parent.begin(), parent.end(), 0);
-  const auto root = [&](int i) {
-    while (parent[static_cast<std::size_t>(i)] != i)
-      i = parent[static_cast<std::size_t>(i)] =
-          parent[static_cast<std::size_t>(parent[static_cast<std::size_t>(i)])];
-    return i;
-  };
+  UnionFind sets(mesh.tets.size());
   for (std::size_t i = 0; i + 1 < sides.size(); ++i)
     if (sides[i].first == sides[i + 1].first && !walls.contains(sides[i].first))
-      parent[static_cast<std::size_t>(root(sides[i + 1].second))] = root(sides[i].second);
-  for (std::size_t t = 0; t < parent.size(); ++t) parent[t] = root(static_cast<int>(t));
-  return parent;
+      sets.join(sides[i].second, sides[i + 1].second);
+  std::vector<std::uint32_t> region(mesh.tets.size());
+  for (std::uint32_t t = 0; t < region.size(); ++t) region[t] = sets.find(t);
+  return region;
 }
 
 // Solid angle of a triangle seen from q, over 4 pi (Van Oosterom and Strackee 1983).
@@ -58,29 +54,14 @@ double winding_number(const Surface& surface, const Vec3& q) {
   return sum;
 }
 
-// Removes nodes that no tetrahedron uses, except those of the surface, which come first.
-void compact(TetMesh& mesh, std::size_t keep) {
-  std::vector<char> used(mesh.nodes.size(), 0);
-  std::fill_n(used.begin(), std::min(keep, used.size()), char{1});
-  for (const Tet& tet : mesh.tets)
-    for (const NodeIndex node : tet) used[static_cast<std::size_t>(node)] = 1;
-  std::vector<NodeIndex> number(mesh.nodes.size(), -1);
-  NodeIndex next = 0;
-  for (std::size_t i = 0; i < used.size(); ++i)
-    if (used[i]) mesh.nodes[static_cast<std::size_t>(next)] = mesh.nodes[i], number[i] = next++;
-  mesh.nodes.resize(static_cast<std::size_t>(next));
-  for (Tet& tet : mesh.tets)
-    for (NodeIndex& node : tet) node = number[static_cast<std::size_t>(node)];
-}
-
 }  // namespace
 
 void drop_cavities(TetMesh& mesh, const Surface& surface) {
-  const std::vector<int> region = regions_of(mesh, surface);
+  const std::vector<std::uint32_t> region = regions_of(mesh, surface);
   std::vector<int> inside(mesh.tets.size(), -1);  // by region; -1: not yet known
   std::vector<Tet> kept;
   for (std::size_t t = 0; t < mesh.tets.size(); ++t) {
-    int& known = inside[static_cast<std::size_t>(region[t])];
+    int& known = inside[region[t]];
     if (known < 0) {
       Vec3 centre = Vec3::Zero();
       for (const NodeIndex node : mesh.tets[t]) centre += mesh.nodes[static_cast<std::size_t>(node)] / 4;
@@ -90,7 +71,7 @@ void drop_cavities(TetMesh& mesh, const Surface& surface) {
   }
   if (kept.size() == mesh.tets.size()) return;
   mesh.tets = std::move(kept);
-  compact(mesh, surface.nodes.size());
+  drop_unused_nodes(mesh, surface.nodes.size());
 }
 
 }  // namespace forefeel

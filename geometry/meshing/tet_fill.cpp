@@ -149,7 +149,8 @@ bool fills(const TetMesh& mesh, const Surface& surface) {
 std::optional<TetMesh> fill_with_tets(const Surface& surface, const TetFillOptions& options,
                                       std::string& problem) {
   if (options.fills) ++*options.fills;
-  std::string switches = fmt::format("pQO7/7q{:.3f}/{:.1f}", options.radius_edge, options.min_dihedral_deg);
+  // -q: circumradius at most 1.3 shortest edges, dihedral angles of 14 degrees wanted (TetGen does not always reach them)
+  std::string switches = "pQO7/7q1.300/14.0";
   if (options.keep_surface) switches += "Y";
   const double scale = scale_for(surface);
   if (options.max_volume > 0) switches += fmt::format("a{:.9f}", options.max_volume * scale * scale * scale);

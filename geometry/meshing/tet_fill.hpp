@@ -15,8 +15,6 @@ namespace forefeel {
 
 struct TetFillOptions {
   double max_volume = 0;                        // bound on each tetrahedron [m^3]; 0: none
-  double radius_edge = 1.3;                     // bound on circumradius / shortest edge (TetGen -q)
-  double min_dihedral_deg = 14;                 // wanted; TetGen does not always reach it
   bool keep_surface = true;                     // no new nodes on the surface (TetGen -Y)
   bool improve = true;                          // flips and smoothing afterwards (tet_improve.hpp)
   std::chrono::milliseconds patience{120'000};  // then the child process is killed

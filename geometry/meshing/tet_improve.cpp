@@ -12,6 +12,9 @@
 namespace forefeel {
 namespace {
 
+constexpr int rounds = 4;
+constexpr double peel_below_deg =
+    6;  // a flat tetrahedron on the surface is removed below this dihedral angle
 constexpr int faces[4][3] = {{1, 2, 3}, {0, 3, 2}, {0, 1, 3}, {0, 2, 1}};  // outward, opposite node i
 
 // Least sine of a dihedral angle; negative for an inverted tetrahedron. The sine penalises angles near 0 and near 180
@@ -52,10 +55,10 @@ class Improver {
   void run() {
     if (mesh_.nodes.size() >= (1u << 21)) return;
     if (!options_.flips) {
-      for (int k = 0; k < 3 * options_.rounds; ++k) smooth();
+      for (int k = 0; k < 3 * rounds; ++k) smooth();
       return;
     }
-    for (int round = 0; round < options_.rounds; ++round) {
+    for (int round = 0; round < rounds; ++round) {
       while (peel()) {
       }
       flip_faces();
@@ -64,7 +67,7 @@ class Improver {
     }
     while (peel()) {
     }
-    drop_unused();
+    drop_unused_nodes(mesh_, 0);
   }
 
  private:
@@ -108,7 +111,7 @@ class Improver {
                                          tet[std::size_t(faces[all[i].side][(k + 1) % 3])]));
     }
     std::ranges::sort(surface_edges);
-    const double limit = std::sin(options_.peel_below_deg * std::numbers::pi / 180);
+    const double limit = std::sin(peel_below_deg * std::numbers::pi / 180);
     std::vector<char> gone(mesh_.tets.size(), 0), busy(mesh_.nodes.size(), 0);
     bool any = false;
     for (std::size_t t = 0; t < mesh_.tets.size(); ++t) {
@@ -167,18 +170,6 @@ class Improver {
     for (std::size_t t = 0; t < mesh_.tets.size(); ++t)
       if (!gone[t]) mesh_.tets[kept++] = mesh_.tets[t];
     mesh_.tets.resize(kept);
-  }
-
-  void drop_unused() {
-    std::vector<NodeIndex> number(mesh_.nodes.size(), -1);
-    for (const Tet& tet : mesh_.tets)
-      for (const NodeIndex node : tet) number[std::size_t(node)] = 0;
-    NodeIndex next = 0;
-    for (std::size_t i = 0; i < number.size(); ++i)
-      if (number[i] == 0) mesh_.nodes[std::size_t(next)] = mesh_.nodes[i], number[i] = next++;
-    mesh_.nodes.resize(std::size_t(next));
-    for (Tet& tet : mesh_.tets)
-      for (NodeIndex& node : tet) node = number[std::size_t(node)];
   }
 
   // 2-3: two tetrahedra over a common face become three around the edge between their tops.
@@ -368,6 +359,20 @@ class Improver {
 
 void improve_shapes(TetMesh& mesh, const ImproveOptions& options) {
   Improver(mesh, options).run();
+}
+
+void drop_unused_nodes(TetMesh& mesh, std::size_t keep) {
+  std::vector<char> used(mesh.nodes.size(), 0);
+  std::fill_n(used.begin(), std::min(keep, used.size()), char{1});
+  for (const Tet& tet : mesh.tets)
+    for (const NodeIndex node : tet) used[static_cast<std::size_t>(node)] = 1;
+  std::vector<NodeIndex> number(mesh.nodes.size(), -1);
+  NodeIndex next = 0;
+  for (std::size_t i = 0; i < used.size(); ++i)
+    if (used[i]) mesh.nodes[static_cast<std::size_t>(next)] = mesh.nodes[i], number[i] = next++;
+  mesh.nodes.resize(static_cast<std::size_t>(next));
+  for (Tet& tet : mesh.tets)
+    for (NodeIndex& node : tet) node = number[static_cast<std::size_t>(node)];
 }
 
 }  // namespace forefeel

@@ -15,11 +15,12 @@ namespace forefeel {
 
 struct ImproveOptions {
   std::size_t fixed_nodes = 0;  // the first `fixed_nodes` nodes lie on the surface and stay in place
-  int rounds = 4;
-  bool flips = true;          // false: only nodes move; tetrahedra and their numbers stay
-  double peel_below_deg = 6;  // a flat tetrahedron on the surface is removed below this dihedral angle [deg]
+  bool flips = true;            // false: only nodes move; tetrahedra and their numbers stay
 };
 
 void improve_shapes(TetMesh& mesh, const ImproveOptions& options);
+
+// Removes nodes that no tetrahedron uses, except the first `keep`; the others keep their order.
+void drop_unused_nodes(TetMesh& mesh, std::size_t keep);
 
 }  // namespace forefeel

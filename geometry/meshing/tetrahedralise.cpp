@@ -12,7 +12,6 @@
 #include "geometry/common/error.hpp"
 #include "geometry/meshing/child_process.hpp"
 #include "geometry/meshing/meshing_progress.hpp"
-#include "geometry/meshing/shared_value.hpp"
 #include "geometry/meshing/surface.hpp"
 #include "geometry/meshing/surface_process.hpp"
 #include "geometry/meshing/tet_fill.hpp"
@@ -173,22 +172,15 @@ constexpr int input_error = 10, no_memory = 11, other_error = 12;
 
 bool send(int out, const TetrahedraliseReport& report, const TetMesh& mesh) {
   static_assert(std::is_trivially_copyable_v<TetrahedraliseReport>);
-  const std::uint64_t counts[2] = {mesh.nodes.size(), mesh.tets.size()};
-  return write_to(out, &report, sizeof report) && write_to(out, counts, sizeof counts) &&
-         write_to(out, mesh.nodes.data(), sizeof(Vec3) * mesh.nodes.size()) &&
-         write_to(out, mesh.tets.data(), sizeof(Tet) * mesh.tets.size());
+  return write_to(out, &report, sizeof report) && write_to(out, mesh.nodes) && write_to(out, mesh.tets);
 }
 
 TetMesh received(const std::string& data, TetrahedraliseReport& report) {
-  std::uint64_t counts[2];
+  ChildAnswer answer(data);
   TetMesh mesh;
-  const char* at = data.data();
-  const auto take = [&](void* to, std::size_t size) { std::memcpy(to, at, size), at += size; };
-  take(&report, sizeof report);
-  take(counts, sizeof counts);
-  mesh.nodes.resize(counts[0]), mesh.tets.resize(counts[1]);
-  take(static_cast<void*>(mesh.nodes.data()), sizeof(Vec3) * mesh.nodes.size());
-  take(mesh.tets.data(), sizeof(Tet) * mesh.tets.size());
+  answer.take(&report, sizeof report);
+  answer.take(mesh.nodes);
+  answer.take(mesh.tets);
   return mesh;
 }
 

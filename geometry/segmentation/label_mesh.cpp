@@ -10,7 +10,6 @@
 
 #include "geometry/common/error.hpp"
 #include "geometry/meshing/child_process.hpp"
-#include "geometry/meshing/shared_value.hpp"
 #include "geometry/segmentation/label_domain.hpp"
 
 namespace forefeel {
@@ -68,21 +67,6 @@ struct Made {
   double hausdorff = 0;
 };
 
-template <class T>
-bool send(int out, const std::vector<T>& values) {
-  const std::uint64_t count = values.size();
-  return write_to(out, &count, sizeof count) && write_to(out, values.data(), sizeof(T) * values.size());
-}
-
-template <class T>
-void take(const char*& at, std::vector<T>& values) {
-  std::uint64_t count = 0;
-  std::memcpy(&count, at, sizeof count);
-  values.resize(count);
-  std::memcpy(static_cast<void*>(values.data()), at + sizeof count, sizeof(T) * count);
-  at += sizeof count + sizeof(T) * count;
-}
-
 // Another number of elements, within the 5 % that are allowed, gives another mesh, perhaps without flat tetrahedra.
 LabelledTets without_flat_tets(const LabelDomain& domain, std::size_t elements, double seconds,
                                LabelTold& told) {
@@ -102,19 +86,19 @@ int make_in_child(int out, const LabelDomain& domain, const Surface& voxels, con
   told.step = static_cast<int>(LabelMeshStep::compare);
   const TetMesh mesh{.nodes = made.mesh.nodes, .tets = made.mesh.tets, .groups = {}};
   if (!mesh.tets.empty()) made.hausdorff = hausdorff_distance(voxels, boundary_surface(mesh));
-  return write_to(out, &made.hausdorff, sizeof made.hausdorff) && send(out, made.mesh.nodes) &&
-                 send(out, made.mesh.tets) && send(out, made.mesh.subdomain)
+  return write_to(out, &made.hausdorff, sizeof made.hausdorff) && write_to(out, made.mesh.nodes) &&
+                 write_to(out, made.mesh.tets) && write_to(out, made.mesh.subdomain)
              ? 0
              : child_cut_short;
 }
 
 Made received(const std::string& data) {
   Made made;
-  std::memcpy(&made.hausdorff, data.data(), sizeof made.hausdorff);
-  const char* at = data.data() + sizeof made.hausdorff;
-  take(at, made.mesh.nodes);
-  take(at, made.mesh.tets);
-  take(at, made.mesh.subdomain);
+  ChildAnswer answer(data);
+  answer.take(&made.hausdorff, sizeof made.hausdorff);
+  answer.take(made.mesh.nodes);
+  answer.take(made.mesh.tets);
+  answer.take(made.mesh.subdomain);
   return made;
 }
 

@@ -50,7 +50,7 @@ std::filesystem::path found_from(const std::filesystem::path& folder, const std:
 
 Trace read_trace(const std::filesystem::path& file, bool whole_lines) {
   constexpr std::string_view columns[] = {"t", "x", "y", "z"};
-  const CsvTable table = read_csv(file, columns, {.whole_lines = whole_lines});
+  const CsvTable table = read_csv(file, columns, whole_lines);
   Trace trace;
   for (std::size_t i = 0; i < table.rows(); ++i) {
     const double t = table.at(i, 0) - table.at(0, 0);

@@ -71,7 +71,7 @@ std::vector<Vec3> clusters(std::size_t n) {
   return at;
 }
 
-RegionSummary by_triangulation(std::span<const Vec3> states, double& fill, std::optional<LargestHole>& hole) {
+RegionSummary by_triangulation(std::span<const Vec3> states, double& fill, std::optional<EmptyBall>& hole) {
   StateSpace space({.spacing = h, .box = box});
   for (const Vec3& at : states) {
     State state;
@@ -143,7 +143,7 @@ TEST_CASE("a map has the regions of one triangulation of all states") {
   for (const auto& [name, states] : cases) {
     INFO(name);
     double fill = 0;
-    std::optional<LargestHole> hole;
+    std::optional<EmptyBall> hole;
     const RegionSummary regions = by_triangulation(states, fill, hole);
     const CoverageMap map(states, {.spacing = h, .box = box});
     check_same(map.summary(true), regions);

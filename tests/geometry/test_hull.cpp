@@ -8,9 +8,9 @@
 #include <cmath>
 #include <random>
 
-#include "geometry/coverage/region_sampling.hpp"
 #include "geometry/coverage/regions.hpp"
 #include "geometry/coverage/state_space.hpp"
+#include "geometry/coverage/voxel_summary.hpp"
 #include "geometry/index/delaunay_index.hpp"
 
 using namespace forefeel;
@@ -231,6 +231,6 @@ TEST_CASE("regions of a lattice that is filled in any order end up safe everywhe
         for (std::size_t label = 0; label < 4; ++label)
           REQUIRE(grown.volume[label] == Approx(sampled.volume[label]).margin(1e-15));
       }
-      REQUIRE(space.regions().volumes()[0] == Approx(box.size().prod()));
+      REQUIRE(space.regions().summary().volume[0] == Approx(box.size().prod()));
     }
 }
