@@ -12,8 +12,7 @@
 namespace forefeel {
 
 // The largest delta in the box, at most `tolerance` too small [m]. delta: distance to the nearest state [m]. known: a
-// value that delta is known to reach [m]; parts where delta is below it are
-// skipped.
+// value that delta is known to reach [m]; parts where delta is below it are skipped.
 double largest_distance(const std::function<double(const Vec3&)>& delta, const Box& box, double known,
                         double tolerance);
 

@@ -75,9 +75,13 @@ struct RootCubes {
 
   explicit RootCubes(const VoxelGrid& grid) {
     for (;; ++level) {
-      for (std::size_t axis = 0; axis < 3; ++axis)
-        count[axis] = ((static_cast<std::int64_t>(grid.count[axis]) - 1) >> level) + 1;
-      if (size() <= std::size_t{1} << 21) return;
+      double all = 1;
+      for (std::size_t axis = 0; axis < 3; ++axis) {
+        count[axis] =
+            ((static_cast<std::int64_t>(std::min(grid.count[axis], 2147483647.0)) - 1) >> level) + 1;
+        all *= static_cast<double>(count[axis]);
+      }
+      if (all <= 1u << 21) return;
     }
   }
   std::size_t size() const { return static_cast<std::size_t>(count[0] * count[1] * count[2]); }
