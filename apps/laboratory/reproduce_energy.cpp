@@ -44,9 +44,8 @@ std::vector<Vec3> centres(const StateSpaceOptions& space) {
   const Vec3 room = (0.5 * space.box.size() - Vec3::Constant(large * space.spacing)).cwiseMax(0);
   for (std::uint64_t p = 0; p < places; ++p) {
     Vec3 centre = space.box.centre();
-    for (int d = 0; d < 3; ++d)
-      centre[d] +=
-          0.8 * room[d] * (2 * random::uniform(random::mix(77, 3 * p + static_cast<std::uint64_t>(d))) - 1);
+    for (unsigned d = 0; d < 3; ++d)
+      centre[d] += 0.8 * room[d] * (2 * random::uniform(random::mix(77, 3 * p + d)) - 1);
     all.push_back(centre);
   }
   return all;
