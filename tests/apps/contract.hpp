@@ -32,14 +32,13 @@ inline nlohmann::json run_json(const Workshop& shop, const std::string& argument
   return outcome.json();
 }
 
-// Runs the command and sends SIGINT `seconds` after the shell's test `begun` holds. The command ends with 1
+// Runs the command and sends SIGINT `seconds` after the shell's condition `begun` holds. The command ends with 1
 // and reports it. The signal is sent twice at once, as timeout(1) does; it must count as one.
 inline Workshop::Outcome run_interrupted(const Workshop& shop, const std::string& arguments,
                                          const std::string& begun, double seconds) {
   const Workshop::Outcome outcome =
-      shop.shell(executable() + " " + arguments + " --json & p=$!; while ! [ " + begun +
-                 " ] && kill -0 $p 2>/dev/null; do sleep 0.01; done; sleep " + std::to_string(seconds) +
-                 "; kill -INT $p; kill -INT $p; wait $p");
+      shop.shell(executable() + " " + arguments + " --json & p=$!; " + wait_until(begun) + "sleep " +
+                 std::to_string(seconds) + "; kill -INT $p; kill -INT $p; wait $p");
   INFO("forefeel " << arguments << " --json\n" << outcome.err);
   CHECK(outcome.code == 1);
   CHECK(outcome.json()["interrupted"] == true);

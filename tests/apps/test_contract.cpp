@@ -16,7 +16,7 @@ TEST_CASE("an interrupt before anything began is said, and leaves nothing", "[co
   const std::string automatic =
       " --set state_space.spacing=auto --set session.error_floor=1e-6 --set state_space.tolerance=1e-9";
   const Workshop::Outcome measured =
-      run_interrupted(shop, "generate beam.toml -o s.states" + automatic, "0 = 0", 0.2);
+      run_interrupted(shop, "generate beam.toml -o s.states" + automatic, forefeel::test::takes_signals, 0.2);
   CHECK(measured.error_lines() == 1);
   CHECK_THAT(measured.err, Catch::Contains("interrupted") && Catch::Contains("nothing was written"));
   CHECK_FALSE(std::filesystem::exists(shop.path() / "s.states"));
@@ -48,9 +48,8 @@ TEST_CASE("generate that was killed goes on from what is on disk and ends with t
   const Workshop shop;
   shop.write("beam.toml", beam_scene());
   const std::string fine = " --set state_space.spacing=0.0004 --threads 1";  // 9261 states
-  shop.shell(forefeel::test::executable() + " generate beam.toml -o cut.states --quiet" + fine +
-             " & p=$!; while [ ! -s cut.states-wal ] && kill -0 $p 2>/dev/null; do sleep 0.01; done; sleep "
-             "0.2; kill -9 $p");
+  shop.shell(forefeel::test::executable() + " generate beam.toml -o cut.states --quiet" + fine + " & p=$!; " +
+             forefeel::test::wait_until("[ -s cut.states-wal ]") + "sleep 0.2; kill -9 $p");
   const json resumed = run_json(shop, "generate beam.toml -o cut.states" + fine);
   CHECK(resumed["resumed"].get<int>() > 0);
   CHECK(resumed["solved"].get<int>() > 0);

@@ -208,10 +208,10 @@ TEST_CASE("two commands on one cache: both give what one gives, and what they so
 TEST_CASE("a session that is interrupted writes what it has", "[contract]") {
   const Workshop shop;
   shop.write("beam.toml", beam_scene());
-  // The signal comes when its first states are on disk.
+  // The signal comes when its first states and frames are on disk.
   const Workshop::Outcome outcome =
       run_interrupted(shop, "session beam.toml --clock real --seconds 600 --device path:circle -o run",
-                      "-s run/session.states-wal", 0.5);
+                      "[ -s run/session.states-wal ] && " + is_larger("run/session.inputs"), 0);
   const auto frames = outcome.json()["frames"].get<std::size_t>();
   CHECK(frames > 0);
   CHECK(frames < 600000);
@@ -233,7 +233,7 @@ TEST_CASE("a fill that is interrupted says so, with what it has", "[contract]") 
       shop,
       "generate beam.toml -o s.states --set 'state_space.box=[[-0.02,-0.02,-0.02],[0.02,0.02,0.02]]' "
       "--set state_space.spacing=0.001 --threads 1",
-      "-s s.states-wal", 0.3);
+      "[ -s s.states-wal ]", 0.3);
   CHECK(outcome.json()["solved"].get<int>() > 0);
   CHECK(outcome.json()["solved"].get<int>() < 68921);
   CHECK_THAT(outcome.err, Catch::Contains("rerun the same command to resume"));
@@ -247,7 +247,7 @@ TEST_CASE("a session that is interrupted while it rehearses says so and writes w
       run_interrupted(shop,
                       "session beam.toml --clock virtual --policy clairvoyant "
                       "--seconds 300 --cost constant:1 --device path:circle,speed=0.05 -o run",
-                      "-d run", 0.5);
+                      "[ -d run ]", 0.5);
   // A simulated schedule is never reported as the session.
   CHECK(outcome.json()["frames"] == 0);
   CHECK(outcome.json()["frames_asked"] == 300000);

@@ -10,6 +10,8 @@
 #include "tests/support/skip.hpp"
 
 using forefeel::test::beam_scene;
+using forefeel::test::is_larger;
+using forefeel::test::wait_until;
 using forefeel::test::Workshop;
 
 namespace {
@@ -18,24 +20,22 @@ const std::string as_root = "export OMPI_ALLOW_RUN_AS_ROOT=1 OMPI_ALLOW_RUN_AS_R
 // Open MPI leaves memory behind in modules that it unloads: its leaks are not looked for.
 const std::string run =
     std::string(forefeel::test::sanitized ? "ASAN_OPTIONS=$ASAN_OPTIONS:detect_leaks=0 " : "") +
-    "timeout -k 5 90 mpirun --oversubscribe ";
+    "timeout -k 5 900 mpirun --oversubscribe ";
 
 Workshop::Outcome ranks(const Workshop& shop, int count, const std::string& arguments) {
   return shop.shell(as_root + run + "-n " + std::to_string(count) + " '" + forefeel::test::executable() +
                     "' " + arguments);
 }
 
-// The same; rank 1 gets the signal as soon as the file is there. Rank 0 leaves its exit code in code.0: that of mpirun
+// The same; rank 1 gets the signal as soon as the condition holds. Rank 0 leaves its exit code in code.0: that of mpirun
 // is an error where a rank had to be ended.
-Workshop::Outcome ranks_but_one(const Workshop& shop, const std::string& options, const std::string& file,
-                                const std::string& signal, const std::string& arguments) {
+Workshop::Outcome ranks_but_one(const Workshop& shop, const std::string& options,
+                                const std::string& condition, const std::string& signal,
+                                const std::string& arguments) {
   shop.write("rank.sh",
              "if [ \"$OMPI_COMM_WORLD_RANK\" = 1 ]; then\n"
-             "  (exec >/dev/null 2>&1; for i in $(seq 2000); do [ -e " +
-                 file +
-                 " ] && break; sleep 0.01; done\n"
-                 "   kill -" +
-                 signal +
+             "  (exec >/dev/null 2>&1; p=$$; " +
+                 wait_until(condition) + "kill -" + signal +
                  " $$) &\nfi\n"
                  "[ \"$OMPI_COMM_WORLD_RANK\" = 0 ] || exec '" +
                  forefeel::test::executable() + "' " + arguments + "\n'" + forefeel::test::executable() +
@@ -99,20 +99,20 @@ TEST_CASE("a rank of generate that is stopped, or killed where MPI allows, costs
   const std::string finer = " --set state_space.spacing=0.001 ";
   REQUIRE(shop.forefeel("generate beam.toml --threads 2 -o threads.states" + finer).code == 0);
   const std::string expected = states_of(shop, "threads.states");
-  const auto stopped = ranks_but_one(shop, "-n 3", "stopped.states", "STOP",
-                                     "generate beam.toml --mpi --patience 1 -o stopped.states" + finer);
+  const auto stopped = ranks_but_one(shop, "-n 3", "[ -e stopped.states ]", "STOP",
+                                     "generate beam.toml --mpi --patience 5 -o stopped.states" + finer);
   INFO(stopped.err);
   CHECK(ended_by_itself(stopped));
   CHECK(code_of_rank_0(shop) == "0\n");
   CHECK(stopped.err.find("1 of 3 ranks hang or are gone") != std::string::npos);
   CHECK(states_of(shop, "stopped.states") == expected);
-  const auto killed = ranks_but_one(shop, "--enable-recovery -n 2", "killed.states", "KILL",
-                                    "generate beam.toml --mpi --patience 1 -o killed.states" + finer);
+  const auto killed = ranks_but_one(shop, "--enable-recovery -n 2", "[ -e killed.states ]", "KILL",
+                                    "generate beam.toml --mpi --patience 5 -o killed.states" + finer);
   INFO(killed.err);
   CHECK(states_of(shop, "killed.states") == expected);
   // Without recovery, MPI ends all ranks as soon as one ends. The solved states are on disk, and a rerun resumes.
-  const auto ended =
-      ranks_but_one(shop, "-n 2", "ended.states", "KILL", "generate beam.toml --mpi -o ended.states" + finer);
+  const auto ended = ranks_but_one(shop, "-n 2", "[ -e ended.states ]", "KILL",
+                                   "generate beam.toml --mpi -o ended.states" + finer);
   if (states_of(shop, "ended.states") != expected) CHECK(ended.code != 0);
   const auto resumed = ranks(shop, 2, "generate beam.toml --mpi -o ended.states" + finer);
   INFO(resumed.err);
@@ -133,7 +133,8 @@ TEST_CASE(
                  forefeel::test::executable() +
                  "' generate beam.toml --mpi -o long.states --set body.elements=2000 "
                  "--set state_space.spacing=0.0002\n");
-  const auto ended = shop.shell(as_root + run + "-n 2 bash long.sh");
+  // mpirun waits for what rank 0 says.
+  const auto ended = shop.shell(as_root + run + "--mca odls_base_sigkill_timeout 10 -n 2 bash long.sh");
   INFO(ended.err);
   CHECK(ended.code != 0);
   CHECK(ended.code != 124);  // of timeout(1); mpirun returns 128 + 9 of the rank that was killed
@@ -160,8 +161,8 @@ TEST_CASE("a study by two ranks writes the same cells.csv, byte for byte, as by 
   REQUIRE(both.code == 0);
   CHECK(both.json()["ran"] == 4);
   CHECK(shop.shell("cmp threads/cells.csv ranks/cells.csv").code == 0);
-  const auto stopped = ranks_but_one(shop, "-n 2", "stopped/study.json", "STOP",
-                                     "study study.toml --mpi --patience 1 -o stopped");
+  const auto stopped = ranks_but_one(shop, "-n 2", "[ -e stopped/study.json ]", "STOP",
+                                     "study study.toml --mpi --patience 5 -o stopped");
   INFO(stopped.err);
   CHECK(ended_by_itself(stopped));
   CHECK(code_of_rank_0(shop) == "0\n");
@@ -172,17 +173,17 @@ TEST_CASE("a session whose worker rank is stopped ends in time, and says which r
   const Workshop shop;
   if (const std::string why = reason_to_skip(shop); !why.empty()) return forefeel::test::skip(why);
   const auto stopped =
-      ranks_but_one(shop, "-n 3", "run/session.states", "STOP",
-                    "session beam.toml --mpi --patience 1 --clock real --seconds 3 -o run --json --quiet");
+      ranks_but_one(shop, "-n 3", is_larger("run/session.inputs"), "STOP",
+                    "session beam.toml --mpi --patience 5 --clock real --seconds 12 -o run --json --quiet");
   INFO(stopped.err);
   CHECK(ended_by_itself(stopped));
   REQUIRE(code_of_rank_0(shop) == "0\n");
   const nlohmann::json summary = stopped.json();
   // A late frame is skipped and counted; frames of the last ramp may come after the end.
   const int frames = summary["frames"].get<int>() + summary["loop"]["skipped"].get<int>();
-  CHECK(frames >= 3000);
-  CHECK(frames <= 3000 + summary["loop"]["ending_frames"].get<int>());
-  CHECK(summary["notes"].dump().find("rank 1 has not answered for 1 s; its work goes to others") !=
+  CHECK(frames >= 12000);
+  CHECK(frames <= 12000 + summary["loop"]["ending_frames"].get<int>());
+  CHECK(summary["notes"].dump().find("rank 1 has not answered for 5 s; its work goes to others") !=
         std::string::npos);
   CHECK(summary["states"]["solved"] > 10);
   CHECK(summary["faults"]["workers_lost"] == 1);
@@ -193,13 +194,13 @@ TEST_CASE("a session whose worker rank is killed goes on with the other, where M
   const Workshop shop;
   if (const std::string why = reason_to_skip(shop); !why.empty()) return forefeel::test::skip(why);
   const auto killed =
-      ranks_but_one(shop, "--enable-recovery -n 3", "run/session.states", "KILL",
-                    "session beam.toml --mpi --patience 1 --clock real --seconds 3 -o run --json --quiet");
+      ranks_but_one(shop, "--enable-recovery -n 3", is_larger("run/session.inputs"), "KILL",
+                    "session beam.toml --mpi --patience 5 --clock real --seconds 12 -o run --json --quiet");
   INFO(killed.err);
   CHECK(ended_by_itself(killed));
   REQUIRE(code_of_rank_0(shop) == "0\n");
   const nlohmann::json summary = nlohmann::json::parse(shop.shell("cat run/summary.json").out);
-  CHECK(summary["frames"].get<int>() + summary["loop"]["skipped"].get<int>() >= 3000);
+  CHECK(summary["frames"].get<int>() + summary["loop"]["skipped"].get<int>() >= 12000);
   CHECK(summary["faults"]["workers_lost"] == 1);
   CHECK(summary["interrupted"] == false);
 }
@@ -215,7 +216,7 @@ TEST_CASE("a session with its workers in other processes") {
   CHECK(alone.err.find("one rank") != std::string::npos);
 
   const Workshop::Outcome solved_by_two =
-      ranks(shop, 3, "session beam.toml --mpi --clock real --seconds 1.5 -o run --json --quiet");
+      ranks(shop, 3, "session beam.toml --mpi --clock real --seconds 5 -o run --json --quiet");
   INFO(solved_by_two.err);
   REQUIRE(solved_by_two.code == 0);
   const nlohmann::json summary = solved_by_two.json();

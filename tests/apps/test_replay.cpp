@@ -8,8 +8,10 @@
 using forefeel::test::beam_scene;
 using forefeel::test::check_refused;
 using forefeel::test::executable;
+using forefeel::test::is_larger;
 using forefeel::test::run_interrupted;
 using forefeel::test::run_json;
+using forefeel::test::wait_until;
 using forefeel::test::Workshop;
 using nlohmann::json;
 
@@ -51,18 +53,17 @@ TEST_CASE("real and virtual runs replay to the same bits by the command", "[repl
 TEST_CASE("interrupted and killed runs replay as far as they came", "[replay]") {
   const Workshop shop;
   shop.write("beam.toml", beam_scene());
-  const json cut =
-      run_interrupted(shop, "session beam.toml --clock real --seconds 60 -o cut", "-s cut/session.inputs", 1)
-          .json();
+  const json cut = run_interrupted(shop, "session beam.toml --clock real --seconds 600 -o cut",
+                                   is_larger("cut/session.inputs"), 1)
+                       .json();
   const json replay = run_json(shop, "replay cut");
   CHECK(replay["equal"] == cut["frames"]);
   CHECK(replay["whole"] == true);
 
   shop.shell(
-      executable() +
-      " session beam.toml --clock real --seconds 60 -o killed >/dev/null 2>&1 & p=$!; while ! [ -s "
-      "killed/session.states-wal ] && kill -0 $p 2>/dev/null; do sleep 0.01; done; sleep 1; kill -9 $p; "
-      "wait $p");
+      executable() + " session beam.toml --clock real --seconds 600 -o killed >/dev/null 2>&1 & p=$!; " +
+      wait_until("[ -s killed/session.states-wal ] && " + is_larger("killed/session.inputs", 100'000)) +
+      "kill -9 $p; wait $p");
   CHECK(shop.shell("test -e killed/summary.json").code != 0);
   const Workshop::Outcome killed = shop.forefeel("replay killed --json");
   INFO(killed.err);

@@ -11,6 +11,8 @@
 
 using forefeel::test::beam_scene;
 using forefeel::test::executable;
+using forefeel::test::is_larger;
+using forefeel::test::wait_until;
 using forefeel::test::Workshop;
 
 namespace {
@@ -33,9 +35,9 @@ TEST_CASE("SIGHUP and SIGTERM end a session with zero force and with all of its 
     const std::string run = "run" + signal;
     const Workshop::Outcome outcome = shop.shell(
         executable() + " session beam.toml --clock real --seconds 600 --device path:circle --json -o " + run +
-        " & p=$!; while ! [ -s " + run +
-        "/session.states-wal ] && kill -0 $p 2>/dev/null; do sleep 0.01; done; sleep 0.3; kill -" + signal +
-        " $p; wait $p");
+        " & p=$!; " +
+        wait_until("[ -s " + run + "/session.states-wal ] && " + is_larger(run + "/session.inputs")) +
+        "kill -" + signal + " $p; wait $p");
     INFO(outcome.err);
     CHECK(outcome.code == 1);
     CHECK(outcome.json()["interrupted"] == true);
@@ -52,9 +54,8 @@ TEST_CASE("under nohup a session does not end with its terminal", "[signals]") {
   const Workshop shop;
   shop.write("beam.toml", beam_scene());
   const Workshop::Outcome outcome = shop.shell(
-      "trap '' HUP; " + executable() +
-      " session beam.toml --clock real --seconds 0.8 --json -o run & p=$!; while ! [ -s "
-      "run/session.states-wal ] && kill -0 $p 2>/dev/null; do sleep 0.01; done; kill -HUP $p; wait $p");
+      "trap '' HUP; " + executable() + " session beam.toml --clock real --seconds 3 --json -o run & p=$!; " +
+      wait_until("[ -s run/session.states-wal ]") + "kill -HUP $p; wait $p");
   INFO(outcome.err);
   CHECK(outcome.code == 0);
   CHECK(outcome.json()["interrupted"] == false);

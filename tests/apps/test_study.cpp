@@ -108,10 +108,11 @@ TEST_CASE("a study that is interrupted keeps what is done, says so, and goes on 
              "scene = \"scene.toml\"\nseeds = [1, 2, 3, 4]\n[vary]\npolicy = [\"nearest\", \"coverage\", "
              "\"fifo\"]\n");
   const auto cut_at = [&](int cells, const std::string& option) {
-    return shop.shell("mkdir -p out; " + test::executable() + " study study.toml -o out --threads 1 " +
-                      option + " & p=$!; while [ $(ls out/cells 2>/dev/null | grep -c json) -lt " +
-                      std::to_string(cells) +
-                      " ] && kill -0 $p 2>/dev/null; do sleep 0.02; done; kill -INT $p; wait $p");
+    return shop.shell(
+        "mkdir -p out; " + test::executable() + " study study.toml -o out --threads 1 " + option +
+        " & p=$!; " +
+        test::wait_until("[ $(ls out/cells 2>/dev/null | grep -c json) -ge " + std::to_string(cells) + " ]") +
+        "kill -INT $p; wait $p");
   };
   const auto done = [&] { return std::stoul(shop.shell("ls out/cells | grep -c '^[0-9a-f]*[.]json$'").out); };
   const auto cut = cut_at(2, "--quiet");
@@ -147,10 +148,9 @@ TEST_CASE("a study that was killed goes on: no cell is run twice, and the table 
   shop.write("study.toml",
              "scene = \"scene.toml\"\nseeds = [1, 2, 3, 4]\n[vary]\npolicy = [\"nearest\", \"coverage\", "
              "\"fifo\"]\n");
-  shop.shell("mkdir out && (" + test::executable() +
-             " study study.toml -o out --quiet --threads 1 & p=$!; "
-             "while [ $(ls out/cells 2>/dev/null | grep -c json) -lt 2 ] && kill -0 $p 2>/dev/null; do sleep "
-             "0.02; done; kill -9 $p; wait $p)");
+  shop.shell("mkdir out && (" + test::executable() + " study study.toml -o out --quiet --threads 1 & p=$!; " +
+             test::wait_until("[ $(ls out/cells 2>/dev/null | grep -c json) -ge 2 ]") +
+             "kill -9 $p; wait $p)");
   const auto count = std::stoul(shop.shell("ls out/cells | grep -c '^[0-9a-f]*[.]json$'").out);
   CHECK(count >= 2);
   const auto resumed = shop.forefeel("study study.toml -o out --json");

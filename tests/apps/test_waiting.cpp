@@ -117,10 +117,9 @@ TEST_CASE("a state file of the cache that a session writes is left there, and sa
   shop.write("beam.toml", beam_scene());
   const std::string held =
       "'" + executable() +
-      "' session beam.toml --clock real --seconds 3 --device path:press --quiet -o run & p=$!; "
-      "for i in $(seq 100); do ls ../cache/forefeel/*.states >/dev/null 2>&1 && break; sleep 0.02; done; "
-      "sleep 0.3; '" +
-      executable() + "' cache --empty --json; code=$?; wait $p; exit $code";
+      "' session beam.toml --clock real --seconds 600 --device path:press --quiet -o run & p=$!; " +
+      wait_until("ls ../cache/forefeel/*.states-wal >/dev/null 2>&1") + "'" + executable() +
+      "' cache --empty --json; code=$?; kill -INT $p; wait $p; exit $code";
   const Workshop::Outcome outcome = shop.shell(held);
   CHECK(outcome.code == 1);
   CHECK(outcome.json()["in_use"].get<int>() > 0);

@@ -117,6 +117,7 @@ TEST_CASE("arrivals: a state of another unit is set aside, counted and said") {
   poisoned.references->learn(std::span(&wrong, 1));
   for (const Clock clock : {Clock::virtual_time, Clock::real}) {
     options.clock.kind = clock;
+    if (clock == Clock::real) options.clock.seconds = 3;
     CHECK(run_session(input, options).states.size() == 4);
     const SessionPlan plan = make_plan(poisoned, options);
     const SessionResult result = run_session(plan);

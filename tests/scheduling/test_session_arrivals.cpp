@@ -33,6 +33,7 @@ TEST_CASE("arrivals: states are known when the file says") {
   CHECK(r.dispatch.front().at == Vec3(0, 0, 0.006));
 
   options.clock.kind = Clock::real;
+  options.clock.seconds = 3;
   const SessionResult real = run_session(small_input(), options);
   CHECK(real.states.size() == 4);
   CHECK(real.dispatch.size() == 4);

@@ -66,6 +66,14 @@ std::string Workshop::files() const {
   return text;
 }
 
+std::string wait_until(const std::string& condition) {
+  return "while ! { " + condition + "; } && kill -0 $p 2>/dev/null; do sleep 0.01; done; ";
+}
+
+std::string is_larger(const std::string& file, int bytes) {
+  return "[ $(stat -c %s " + file + " 2>/dev/null || echo 0) -gt " + std::to_string(bytes) + " ]";
+}
+
 void check_refused(const Workshop& shop, const std::string& arguments,
                    const std::vector<std::string>& mentions) {
   const std::string before = shop.files();

@@ -32,6 +32,13 @@ class Workshop {
   std::filesystem::path path_ = folder_ / "work";
 };
 
+// Text for a shell: waits until `condition` holds, or the process $p has ended.
+std::string wait_until(const std::string& condition);
+// A condition for a shell. A session's record of its inputs is larger than 20 kB after about 200 frames.
+std::string is_larger(const std::string& file, int bytes = 20'000);
+// The process $p has handlers of SIGTERM and SIGINT.
+inline const std::string takes_signals = "grep -q '^SigCgt:.*[4-7c-f]..[2367abef]$' /proc/$p/status";
+
 // Checks that a command is refused: one error line that contains every word, exit code 2, no file made or renamed.
 void check_refused(const Workshop& shop, const std::string& arguments,
                    const std::vector<std::string>& mentions);
