@@ -264,7 +264,7 @@ int calibrate_labels(const Globals& globals, const CalibrateArguments& arguments
   progress.reset();
   nlohmann::ordered_json document = to_json(found, options);
   document["truth"] = data.left_out ? "left out" : "solved";
-  add_to(document, mesh);
+  add_to(document, mesh_error_keys(), mesh);
   document["provenance"] = provenance(s.source.hash);
   if (!output.empty()) {
     const fs::path folder = output;

@@ -132,7 +132,7 @@ int run_reproduce(const Globals& globals, const ReproduceArguments& arguments, c
   document["scene"] = laboratory.name();
   document["experiments"] = nlohmann::ordered_json::object();
   const MeshError mesh = MeshErrorTask(laboratory.scene(), MeshErrorTask::When::at_the_end).get();
-  add_to(document, mesh);
+  add_to(document, mesh_error_keys(), mesh);
   say(globals, discretisation_line(mesh, unknown));
   std::string sections = "<p class=\"note\">" + html_escaped(discretisation_line(mesh, unknown)) + "</p>\n";
   bool all_met = true;

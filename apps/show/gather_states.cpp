@@ -80,11 +80,11 @@ void take_states(const Globals& globals, const LabelFrame& frame, std::vector<Sh
   label_regions(set, arguments, globals, false);
   ShownStates shown;
   shown.regions = std::move(set.regions);
-  for (ShownState& s : states) s.label = set.space->label(s.state.at);
+  for (ShownState& s : states) s.label = set.index.space->label(s.state.at);
   if (times.size() == 1)
-    shown.labels.push_back(sample(*set.space, set.box, most_cells, times[0]));
+    shown.labels.push_back(sample(*set.index.space, set.box, most_cells, times[0]));
   else
-    shown.labels = grids(set.space->options(), states, times);
+    shown.labels = grids(set.index.space->options(), states, times);
   shown.all = std::move(states);
   content.states = std::move(shown);
   content.box = set.box;
