@@ -42,7 +42,7 @@ std::string panel(const std::string& name, const std::string& title, std::vector
              "set xlabel '{}'\nplot ${}_front with lines lw 2 lc rgb '{}' notitle, ${} using 1:2 with "
              "points pt 7 ps 0.6 lc rgb '{}' notitle, ${} using 1:2:3 with labels left offset 0.6,0.4 "
              "font ',8' notitle\n",
-             title, name, colours_in_use().reference_light, name, colours_in_use().rendered, name);
+             title, name, ink("reference_light"), name, ink("rendered"), name);
 }
 
 std::string field(double value) {

@@ -128,14 +128,14 @@ void write_tables(const Calibration& found, const fs::path& folder) {
                          m.neighbours, name(c.label), c.count, value(c.share), value(c.low), value(c.high),
                          value(c.p50), value(c.p90), value(c.p95), value(c.p99), value(c.max));
   }
-  write_text(folder / "calibration.csv", table);
+  write_whole(folder / "calibration.csv", table);
   std::string ranks = "kernel,data,neighbours,label,delta,spread,power\n";
   for (const CalibrationRanks& r : found.ranks) {
     const ModelOptions& m = found.kinds[r.kind].model;
     ranks += fmt::format("{},{},{},{},{},{},{}\n", name(m.kernel), name(m.data), m.neighbours, value(r.label),
                          value(r.delta), value(r.spread), value(r.power));
   }
-  write_text(folder / "ranks.csv", ranks);
+  write_whole(folder / "ranks.csv", ranks);
   std::string samples = "kernel,data,neighbours,set,position,label,delta,spread,power,error\n";
   for (const CalibrationSample& s : found.samples) {
     const ModelOptions& m = found.kinds[s.kind].model;
@@ -143,7 +143,7 @@ void write_tables(const Calibration& found, const fs::path& folder) {
                            found.sets[s.set].name, s.position, name(s.label), value(s.delta), value(s.spread),
                            value(s.power), value(s.error));
   }
-  write_text(folder / "samples.csv", samples);
+  write_whole(folder / "samples.csv", samples);
 }
 
 // One group of kinds per label: a bar from the median to 95 %, a point for the largest error.
@@ -221,7 +221,7 @@ void write_page(const Calibration& found, const CalibrationOptions& options, con
           "<h2>What ranks the error</h2>\n<p class=\"muted\">Spearman's rank correlation with the true "
           "error, over all positions of all sets.</p>\n" +
           html_table(ranks);
-  write_text(folder / "report.html", html_page("Forefeel: calibration of labels", html));
+  write_whole(folder / "report.html", html_page("Forefeel: calibration of labels", html));
 }
 
 void tell(const Globals& globals, const Calibration& found, const CalibrationOptions& options) {
@@ -270,7 +270,7 @@ int calibrate_labels(const Globals& globals, const CalibrateArguments& arguments
     const fs::path folder = output;
     write_tables(found, folder);
     write_page(found, options, laboratory.name(), data.left_out, folder);
-    write_text(folder / "summary.json", json_text(document, 2) + "\n");
+    write_whole(folder / "summary.json", json_text(document, 2) + "\n");
   }
   if (globals.json) print_json(document);
   tell(globals, found, options);

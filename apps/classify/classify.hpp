@@ -117,6 +117,10 @@ nlohmann::ordered_json agreement_json(const Agreement& agreement);
 void print_agreement(const Globals& globals, const Agreement& agreement);
 
 nlohmann::ordered_json by_label(const std::array<double, 4>& values);
+// Volumes by two labels, of rows and of columns [m^3].
+using LabelTable = std::array<std::array<double, 4>, 4>;
+nlohmann::ordered_json by_labels(const LabelTable& volume);
+void print_volumes(const Globals& globals, const LabelTable& volume, const std::string& columns);
 std::int64_t peak_bytes();
 
 }  // namespace forefeel

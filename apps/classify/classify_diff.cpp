@@ -23,8 +23,8 @@ namespace {
 // The result of `forefeel classify --diff A B`.
 struct DiffResult {
   std::array<Classified, 2> set;
-  double spacing = unknown;                       // of both
-  std::array<std::array<double, 4>, 4> volume{};  // [label in A][label in B] [m^3]
+  double spacing = unknown;  // of both
+  LabelTable volume{};       // rows: label in A, columns: in B [m^3]
   std::vector<RegionChange> changed;
   double seconds = 0;
 
@@ -120,17 +120,15 @@ DiffResult make_diff(const Globals& globals, const ClassifyArguments& arguments)
 }
 
 nlohmann::ordered_json to_json(const DiffResult& result) {
-  nlohmann::ordered_json table;
-  for (std::size_t a = 0; a < 4; ++a)
-    for (std::size_t b = 0; b < 4; ++b)
-      table[std::string(name(static_cast<Label>(a)))][std::string(name(static_cast<Label>(b)))] =
-          result.volume[a][b];
   const double moved = result.moved(), better = result.better();
   const Classified& b = result.set[1];
-  nlohmann::ordered_json out{
-      {"diff", {{"from_to", table}, {"changed", moved}, {"better", better}, {"worse", moved - better}}},
-      {"states", {result.set[0].states.size(), b.states.size()}},
-      {"spacing", result.spacing}};
+  nlohmann::ordered_json out{{"diff",
+                              {{"from_to", by_labels(result.volume)},
+                               {"changed", moved},
+                               {"better", better},
+                               {"worse", moved - better}}},
+                             {"states", {result.set[0].states.size(), b.states.size()}},
+                             {"spacing", result.spacing}};
   regions_json(out, b.regions, b.fill_distance, b.fill_bound, b.hole);
   out["seconds"] = result.seconds;
   out["peak_bytes"] = peak_bytes();
@@ -139,12 +137,7 @@ nlohmann::ordered_json to_json(const DiffResult& result) {
 
 void tell(const Globals& globals, const DiffResult& result) {
   say(globals, fmt::format("h = {:.4g} mm", 1e3 * result.spacing));
-  say(globals, "volume [cm3]  safe       sparse     gap        blank      (in B)");
-  for (std::size_t a = 0; a < 4; ++a) {
-    const std::array<double, 4>& v = result.volume[a];
-    say(globals, fmt::format("{:<12}{:>10.4g} {:>10.4g} {:>10.4g} {:>10.4g}", name(static_cast<Label>(a)),
-                             1e6 * v[0], 1e6 * v[1], 1e6 * v[2], 1e6 * v[3]));
-  }
+  print_volumes(globals, result.volume, "in B");
   say(globals, fmt::format("changed {:.4g} cm3, {:.4g} of it for the better", 1e6 * result.moved(),
                            1e6 * result.better()));
 }

@@ -7,6 +7,7 @@
 #include <chrono>
 #include <cmath>
 #include <filesystem>
+#include <map>
 #include <nlohmann/json.hpp>
 #include <optional>
 #include <regex>
@@ -21,6 +22,7 @@
 #include "geometry/coverage/region_file.hpp"
 #include "geometry/coverage/region_sampling.hpp"
 #include "geometry/coverage/regions.hpp"
+#include "geometry/mesh/vtu_series.hpp"
 #include "geometry/states/state_file.hpp"
 #include "scheduling/common/dispatch_file.hpp"
 
@@ -48,27 +50,6 @@ std::vector<Arrival> read_arrivals(const fs::path& folder) {
                    [](const Arrival& a, const Arrival& b) { return a.time < b.time; });
   return arrivals;
 }
-
-bool before(const Vec3& a, const Vec3& b) {
-  return std::lexicographical_compare(a.begin(), a.end(), b.begin(), b.end());
-}
-
-// Adds forces, stiffnesses and solve status to states that so far have only a position.
-class Solved {
- public:
-  explicit Solved(std::vector<State> states) : states_(std::move(states)) {
-    std::stable_sort(states_.begin(), states_.end(),
-                     [](const State& a, const State& b) { return before(a.at, b.at); });
-  }
-  void complete(State& state) const {
-    const auto found = std::lower_bound(states_.begin(), states_.end(), state.at,
-                                        [](const State& s, const Vec3& at) { return before(s.at, at); });
-    if (found != states_.end() && found->at == state.at) state = *found;
-  }
-
- private:
-  std::vector<State> states_;  // sorted by position
-};
 
 // The states known at each time of a run.
 struct History {
@@ -105,8 +86,13 @@ History read_history(const ClassifyArguments& arguments, const fs::path& folder)
     history.own.identity = loaded.header.identity;
     solved = std::move(loaded.states);
   }
-  const Solved table(std::move(solved));
-  for (Arrival& arrival : history.arrivals) table.complete(arrival.state);
+  // Forces, stiffnesses and solve status for states that so far have only a position.
+  const auto key = [](const State& s) { return std::array{s.at.x(), s.at.y(), s.at.z()}; };
+  std::map<std::array<double, 3>, State> by_position;
+  for (State& state : solved) by_position.try_emplace(key(state), std::move(state));
+  for (Arrival& arrival : history.arrivals)
+    if (const auto found = by_position.find(key(arrival.state)); found != by_position.end())
+      arrival.state = found->second;
   return history;
 }
 
@@ -205,7 +191,7 @@ class SeriesFiles {
   }
 
   fs::path series_, parts_;
-  std::vector<SeriesEntry> entries_;
+  std::vector<SeriesFile> entries_;
 };
 
 SeriesResult make_series(const Globals& globals, const ClassifyArguments& arguments) {

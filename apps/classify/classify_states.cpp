@@ -17,6 +17,7 @@
 #include "apps/scene/scene.hpp"
 #include "geometry/common/error.hpp"
 #include "geometry/common/memory.hpp"
+#include "geometry/coverage/all_labels.hpp"
 #include "geometry/coverage/bridge.hpp"
 #include "geometry/coverage/estimate_spacing.hpp"
 #include "geometry/coverage/region_sampling.hpp"
@@ -203,11 +204,9 @@ Agreement agreement_of(const Classified& set, const ClassifyArguments& arguments
 }
 
 nlohmann::ordered_json agreement_json(const Agreement& agreement) {
-  nlohmann::ordered_json out, table;
-  for (std::size_t d = 0; d < 4; ++d)
-    table[std::string(name(static_cast<Label>(d)))] = by_label(agreement.volume[d]);
+  nlohmann::ordered_json out;
   out["share"] = agreement.share;
-  out["volume_delaunay_octree"] = table;
+  out["volume_delaunay_octree"] = by_labels(agreement.volume);
   out["worst"] = nullptr;
   if (const auto& worst = agreement.worst)
     out["worst"] = {{"at", vector3(worst->at)},
@@ -219,12 +218,7 @@ nlohmann::ordered_json agreement_json(const Agreement& agreement) {
 void print_agreement(const Globals& globals, const Agreement& agreement) {
   say(globals, fmt::format("the indexes agree on {:.2f} % of the volume, common blank left out",
                            100 * agreement.share));
-  say(globals, "volume [cm3]  safe       sparse     gap        blank      (octree)");
-  for (std::size_t d = 0; d < 4; ++d) {
-    const auto& v = agreement.volume[d];
-    say(globals, fmt::format("{:<12}{:>10.4g} {:>10.4g} {:>10.4g} {:>10.4g}", name(static_cast<Label>(d)),
-                             1e6 * v[0], 1e6 * v[1], 1e6 * v[2], 1e6 * v[3]));
-  }
+  print_volumes(globals, agreement.volume, "octree");
   if (const auto& worst = agreement.worst)
     say(globals, fmt::format("in the middle of the longest stretch that differs along x: {:.4g}, {:.4g}, "
                              "{:.4g} mm, {} against {}",
@@ -355,6 +349,22 @@ nlohmann::ordered_json by_label(const std::array<double, 4>& values) {
   for (int i = 0; i < 4; ++i)
     result[std::string(name(static_cast<Label>(i)))] = number(values[static_cast<std::size_t>(i)]);
   return result;
+}
+
+nlohmann::ordered_json by_labels(const LabelTable& volume) {
+  nlohmann::ordered_json table;
+  for (const Label row : all_labels)
+    table[std::string(name(row))] = by_label(volume[static_cast<std::size_t>(row)]);
+  return table;
+}
+
+void print_volumes(const Globals& globals, const LabelTable& volume, const std::string& columns) {
+  say(globals, "volume [cm3]  safe       sparse     gap        blank      (" + columns + ")");
+  for (const Label row : all_labels) {
+    const std::array<double, 4>& v = volume[static_cast<std::size_t>(row)];
+    say(globals, fmt::format("{:<12}{:>10.4g} {:>10.4g} {:>10.4g} {:>10.4g}", name(row), 1e6 * v[0],
+                             1e6 * v[1], 1e6 * v[2], 1e6 * v[3]));
+  }
 }
 
 std::int64_t peak_bytes() {

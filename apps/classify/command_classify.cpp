@@ -138,10 +138,8 @@ void write_output(const Classified& set, const ClassifyArguments& arguments, con
   const std::string extension = fs::path(arguments.output).extension();
   if (extension == ".vtu")
     return write_vtu(set, arguments.output, globals, arguments.bars ? errors : std::nullopt);
-  if (extension == ".svg") {
-    write_coverage_svg(arguments.output, picture_of(set, arguments));
-  } else if (extension == ".png" || extension == ".pdf") {
-    write_coverage_drawn(arguments.output, picture_of(set, arguments));
+  if (extension == ".svg" || extension == ".png" || extension == ".pdf") {
+    write_coverage_picture(arguments.output, picture_of(set, arguments));
   } else if (points.empty()) {
     write_regions_csv(arguments.output, set.regions.leaves);
   } else {
@@ -212,6 +210,7 @@ std::string at_most_90(const std::string& text) {
 }
 
 int run_classify(const Globals& globals, const ClassifyArguments& arguments) {
+  use_palette(arguments.palette);
   if (!arguments.input.calibrate.empty()) {
     if (arguments.input.foreign && arguments.input.states.empty())
       throw InputError("--foreign", "takes states of another body, expected STATES with it");
@@ -224,7 +223,6 @@ int run_classify(const Globals& globals, const ClassifyArguments& arguments) {
                                       .output = arguments.output});
   }
   check_arguments(globals, arguments);
-  use_palette(arguments.palette);
   if (!arguments.input.diff.empty()) return classify_diff(globals, arguments);
   if (fs::is_directory(arguments.input.states)) return classify_run(globals, arguments);
   const auto start = std::chrono::steady_clock::now();
@@ -241,7 +239,7 @@ int run_classify(const Globals& globals, const ClassifyArguments& arguments) {
     throw InputError("--through", fmt::format("'{}' lies outside the box, expected a place in it",
                                               arguments.places.through));
   const std::vector<Coverage> found = cover(set, points);
-  const double seconds = std::chrono::duration<double>(std::chrono::steady_clock::now() - start).count();
+  const double seconds = seconds_since(start);
   std::optional<ErrorKnown> errors;
   if (wants_errors(arguments, set)) errors = error_known(globals, arguments, set, points);
   if (!arguments.output.empty()) write_output(set, arguments, points, found, errors, globals);

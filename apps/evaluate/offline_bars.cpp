@@ -8,7 +8,8 @@
 #include <numeric>
 
 #include "apps/console/json.hpp"
-#include "geometry/common/output_file.hpp"
+#include "geometry/coverage/all_labels.hpp"
+#include "geometry/mesh/vtu_writer.hpp"
 
 namespace forefeel {
 namespace {
@@ -41,18 +42,6 @@ bool too_few_inside(const BarCover& cover) {
   return false;
 }
 
-template <class Value>
-std::string vtu_array(const std::string& name, int width, const OfflineBars& bars, Value value) {
-  std::string text = fmt::format(
-      "<DataArray type=\"Float64\" Name=\"{}\" NumberOfComponents=\"{}\" format=\"ascii\">\n", name, width);
-  for (const BarSample& s : bars.samples()) text += value(s) + "\n";
-  return text + "</DataArray>\n";
-}
-
-std::string vtu_number(double value) {
-  return std::isfinite(value) ? fmt::format("{}", value) : "NaN";
-}
-
 }  // namespace
 
 void describe_bars(Json& document, const std::optional<EvaluatedBars>& bars) {
@@ -70,7 +59,7 @@ void describe_bars(Json& document, const std::optional<EvaluatedBars>& bars) {
   out["checked"] = bars->measured->checked();
   out["points_outside"] = bars->outside;
   out["outside"] = cover_json(bars->measured->cover_outside());
-  for (const Label label : {Label::safe, Label::sparse, Label::gap, Label::blank})
+  for (const Label label : all_labels)
     out["by_label"][std::string(name(label))] = cover_json(bars->measured->cover(label));
   document["error_bar"] = out;
 }
@@ -83,7 +72,7 @@ std::string bars_in_words(const EvaluatedBars& bars) {
       bars.measured->checked() ? "check solves" : "comparisons with known forces, left out in groups,");
   if (std::isfinite(all.width_p50))
     text += fmt::format("; median half-width of 95 % {:.3g} N", all.width_p50);
-  for (const Label label : {Label::safe, Label::sparse, Label::gap, Label::blank})
+  for (const Label label : all_labels)
     if (const BarCover own = bars.measured->cover(label); own.samples >= few && own.samples < all.samples)
       text += fmt::format("; {} {} of {}", name(label), shares(own), own.samples);
   if (bars.outside > 0) {
@@ -151,31 +140,26 @@ std::vector<Declared> declared_left_out() {
 }
 
 void write_left_out_vtu(const std::filesystem::path& file, const OfflineBars& bars) {
-  const std::size_t n = bars.samples().size();
-  std::string text = fmt::format(
-      "<?xml version=\"1.0\"?>\n<VTKFile type=\"UnstructuredGrid\" version=\"0.1\" "
-      "byte_order=\"LittleEndian\">\n<UnstructuredGrid>\n<Piece NumberOfPoints=\"{0}\" "
-      "NumberOfCells=\"{0}\">\n<PointData>\n",
-      n);
-  text += vtu_array("error", 1, bars, [](const BarSample& s) { return vtu_number(s.error); });
+  const std::span<const BarSample> samples = bars.samples();
+  VtuWriter out(file, VtuData::text);
+  const auto array = [&](const std::string& name, auto&& value) {
+    out.array<double>(name, samples.size(), 1, [&](std::size_t i, int) {
+      const double one = value(samples[i]);
+      return std::isfinite(one) ? one : unknown;
+    });
+  };
+  out.begin(samples.size(), samples.size());
+  out.section("PointData");
+  array("error", [](const BarSample& s) { return s.error; });
   for (std::size_t level = 0; level < bar_levels.size(); ++level)
-    text += vtu_array(fmt::format("bar{}", level_names[level]), 1, bars,
-                      [level](const BarSample& s) { return vtu_number(s.bar[level]); });
-  text += vtu_array("force", 1, bars, [](const BarSample& s) { return vtu_number(s.force); });
-  text += vtu_array("away", 1, bars, [](const BarSample& s) { return vtu_number(s.seen.away); });
-  text += "</PointData>\n<Points>\n";
-  text += vtu_array("position", 3, bars,
-                    [](const BarSample& s) { return fmt::format("{} {} {}", s.at.x(), s.at.y(), s.at.z()); });
-  text += "</Points>\n<Cells>\n<DataArray type=\"Int64\" Name=\"connectivity\" format=\"ascii\">\n";
-  for (std::size_t i = 0; i < n; ++i) text += fmt::format("{}\n", i);
-  text += "</DataArray>\n<DataArray type=\"Int64\" Name=\"offsets\" format=\"ascii\">\n";
-  for (std::size_t i = 0; i < n; ++i) text += fmt::format("{}\n", i + 1);
-  text += "</DataArray>\n<DataArray type=\"UInt8\" Name=\"types\" format=\"ascii\">\n";
-  for (std::size_t i = 0; i < n; ++i) text += "1\n";
-  text += "</DataArray>\n</Cells>\n</Piece>\n</UnstructuredGrid>\n</VTKFile>\n";
-  OutputFile out(file);
-  out.write(text);
-  out.commit();
+    array(fmt::format("bar{}", level_names[level]), [level](const BarSample& s) { return s.bar[level]; });
+  array("force", [](const BarSample& s) { return s.force; });
+  array("away", [](const BarSample& s) { return s.seen.away; });
+  std::vector<Vec3> at;
+  for (const BarSample& s : samples) at.push_back(s.at);
+  out.points(at);
+  out.vertices(at.size());
+  out.finish();
 }
 
 std::string advice_in_words(const SpacingAdvice& advice, const Tolerance& tolerance) {

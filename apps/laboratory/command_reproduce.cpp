@@ -145,13 +145,13 @@ int run_reproduce(const Globals& globals, const ReproduceArguments& arguments, c
     document["experiments"][experiment.name] = found.summary;
     sections += fmt::format("<h2>{}</h2>\n{}", html_escaped(experiment.title), found.html);
     // Results are on disk before the next experiment begins.
-    write_text(folder / "report.html", page(laboratory, sections));
+    write_whole(folder / "report.html", page(laboratory, sections));
     for (const std::string& line : found.lines) say(globals, experiment.name + ": " + line);
     for (const std::string& line : found.unmet) warn(globals, experiment.name + ": " + line);
     all_met = all_met && found.unmet.empty();
   }
   document["provenance"] = provenance(laboratory.scene().source.hash);
-  write_text(folder / "summary.json", json_text(document, 2) + "\n");
+  write_whole(folder / "summary.json", json_text(document, 2) + "\n");
   if (globals.json) print_json(document);
   say(globals, fmt::format("report: {}", (folder / "report.html").string()));
   return all_met ? 0 : 1;

@@ -74,8 +74,8 @@ void write_inputs(const Script& script, const PaperStates& paper, const std::fil
     const Vec3 x = paper.at(script.held_at * u * u * (3 - 2 * u));
     trace += fmt::format("{:.6g},{:.9g},{:.9g},{:.9g}\n", arrived * u, x[0], x[1], x[2]);
   }
-  write_text(folder / "damping-arrivals.csv", arrivals);
-  write_text(folder / "damping-motion.csv", trace);
+  write_whole(folder / "damping-arrivals.csv", arrivals);
+  write_whole(folder / "damping-motion.csv", trace);
 }
 
 struct Run {
@@ -365,7 +365,7 @@ Findings reproduce_damping(Laboratory& laboratory, const ReproduceOptions& optio
   std::vector<Reading> readings;
   for (const Run& run : runs)
     readings.push_back(read(run, script, judge, tight, session.judging.error_floor));
-  write_text(folder / "damping.csv", csv(runs, script));
+  write_whole(folder / "damping.csv", csv(runs, script));
 
   Findings findings;
   findings.summary["held_at"] = script.held_at;

@@ -385,7 +385,7 @@ Findings reproduce_energy(Laboratory& laboratory, const ReproduceOptions&,
   fixed_rows(space, states, found.rows, found.notes);
   show(0.7, "moving sets");
   found.damping = moving_rows(space, found.rows);
-  write_text(folder / "energy.csv", csv_of(found));
+  write_whole(folder / "energy.csv", csv_of(found));
 
   Findings findings{.summary = summary_of(found), .html = {}, .lines = {what_we_found(found)}};
   findings.html =

@@ -240,7 +240,7 @@ Findings reproduce_extrapolation(Laboratory& laboratory, const ReproduceOptions&
   const Judge judge{session.judging.error_floor, session.switching.jnd_share, session.switching.jnd_floor};
   const Fig2 fig = run_all(laboratory, paper, judge,
                            [&](double share, const std::string& text) { show(0.6 + 0.4 * share, text); });
-  write_text(folder / "extrapolation.csv", csv(fig, judge));
+  write_whole(folder / "extrapolation.csv", csv(fig, judge));
 
   Findings findings;
   findings.summary["path"] = {

@@ -140,8 +140,8 @@ std::string study_text(const Laboratory& laboratory, const ReproduceOptions& run
 }
 
 void write_study(const Laboratory& laboratory, const ReproduceOptions& runs, const fs::path& folder) {
-  if (laboratory.built_in()) write_text(folder / built_in_file, std::string(built_in_scene_text()));
-  write_text(folder / study_file, study_text(laboratory, runs));
+  if (laboratory.built_in()) write_whole(folder / built_in_file, std::string(built_in_scene_text()));
+  write_whole(folder / study_file, study_text(laboratory, runs));
 }
 
 // ---- results

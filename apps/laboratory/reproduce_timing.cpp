@@ -16,7 +16,6 @@
 #include <nlohmann/json.hpp>
 #include <optional>
 
-#include "approx/loops/instruction_set.hpp"
 #include "approx/model/neighbours.hpp"
 #include "apps/bench/fit_baseline.hpp"
 #include "apps/console/json.hpp"
@@ -24,6 +23,7 @@
 #include "apps/laboratory/reproduce.hpp"
 #include "apps/picture/figure.hpp"
 #include "apps/picture/plot.hpp"
+#include "approx/loops/instruction_set.hpp"
 #include "geometry/common/quantiles.hpp"
 #include "scheduling/motion/random.hpp"
 
@@ -320,7 +320,7 @@ Findings reproduce_timing(Laboratory& laboratory, const ReproduceOptions& option
     measure_errors(rows[i], space, references, laboratory.scene().session.judging.error_floor);
     measure(rows[i], space, options.rounds);
   }
-  write_text(folder / "timing.csv", csv(rows));
+  write_whole(folder / "timing.csv", csv(rows));
 
   Findings findings;
   findings.summary["states"] = states.size();

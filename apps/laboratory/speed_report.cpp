@@ -233,7 +233,7 @@ void write_speed_csv(const std::filesystem::path& file, const SpeedFindings& fou
                          over(found.speed(SpeedRole::predecessor, w)),
                          over(found.speed(SpeedRole::seed_paper, w)));
     }
-  write_text(file, csv);
+  write_whole(file, csv);
 }
 
 Findings speed_report(const SpeedFindings& found, const std::filesystem::path& folder) {

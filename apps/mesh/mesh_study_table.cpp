@@ -15,7 +15,7 @@
 #include "apps/console/json.hpp"
 #include "apps/console/json_text.hpp"
 #include "apps/console/provenance.hpp"
-#include "apps/picture/palette.hpp"
+#include "apps/picture/figure.hpp"
 #include "apps/picture/plot.hpp"
 #include "apps/scene/scene.hpp"
 #include "apps/scene/scene_mesh_error.hpp"
@@ -146,13 +146,7 @@ std::string script_of(const Findings& found, double error) {
              "set key top right\nplot $linear with linespoints pt 7 ps 0.7 lw 2 lc rgb '{}' title 'linear', "
              "$quadratic with linespoints pt 5 ps 0.7 lw 2 lc rgb '{}' title 'quadratic', {} with lines dt 2 "
              "lc rgb '{}' title 'wanted'\n",
-             colours_in_use().undamped, colours_in_use().reference, 100 * error, colours_in_use().limit);
-}
-
-void write_whole(const fs::path& file, const std::string& text) {
-  OutputFile out(file);
-  out.write(text);
-  out.commit();
+             ink("undamped"), ink("reference"), 100 * error, ink("limit"));
 }
 
 void tell(const Globals& globals, const Findings& found, double error) {

@@ -9,8 +9,7 @@
 
 namespace forefeel {
 
-void write_coverage_svg(const std::filesystem::path& file, const CoveragePicture& picture);
-// By gnuplot: .png, or .pdf. InputError if it is missing.
-void write_coverage_drawn(const std::filesystem::path& file, const CoveragePicture& picture);
+// .svg; or .png or .pdf by gnuplot, InputError if it is missing.
+void write_coverage_picture(const std::filesystem::path& file, const CoveragePicture& picture);
 
 }  // namespace forefeel

@@ -6,9 +6,9 @@
 #include <string>
 #include <vector>
 
+#include "apps/picture/label_image.hpp"
 #include "geometry/common/types.hpp"
 #include "geometry/coverage/coverage.hpp"
-#include "geometry/mesh/tet_mesh.hpp"
 
 namespace forefeel {
 
@@ -26,17 +26,14 @@ struct CoveragePicture {
 
 constexpr int slice_panel = 330;  // samples along the longer side, at most
 
-// The plane through picture.through across axis `normal`, sampled as columns x rows of labels.
+// The plane through picture.through across axis `normal`. States and outline: in samples from its lower left corner.
 struct Slice {
   int normal, u, v;  // axes: across, to the right, upwards
-  int columns, rows;
-  double pixel;              // side of a sample [m]
-  std::vector<Label> label;  // row by row from below
+  LabelImage labels;
   std::vector<Eigen::Vector2d> states;
-  std::vector<std::array<Eigen::Vector2d, 2>> outline;
+  std::vector<std::array<Eigen::Vector2d, 2>> outline;  // inside the slice
+  double state_radius = 0;
   bool too_many_states = false;
-
-  Label at(int column, int row) const { return label[static_cast<std::size_t>(row * columns + column)]; }
 };
 
 Slice cut(const CoveragePicture& picture, int normal);

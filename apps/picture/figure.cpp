@@ -13,34 +13,22 @@ namespace forefeel {
 
 namespace fs = std::filesystem;
 
-const char* const figure_style = R"(
-set border 3 lc rgb '#8a8a8a' lw 0.8
-set tics nomirror out scale 0.5 textcolor rgb '#3a3a3a'
-set grid ytics lc rgb '#e4e1da' lw 0.7
-)";
-
-void write_text(const fs::path& file, const std::string& text) {
-  OutputFile out(file);
-  out.write(text);
-  out.commit();
-}
-
 const char* const plot_style = R"(
 set border 3 lc rgb '#8a8a8a' lw 0.8
 set tics nomirror out scale 0.5 textcolor rgb '#3a3a3a'
 set grid lc rgb '#e4e1da' lw 0.7
 )";
 
-const char* line_colour(std::size_t index) {
-  constexpr const char* colours[] = {"#d55e00", "#0072b2", "#009e73", "#cc79a7",
-                                     "#e69f00", "#56b4e9", "#1b1b1b", "#8a8a8a"};
-  return colours[index % 8];
+void write_whole(const fs::path& file, const std::string& bytes) {
+  OutputFile out(file);
+  out.write(bytes);
+  out.commit();
 }
 
 std::string draw_into(const fs::path& folder, const Figure& figure) {
   const std::optional<std::string> svg = draw_svg(figure.name, figure.width, figure.height, figure.script);
   if (!svg) return "<p class=\"note\">A picture is missing: gnuplot was not found or failed.</p>\n";
-  write_text(folder / (figure.name + ".svg"), *svg + "\n");
+  write_whole(folder / (figure.name + ".svg"), *svg + "\n");
   return fmt::format("<figure>{}<figcaption>{}</figcaption></figure>\n", *svg, html_escaped(figure.caption));
 }
 

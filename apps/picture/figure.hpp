@@ -5,6 +5,8 @@
 #include <string>
 #include <vector>
 
+#include "apps/picture/palette.hpp"
+
 namespace forefeel {
 
 struct Figure {
@@ -14,17 +16,13 @@ struct Figure {
   std::string script;
 };
 
-extern const char* const figure_style;  // gnuplot style of axes, tics and grid
-extern const char* const plot_style;    // the same for the pictures of experiments
-// Eight colours that can be told apart with every kind of colour vision (Okabe, Ito 2008).
-const char* line_colour(std::size_t index);
+extern const char* const plot_style;  // gnuplot style of axes, tics and grid
 
+// Writes a file completely or not at all.
+void write_whole(const std::filesystem::path& file, const std::string& bytes);
 // Writes NAME.svg into the folder and returns a <figure> with it; without gnuplot, a note instead.
 std::string draw_into(const std::filesystem::path& folder, const Figure& figure);
 // HTML table of rows of cells; the first row is the header. Escapes the text.
 std::string html_table(const std::vector<std::vector<std::string>>& rows);
-
-// Writes a file completely or not at all.
-void write_text(const std::filesystem::path& file, const std::string& text);
 
 }  // namespace forefeel

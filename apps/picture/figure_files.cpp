@@ -66,9 +66,7 @@ bool write_figures(const Globals& globals, const fs::path& folder, const std::ve
         whole = false;
         continue;
       }
-      OutputFile out(file);
-      out.write(*picture);
-      out.commit();
+      write_whole(file, *picture);
     }
   return whole;
 }

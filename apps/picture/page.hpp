@@ -1,13 +1,15 @@
 #pragma once
-// Shared by all HTML pages: the style and the escaping. A page needs no other file.
+// Shared by all HTML pages: the style. A page needs no other file.
 
 #include <string>
-#include <string_view>
+#include <vector>
+
+#include "geometry/common/utf8.hpp"
 
 namespace forefeel {
 
-// The text for HTML and XML. What is not UTF-8 becomes U+FFFD.
-std::string html_escaped(std::string_view text);
+// Values as whole multiples of `scale`, so that two bytes hold each, in base64 for a script.
+std::string base64_of_whole(const std::vector<double>& values, double& scale);
 // A complete page around `body` (HTML). title is plain text.
 std::string html_page(const std::string& title, const std::string& body);
 

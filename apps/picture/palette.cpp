@@ -3,6 +3,10 @@
 #include <fmt/format.h>
 
 #include <algorithm>
+#include <cassert>
+#include <functional>
+#include <map>
+#include <span>
 #include <sstream>
 #include <utility>
 
@@ -18,44 +22,81 @@ const std::pair<const char*, const char*> named[] = {
     {"bright", "#4477aa,#ee6677,#228833,#ccbb44,#66ccee,#aa3377,#bbbbbb"},
     {"grey", "#1b1b1b,#8a8a8a,#4d4d4d,#b5b5b5,#2f2f2f,#9c9c9c"}};
 
-// Dark blue, light blue, amber, near-white: told apart with every kind of colour vision. In grey print, darker means
-// better known.
-const PictureColours usual_colours{.labels = {"#0b4f7d", "#57a7d6", "#f2b632", "#ece9e2"},
-                                   .rendered = "#1b1b1b",
-                                   .sent = "#2a9d8f",
-                                   .limit = "#c02020",
-                                   .undamped = "#d1495b",
-                                   .reference = "#1f77b4",
-                                   .reference_light = "#8ec3ea",
-                                   .approximation = "#1f77b4",
-                                   .switching = "#d1495b",
-                                   .staleness = "#e0a021"};
+// A meaning and its colours: in the usual palette; in others that of a curve, or the usual one (curve: -1); in grey.
+struct Ink {
+  const char* meaning;
+  const char* usual;
+  int curve = -1;
+  const char* grey = nullptr;  // null: as in other palettes
+};
 
-PictureColours colours_of(const std::string& text, const Palette& palette) {
-  if (text == usual_palette) return usual_colours;
-  PictureColours out = usual_colours;
-  if (text == "grey")
-    out.labels = {"#2f2f2f", "#6d6d6d", "#b5b5b5", "#f0f0f0"};
-  else if (text == "bright")
-    out.labels = {"#4477aa", "#66ccee", "#ccbb44", "#ece9e2"};
-  else if (palette.size() >= 3)
-    out.labels = {palette[0], palette[1], palette[2], out.labels[3]};
-  out.reference = out.approximation = colour_of(palette, 0);
-  out.undamped = out.switching = colour_of(palette, 1);
-  out.sent = colour_of(palette, 2);
-  out.staleness = colour_of(palette, 3);
-  out.reference_light = colour_of(palette, 5);
-  if (text == "grey") out.limit = out.rendered;
+const Ink inks[] = {
+    // Labels. Dark blue, light blue, amber, near-white: told apart with every kind of colour vision. In grey print, darker
+    // means better known.
+    {"safe", "#0b4f7d", 0, "#2f2f2f"},
+    {"sparse", "#57a7d6", 1, "#6d6d6d"},
+    {"gap", "#f2b632", 2, "#b5b5b5"},
+    {"blank", "#ece9e2", -1, "#f0f0f0"},
+    // Curves of a session.
+    {"rendered", "#1b1b1b"},
+    {"sent", "#2a9d8f", 2},
+    {"limit", "#c02020", -1, "#1b1b1b"},
+    {"undamped", "#d1495b", 1},
+    {"reference", "#1f77b4", 0},
+    {"reference_light", "#8ec3ea", 5},
+    {"approximation", "#1f77b4", 0},
+    {"switching", "#d1495b", 1},
+    {"staleness", "#e0a021", 3},
+    {"bar", "#0072b2", 0},
+    // Errors on the maps of a session: within the just noticeable difference, above it, far above it.
+    {"within", "#57a7d6", 5, "#b5b5b5"},
+    {"above", "#e69f00", 4, "#6d6d6d"},
+    {"far_above", "#c02020", 1, "#1b1b1b"},
+    // Bodies and what is around them.
+    {"body", "#d9a892", -1, "#c4c4c4"},
+    {"outline", "#c02020", -1, "#1b1b1b"},
+    {"at_rest", "#cdd4da", -1, "#d4d4d4"},
+    {"moved", "#c0392b", -1, "#2f2f2f"},
+    {"clamp", "#6b5b4d", -1, "#5c5c5c"},
+    {"contact", "#c2185b", 1, "#1b1b1b"},
+    {"group", "#5aa469", 2},
+    {"path", "#c2185b", 1, "#1b1b1b"},
+    {"path_light", "#d9b8c8", -1, "#c4c4c4"},
+    {"force", "#d1495b", 3, "#4d4d4d"},
+    {"solved", "#2a9d8f", 2},
+    {"failed", "#e0371f", -1, "#1b1b1b"},
+    {"blank_dot", "#9b958a", -1, "#9a9a9a"},
+    {"ramp_low", "#cfe3f1", -1, "#e0e0e0"},
+    {"ramp_high", "#7a1f5c", -1, "#1b1b1b"},
+    {"axis_x", "#b3342d", -1, "#4d4d4d"},
+    {"axis_y", "#2d7a35", -1, "#4d4d4d"},
+    {"axis_z", "#2b55a5", -1, "#4d4d4d"}};
+
+using Inks = std::map<std::string, std::string, std::less<>>;
+
+Inks inks_of(const std::string& text, const Palette& palette) {
+  Inks out;
+  for (const Ink& ink : inks) {
+    const bool grey = text == "grey" && ink.grey;
+    const bool usual = text == usual_palette || ink.curve < 0;
+    out[ink.meaning] = grey ? ink.grey : usual ? ink.usual : colour_of(palette, std::size_t(ink.curve));
+  }
+  if (text == "bright")
+    out["sparse"] = palette[4], out["gap"] = palette[3];
+  else if (palette.size() < 3)
+    for (const Ink& label : std::span(inks).first(3)) out[label.meaning] = label.usual;
   return out;
 }
 
 struct InUse {
-  Palette palette = palette_from_text(std::string(usual_palette));
-  PictureColours colours = usual_colours;
+  Palette palette;
+  Inks colours;
+  explicit InUse(const std::string& text)
+      : palette(palette_from_text(text)), colours(inks_of(text, palette)) {}
 };
 
 InUse& in_use() {
-  static InUse all;
+  static InUse all{std::string(usual_palette)};
   return all;
 }
 
@@ -86,16 +127,23 @@ Palette palette_from_text(const std::string& text) {
 }
 
 void use_palette(const std::string& text) {
-  const Palette palette = palette_from_text(text);
-  in_use() = {palette, colours_of(text, palette)};
+  in_use() = InUse(text);
 }
 
 const Palette& palette_in_use() {
   return in_use().palette;
 }
 
-const PictureColours& colours_in_use() {
-  return in_use().colours;
+const std::string& ink(std::string_view meaning) {
+  const auto found = in_use().colours.find(meaning);
+  assert(found != in_use().colours.end());
+  return found->second;
+}
+
+const std::string& line_colour(std::size_t i) {
+  const Palette& palette = palette_in_use();
+  const std::size_t k = i % palette.size();
+  return colour_of(palette, k < 2 ? 1 - k : k);
 }
 
 }  // namespace forefeel

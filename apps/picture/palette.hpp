@@ -1,11 +1,12 @@
 #pragma once
-// Colours of all pictures of this process. A palette gives the curves; labels and the curves of a session's report are
-// derived from it.
+// Colours of all pictures of this process. A palette gives the curves; the colours of labels and of everything else that
+// has a meaning are derived from it.
 
-#include <array>
 #include <string>
 #include <string_view>
 #include <vector>
+
+#include "geometry/coverage/all_labels.hpp"
 
 namespace forefeel {
 
@@ -21,19 +22,19 @@ inline constexpr std::string_view usual_palette = "okabe-ito";
 void use_palette(const std::string& text);
 const Palette& palette_in_use();
 
-struct PictureColours {
-  std::array<std::string, 4> labels;  // safe, sparse, gap, blank
-  // Curves by meaning.
-  std::string rendered, sent, limit, undamped, reference, reference_light, approximation, switching,
-      staleness;
-};
+// The colour of a meaning: a label, "rendered", "body" and so on (palette.cpp lists them), in the palette in use.
 // okabe-ito has colours of its own for these. Of a list, safe, sparse and gap are the first three colours, if there are
 // three.
-const PictureColours& colours_in_use();
+const std::string& ink(std::string_view meaning);
+inline const std::string& colour(Label label) {
+  return ink(name(label));
+}
 
 // The colour of curve i; they repeat.
 inline const std::string& colour_of(const Palette& palette, std::size_t i) {
   return palette[i % palette.size()];
 }
+// The same in the pictures of experiments, where the palette's second colour comes first.
+const std::string& line_colour(std::size_t i);
 
 }  // namespace forefeel

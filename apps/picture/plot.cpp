@@ -17,8 +17,6 @@
 #include <fstream>
 #include <sstream>
 
-#include "apps/picture/palette.hpp"
-
 extern char** environ;
 
 namespace forefeel {
@@ -91,10 +89,6 @@ void replace_all(std::string& text, const std::string& from, const std::string& 
 }
 
 }  // namespace
-
-std::string_view colour(Label label) {
-  return colours_in_use().labels[static_cast<std::size_t>(label)];
-}
 
 // True if gnuplot is installed. Whether it works shows only when it draws.
 bool have_gnuplot() {

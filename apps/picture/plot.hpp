@@ -1,17 +1,11 @@
 #pragma once
-// Plots as SVG by gnuplot, with the colours that every picture shares.
+// Plots by gnuplot, as SVG, PNG or PDF.
 
 #include <optional>
 #include <span>
 #include <string>
-#include <string_view>
-
-#include "geometry/coverage/coverage.hpp"
 
 namespace forefeel {
-
-// Of the palette in use (palette.hpp).
-std::string_view colour(Label label);
 
 bool have_gnuplot();
 // Runs a script and returns the picture as SVG to embed in an HTML page. Sets the terminal and the output

@@ -244,11 +244,7 @@ struct RunDocuments {
   }
 
   void write(const fs::path& run, const ReportPictures& pictures, WriteAttempts& files) {
-    files.attempt("summary.json", [&] {
-      OutputFile file(run / "summary.json");
-      file.write(json_text(document, 2) + "\n");
-      file.commit();
-    });
+    files.attempt("summary.json", [&] { write_whole(run / "summary.json", json_text(document, 2) + "\n"); });
     files.attempt("report.html", [&] { write_report(run, summary, document, scene, pictures); });
     if (!given.figures.formats.empty())
       files.attempt("figures", [&] {

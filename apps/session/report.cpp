@@ -15,11 +15,12 @@
 #include <vector>
 
 #include "apps/picture/page.hpp"
+#include "apps/picture/palette.hpp"
 #include "apps/picture/plot.hpp"
+#include "apps/picture/slice_figure.hpp"
 #include "apps/session/bars_card.hpp"
 #include "apps/session/report_figures.hpp"
 #include "apps/session/run_charts.hpp"
-#include "apps/session/slice_figure.hpp"
 #include "geometry/common/error.hpp"
 #include "geometry/common/output_file.hpp"
 #include "geometry/states/state_file.hpp"
@@ -30,10 +31,6 @@ namespace forefeel {
 namespace {
 
 using Json = nlohmann::ordered_json;
-
-std::string escaped(const std::string& text) {
-  return html_escaped(text);
-}
 
 // ---- numbers for people
 
@@ -84,9 +81,10 @@ std::string tiles(const SessionSummary& s) {
   const Card bars = bars_card(s.error.bars);
   html += tile(bars.value, bars.what, bars.judged);
   if (std::isfinite(s.error.mesh.error))
-    html += tile(percent(s.error.mesh.error),
-                 "discretisation error of the mesh, not in the errors before: " + escaped(s.error.mesh.how),
-                 small_is_good(s.error.mesh.error, 0.07, 0.3));
+    html +=
+        tile(percent(s.error.mesh.error),
+             "discretisation error of the mesh, not in the errors before: " + html_escaped(s.error.mesh.how),
+             small_is_good(s.error.mesh.error, 0.07, 0.3));
   html += tile(shown(s.switching.frames_over_jnd),
                fmt::format("of {} frames in which a switch exceeded its bound", s.run.frames),
                small_is_good(static_cast<double>(s.switching.frames_over_jnd), 0, 0));
@@ -129,7 +127,7 @@ std::string figure(const Figure& f) {
   if (!svg)
     return fmt::format("<p class=\"note\">The picture \"{}\" could not be drawn by gnuplot.</p>\n", f.name);
   return fmt::format("<figure style=\"margin-bottom:12px\">{}<figcaption>{}</figcaption></figure>\n", *svg,
-                     escaped(f.caption));
+                     html_escaped(f.caption));
 }
 
 // Each picture is its own gnuplot process; they run in parallel.
@@ -169,14 +167,14 @@ std::string by_label_table(const SessionSummary& summary) {
 
 std::string printed(const Json& value) {
   if (value.is_null()) return "–";
-  if (value.is_string()) return escaped(value.get<std::string>());
+  if (value.is_string()) return html_escaped(value.get<std::string>());
   if (value.is_number_float()) return shown(value.get<double>());
   if (value.is_array()) {
     std::string text;
     for (const Json& element : value) text += (text.empty() ? "" : ", ") + printed(element);
     return text;
   }
-  return escaped(json_text(value));
+  return html_escaped(json_text(value));
 }
 
 bool is_list_of_rows(const Json& value) {
@@ -188,7 +186,7 @@ void rows_of(const Json& value, const std::string& path, std::string& html) {
     for (const auto& [key, child] : value.items())
       rows_of(child, path.empty() ? key : path + "." + key, html);
   } else {
-    html += fmt::format("<tr><td>{}</td><td class=\"n\">{}</td></tr>\n", escaped(path), printed(value));
+    html += fmt::format("<tr><td>{}</td><td class=\"n\">{}</td></tr>\n", html_escaped(path), printed(value));
   }
 }
 
@@ -201,8 +199,8 @@ std::string titled(const std::string& key) {
 
 // A list of objects with the same keys as a table with these columns.
 std::string rows_table(const std::string& title, const Json& rows) {
-  std::string html = fmt::format("<h3>{}</h3>\n<div class=\"scroll\"><table><tr>", escaped(title));
-  for (const auto& [key, value] : rows.front().items()) html += "<th>" + escaped(titled(key)) + "</th>";
+  std::string html = fmt::format("<h3>{}</h3>\n<div class=\"scroll\"><table><tr>", html_escaped(title));
+  for (const auto& [key, value] : rows.front().items()) html += "<th>" + html_escaped(titled(key)) + "</th>";
   html += "</tr>\n";
   for (const Json& row : rows) {
     html += "<tr>";
@@ -244,7 +242,7 @@ std::string all_numbers(Json document) {
     }
     std::string rows;
     rows_of(value, "", rows);
-    html += fmt::format("<table><tr><th colspan=\"2\">{}</th></tr>\n{}</table>\n", escaped(key), rows);
+    html += fmt::format("<table><tr><th colspan=\"2\">{}</th></tr>\n{}</table>\n", html_escaped(key), rows);
   }
   return html + "<table><tr><th colspan=\"2\">session</th></tr>\n" + single + "</table>\n</div>\n" + lists +
          "</details>\n";
@@ -253,7 +251,7 @@ std::string all_numbers(Json document) {
 // The warnings that come before all figures.
 std::string attention_box(const SessionSummary& summary) {
   std::string html;
-  for (const std::string& line : attention(summary)) html += "<li>" + escaped(line) + "</li>\n";
+  for (const std::string& line : attention(summary)) html += "<li>" + html_escaped(line) + "</li>\n";
   return html.empty() ? html : "<ul class=\"note\">\n" + html + "</ul>\n";
 }
 
@@ -262,7 +260,7 @@ std::string notes(const SessionSummary& summary, const Scene& scene) {
   std::ranges::move(shortened_notes(summary.run.notes), std::back_inserter(lines));
   if (lines.empty()) return "";
   std::string html = "<h2>Notes</h2>\n<ul class=\"note\">\n";
-  for (const std::string& line : lines) html += "<li>" + escaped(line) + "</li>\n";
+  for (const std::string& line : lines) html += "<li>" + html_escaped(line) + "</li>\n";
   return html + "</ul>\n";
 }
 
@@ -271,10 +269,6 @@ std::string provenance_section(const Json& document) {
   if (const auto found = document.find("provenance"); found != document.end()) rows_of(*found, "", rows);
   return "<h2>Provenance</h2>\n<table class=\"wide\">\n" + rows + "</table>\n";
 }
-
-}  // namespace
-
-namespace {
 
 SliceInput slices_of(const SessionResult& result) {
   SliceInput slice;
@@ -341,16 +335,15 @@ void write_report(const std::filesystem::path& run_folder, const SessionSummary&
   std::string html = fmt::format(
       "<h1>{}</h1>\n{}<p class=\"sub\">{} s, {} clock, policy {}, switch {}, {} workers, neighbours by {}, "
       "seed {}; {} tetrahedra, {}</p>\n",
-      escaped(scene.source.file.stem().string()), attention_box(s), shown(s.run.seconds),
-      s.settings.clock == Clock::real ? "real" : "virtual", escaped(s.settings.policy),
+      html_escaped(scene.source.file.stem().string()), attention_box(s), shown(s.run.seconds),
+      s.settings.clock == Clock::real ? "real" : "virtual", html_escaped(s.settings.policy),
       name(s.switching.rule), s.settings.workers, name(s.settings.select), s.settings.seed,
       scene.body->mesh.tets.size(), name(scene.body->material.law));
   html += tiles(s) + pictures(s, drawings);
   if (drawings.shape.valid()) html += drawings.shape.get();
   html += by_label_table(s) + notes(s, scene) + all_numbers(document) + provenance_section(document);
-  OutputFile file(run_folder / "report.html");
-  file.write(html_page("Forefeel: " + scene.source.file.filename().string(), html));
-  file.commit();
+  write_whole(run_folder / "report.html",
+              html_page("Forefeel: " + scene.source.file.filename().string(), html));
 }
 
 }  // namespace forefeel

@@ -13,8 +13,6 @@
 namespace forefeel {
 namespace {
 
-constexpr std::array labels{Label::safe, Label::sparse, Label::gap, Label::blank};
-
 using Frames = std::span<const FrameRecord>;
 
 template <class Value>
@@ -54,18 +52,18 @@ double largest(const std::vector<double>& values, double at_least) {
 
 // Runs of one label as boxes "x_low x_high" per label.
 std::string strip_blocks(Frames frames, const std::vector<double>& t) {
-  std::array<std::string, labels.size()> boxes;
+  std::array<std::string, all_labels.size()> boxes;
   for (std::size_t begin = 0, end = 0; begin < t.size(); begin = end) {
     const Label label = frames[begin].label;
     while (end < t.size() && frames[end].label == label) ++end;
     const double until = end < t.size() ? t[end] : t.back();
-    for (std::size_t i = 0; i < labels.size(); ++i)
-      if (label == labels[i])
+    for (std::size_t i = 0; i < all_labels.size(); ++i)
+      if (label == all_labels[i])
         boxes[i] += fmt::format("{:.6g} 0.5 {:.6g} {:.6g} 0 1\n", 0.5 * (t[begin] + until), t[begin], until);
   }
   std::string blocks;
-  for (std::size_t i = 0; i < labels.size(); ++i)
-    blocks += data_block(fmt::format("strip_{}", name(labels[i])), boxes[i]);
+  for (std::size_t i = 0; i < all_labels.size(); ++i)
+    blocks += data_block(fmt::format("strip_{}", name(all_labels[i])), boxes[i]);
   return blocks;
 }
 
@@ -112,8 +110,7 @@ struct Curves {
                "lw 1 lc rgb '{}' title 'newest model, undamped', "
                "$rendered with lines lw 1.3 lc rgb '{}' title 'rendered', $sent with lines lw 1 lc rgb '{}' "
                "title 'sent to the device'\nunset arrow 1\nunset label 1\n",
-               colours_in_use().reference_light, colours_in_use().undamped, colours_in_use().rendered,
-               colours_in_use().sent);
+               ink("reference_light"), ink("undamped"), ink("rendered"), ink("sent"));
   }
 
  private:
@@ -123,12 +120,12 @@ struct Curves {
       return fmt::format(
           "set label 1 'force limit {:.3g} N, above this axis' at graph 0.01, graph 0.95 "
           "textcolor rgb '{}'\n",
-          limit, colours_in_use().limit);
+          limit, ink("limit"));
     return fmt::format(
         "set arrow 1 from graph 0, first {0} to graph 1, first {0} nohead lw 1 dt 2 lc rgb '{1}' front\n"
         "set label 1 'force limit {2:.3g} N' at graph 0.01, first {0} offset 0,0.6 textcolor rgb '{1}' "
         "front\n",
-        limit, colours_in_use().limit, limit);
+        limit, ink("limit"), limit);
   }
 };
 
@@ -138,7 +135,7 @@ std::string screen_part(double top, double bottom) {
 
 std::string strip_plot() {
   std::string text;
-  for (const Label label : labels)
+  for (const Label label : all_labels)
     text +=
         fmt::format("{}$strip_{} using 1:2:3:4:5:6 with boxxyerror fs solid 1 noborder fc rgb '{}' notitle",
                     text.empty() ? "plot " : ", ", name(label), colour(label));
@@ -156,8 +153,7 @@ std::string error_plot() {
       "rgb '{}' title 'approximation', "
       "$staleness with points pt 7 ps 0.3 lc rgb '{}' title 'staleness', $switch with points pt 7 ps 0.3 lc "
       "rgb '{}' title 'switch'\n",
-      colours_in_use().rendered, colours_in_use().approximation, colours_in_use().staleness,
-      colours_in_use().switching);
+      ink("rendered"), ink("approximation"), ink("staleness"), ink("switching"));
 }
 
 // The round number (1, 2 or 5 times a power of ten) at or above a value.
@@ -196,7 +192,8 @@ Figure time_figure(Frames frames, double force_limit) {
   const Curves curves(frames, force_limit);
   const std::vector<double> states =
       values_of(frames, [](const FrameRecord& f) { return static_cast<double>(f.known); });
-  std::string script = curves.blocks(0, curves.end, 1400) + figure_style + strip_blocks(frames, curves.t) +
+  std::string script = curves.blocks(0, curves.end, 1400) + plot_style + "set grid noxtics\n" +
+                       strip_blocks(frames, curves.t) +
                        data_block("known", thinned_curve(curves.t, states, 700));
   const std::pair<const char*, double Judgement::*> parts[] = {{"error", &Judgement::error},
                                                                {"approximation", &Judgement::approximation},
@@ -219,7 +216,7 @@ Figure time_figure(Frames frames, double force_limit) {
       screen_part(0.535, 0.385) + fmt::format(
                                       "set yrange [0:{}]\nset ytics {}\nset ylabel 'states known' offset 1\n"
                                       "plot $known with lines lw 1.6 lc rgb '{}' notitle\n",
-                                      1.1 * known, round_step(known / 4), colours_in_use().rendered);
+                                      1.1 * known, round_step(known / 4), ink("rendered"));
   script += screen_part(0.365, 0.065) +
             "set format x '%g'\nset ytics autofreq\nset xlabel 'time [s]' offset 0,0.6\n" + error_plot();
   return {"time",
@@ -238,7 +235,7 @@ Figure deadline_figure(Frames frames) {
   const std::string cost = histogram(values_of(frames, &FrameTiming::cost_us), peak),
                     late = histogram(values_of(frames, &FrameTiming::lateness_us), peak);
   const std::string script =
-      data_block("cost", cost) + data_block("late", late) + figure_style +
+      data_block("cost", cost) + data_block("late", late) + plot_style + "set grid noxtics\n" +
       fmt::format(
           "set multiplot layout 1,2 margins 0.075,0.985,0.2,0.88 spacing 0.07,0.1\nset logscale xy\nset "
           "xrange [0.1:1e5]\nset yrange [0.5:{}]\n"
@@ -251,7 +248,7 @@ Figure deadline_figure(Frames frames) {
           "boxxyerror fs solid 1 noborder fc rgb '{}' notitle\n"
           "unset ylabel\nset title 'lateness of the wake-up'\nplot $late using 1:2:3:4:5:6 with boxxyerror "
           "fs solid 1 noborder fc rgb '{}' notitle\nunset multiplot\n",
-          colours_in_use().reference, colours_in_use().switching);
+          ink("reference"), ink("switching"));
   return {"deadline",
           "Loop at 1 kHz. Left: time to compute a frame. Right: delay with which the system wakes the loop. "
           "All axes are logarithmic.",

@@ -7,11 +7,11 @@
 #include <span>
 
 #include "apps/picture/page.hpp"
+#include "apps/picture/page_texts.hpp"
 #include "apps/picture/palette.hpp"
 #include "apps/picture/plot.hpp"
 #include "apps/session/bad_moments.hpp"
 #include "apps/session/run_data.hpp"
-#include "apps/session/run_script.hpp"
 
 namespace forefeel {
 namespace {
@@ -32,17 +32,14 @@ std::string compared_in_words(std::span<const FrameRecord> frames) {
 
 std::string curves(const std::string& compared, std::size_t ending_frames) {
   std::string html = fmt::format("<h2>Force, label and error over time ({})</h2>\n", compared);
-  html +=
-      "<p class=\"legend\">" + key(colours_in_use().rendered, "line", "rendered, before the safety rules") +
-      key(colours_in_use().sent, "dash", "sent to the device") +
-      key(colours_in_use().limit, "dash", "force limit") + key("rgba(192,32,32,.2)", "box", "clamped") +
-      key(colours_in_use().undamped, "line", "newest model, undamped") +
-      key(colours_in_use().reference_light, "dot", "reference") +
-      key("rgba(0,114,178,.18)", "box", "error bar, 95 %") + "</p>\n<p class=\"legend\"><span>error:</span>" +
-      key(colours_in_use().rendered, "line", "rendered") +
-      key(colours_in_use().approximation, "dot", "approximation") +
-      key(colours_in_use().switching, "dot", "switch") + key(colours_in_use().staleness, "dot", "staleness") +
-      key("#6a6a6a", "dash", "just noticeable") + "</p>\n";
+  html += "<p class=\"legend\">" + key(ink("rendered"), "line", "rendered, before the safety rules") +
+          key(ink("sent"), "dash", "sent to the device") + key(ink("limit"), "dash", "force limit") +
+          key(ink("limit") + "33", "box", "clamped") +
+          key(ink("undamped"), "line", "newest model, undamped") +
+          key(ink("reference_light"), "dot", "reference") + key(ink("bar") + "2e", "box", "error bar, 95 %") +
+          "</p>\n<p class=\"legend\"><span>error:</span>" + key(ink("rendered"), "line", "rendered") +
+          key(ink("approximation"), "dot", "approximation") + key(ink("switching"), "dot", "switch") +
+          key(ink("staleness"), "dot", "staleness") + key("#6a6a6a", "dash", "just noticeable") + "</p>\n";
   html +=
       "<figure><p class=\"bar\"><button id=\"run-all\">whole run</button><button id=\"run-in\">+</button>"
       "<button id=\"run-out\">−</button><button id=\"run-here\">switch at the pointer</button>"
@@ -83,8 +80,8 @@ std::string around_switch(std::size_t switches) {
 
 std::string maps(const std::string& compared) {
   std::string html = fmt::format("<h2>Where the errors were ({})</h2>\n<p class=\"legend\">", compared);
-  html += key("#57a7d6", "dot", "within the just noticeable difference (JND)") +
-          key("#e69f00", "dot", "1 to 3 JND") + key("#c02020", "dot", "above 3 JND") +
+  html += key(ink("within"), "dot", "within the just noticeable difference (JND)") +
+          key(ink("above"), "dot", "1 to 3 JND") + key(ink("far_above"), "dot", "above 3 JND") +
           key("#8a8a8a", "line", "path in the time shown above") + "</p>\n<figure class=\"maps\">";
   for (const char* plane : {"xy", "xz", "yz"})
     html += fmt::format(
@@ -105,8 +102,8 @@ std::string run_charts(const SessionResult& result, const RunView& view, const s
     data.insert(at + 1, "\\");
   return curves(compared, result.loop.ending_frames) + around_switch(result.switches.size()) +
          maps(compared) + "<noscript>" + without_script +
-         "</noscript>\n<script type=\"application/json\" id=\"run-data\">" + data + "</script>\n<script>" +
-         std::string(run_script_chart) + std::string(run_script_page) + "</script>\n";
+         "</noscript>\n<script type=\"application/json\" id=\"run-data\">" + data + "</script>\n<script>\n" +
+         std::string(run_script) + "</script>\n";
 }
 
 std::string worst_moments(const SessionResult& result, const RunView& view) {

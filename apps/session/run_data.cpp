@@ -10,9 +10,9 @@
 #include <vector>
 
 #include "apps/console/json_text.hpp"
-#include "apps/picture/base64.hpp"
 #include "apps/picture/palette.hpp"
 #include "apps/picture/plot.hpp"
+#include "geometry/common/base64.hpp"
 #include "scheduling/record/summary.hpp"
 
 namespace forefeel {
@@ -107,15 +107,13 @@ Json corners(const Vec3& low, const Vec3& high) {
   return Json::array({Json::array({low[0], low[1], low[2]}), Json::array({high[0], high[1], high[2]})});
 }
 
+// Colours by what the script calls them.
 Json inks() {
-  return {{"rendered", colours_in_use().rendered},
-          {"sent", colours_in_use().sent},
-          {"limit", colours_in_use().limit},
-          {"newest", colours_in_use().undamped},
-          {"reference", colours_in_use().reference_light},
-          {"approximation", colours_in_use().approximation},
-          {"switching", colours_in_use().switching},
-          {"staleness", colours_in_use().staleness}};
+  Json out{{"newest", ink("undamped")}, {"reference", ink("reference_light")}};
+  for (const char* meaning : {"rendered", "sent", "limit", "approximation", "switching", "staleness", "bar",
+                              "within", "above", "far_above"})
+    out[meaning] = ink(meaning);
+  return out;
 }
 
 }  // namespace

@@ -78,9 +78,7 @@ ShowResult make(const Globals& globals, const ShowArguments& arguments) {
   } else {
     const std::string bytes = extension == ".html" ? show_page(result.content, arguments.output)
                                                    : still_bytes(result.content, arguments.output, extension);
-    OutputFile file(arguments.output);
-    file.write(bytes);
-    file.commit();
+    write_whole(arguments.output, bytes);
     result.files = {arguments.output};
   }
   for (const fs::path& file : result.files) {
@@ -88,7 +86,7 @@ ShowResult make(const Globals& globals, const ShowArguments& arguments) {
     const std::uintmax_t size = fs::file_size(file, error);
     if (!error) result.size_bytes += size;
   }
-  result.seconds = std::chrono::duration<double>(std::chrono::steady_clock::now() - begin).count();
+  result.seconds = seconds_since(begin);
   return result;
 }
 
@@ -110,7 +108,7 @@ nlohmann::ordered_json to_json(const ShowResult& result) {
                    {"contact", std::ranges::count(body.role, Role::contact)},
                    {"groups", groups},
                    {"regions", nlohmann::ordered_json::array()}};
-    for (const ShownRegion& region : body.regions)
+    for (const ShownRegion& region : body.regions.all)
       out["body"]["regions"].push_back({{"name", region.name}, {"volume", region.volume}});
   }
   out["box"] = nullptr;

@@ -71,7 +71,7 @@ ShownBody shown_body(const Body& body) {
   for (const NodeIndex node : body.contact)
     shown.rest += body.mesh.nodes[static_cast<std::size_t>(node)] / double(body.contact.size());
   for (Vec3& node : shown.nodes) node -= shown.rest;
-  for (Vec3& node : shown.inside.nodes) node -= shown.rest;
+  for (Vec3& node : shown.regions.inside.nodes) node -= shown.rest;
   shown.outward = -inward_direction(body);
   return shown;
 }

@@ -69,17 +69,17 @@ void take_interface(const TetMesh& mesh, const RegionOf& of, ShownInterface& ins
 }
 
 void take(const TetMesh& mesh, const RegionOf& of, ShownBody& shown) {
-  if (shown.regions.empty()) return;
-  shown.tet_region = of;
+  if (shown.regions.all.empty()) return;
+  shown.regions.of_tet = of;
   for (std::size_t t = 0; t < of.size(); ++t)
-    if (of[t] > 0) shown.regions[of[t] - 1u].volume += tet_volume(mesh, t);
+    if (of[t] > 0) shown.regions.all[of[t] - 1u].volume += tet_volume(mesh, t);
   const auto sides = sides_of(mesh);
   for (const Triangle& face : shown.triangles) {
     Face own{};
     for (std::size_t i = 0; i < 3; ++i) own[i] = shown.node[static_cast<std::size_t>(face[i])];
-    shown.region.push_back(of[static_cast<std::size_t>(sides.at(sorted(own))[0])]);
+    shown.regions.of_triangle.push_back(of[static_cast<std::size_t>(sides.at(sorted(own))[0])]);
   }
-  take_interface(mesh, of, shown.inside);
+  take_interface(mesh, of, shown.regions.inside);
 }
 
 // Marks the tetrahedra that no region has yet; their number.
@@ -103,21 +103,22 @@ std::string in_words(const Material& material) {
 void take_regions(const Body& body, ShownBody& shown) {
   RegionOf of(body.mesh.tets.size(), 0);
   for (const MaterialRegion& region : body.regions) {
-    if (shown.regions.size() == most_regions) break;
-    mark(region.tets, shown.regions.size(), of);
-    shown.regions.push_back({.name = region.name, .words = in_words(region.material)});
+    if (shown.regions.all.size() == most_regions) break;
+    mark(region.tets, shown.regions.all.size(), of);
+    shown.regions.all.push_back({.name = region.name, .words = in_words(region.material)});
   }
-  if (!shown.regions.empty() && std::ranges::find(of, 0) != of.end())
-    shown.rest_words = in_words(body.material);
+  if (!shown.regions.all.empty() && std::ranges::find(of, 0) != of.end())
+    shown.regions.rest_words = in_words(body.material);
   take(body.mesh, of, shown);
 }
 
 void take_regions(const TetMesh& mesh, ShownBody& shown) {
   RegionOf of(mesh.tets.size(), 0);
   for (const auto& [name, tets] : mesh.element_groups) {
-    if (shown.regions.size() == most_regions) break;
+    if (shown.regions.all.size() == most_regions) break;
     if (tets.size() == mesh.tets.size()) continue;
-    if (mark(tets, shown.regions.size(), of) > 0) shown.regions.push_back({.name = name, .words = ""});
+    if (mark(tets, shown.regions.all.size(), of) > 0)
+      shown.regions.all.push_back({.name = name, .words = ""});
   }
   take(mesh, of, shown);
 }

@@ -33,8 +33,16 @@ struct ShownRegion {
 struct ShownInterface {
   std::vector<Vec3> nodes;           // [m]
   std::vector<Triangle> triangles;   // outward from their region
-  std::vector<std::uint8_t> region;  // #triangles: number of the region in ShownBody::regions, from 0
+  std::vector<std::uint8_t> region;  // #triangles: number of the region in ShownRegions::all, from 0
   bool empty() const { return triangles.empty(); }
+};
+
+struct ShownRegions {
+  std::vector<ShownRegion> all;
+  // 0 the rest, k: all[k - 1]; empty without regions
+  std::vector<std::uint8_t> of_triangle, of_tet;  // #triangles of the body; #T of its mesh
+  std::string rest_words;                         // material of the rest
+  ShownInterface inside;
 };
 
 // The surface of a body at rest.
@@ -44,11 +52,7 @@ struct ShownBody {
   std::vector<NodeIndex> node;      // #V: number in the mesh, from 0
   std::vector<Role> role;           // #V
   std::vector<ShownGroup> groups;   // named node sets of the mesh that reach the surface
-  std::vector<ShownRegion> regions;
-  // 0 the rest, k: regions[k - 1]; empty without regions
-  std::vector<std::uint8_t> region, tet_region;  // #triangles; #T of `mesh`
-  std::string rest_words;                        // material of the rest
-  ShownInterface inside;
+  ShownRegions regions;
   Vec3 rest = Vec3::Zero();     // where the contact rests, in the mesh [m]
   std::optional<Vec3> outward;  // mean normal of the contact
   TetMesh mesh;                 // for the .vtu; no tetrahedra for a surface

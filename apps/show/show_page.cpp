@@ -13,10 +13,10 @@
 
 #include "apps/console/json.hpp"
 #include "apps/console/json_text.hpp"
-#include "apps/picture/base64.hpp"
 #include "apps/picture/page.hpp"
-#include "apps/show/colours.hpp"
-#include "apps/show/viewer_text.hpp"
+#include "apps/picture/page_texts.hpp"
+#include "apps/picture/palette.hpp"
+#include "geometry/common/base64.hpp"
 #include "geometry/common/error.hpp"
 #include "geometry/states/state_outcome.hpp"
 
@@ -81,16 +81,16 @@ Json body_json(const ShownBody& body) {
   for (const ShownGroup& group : body.groups)
     out["groups"].push_back({{"name", group.name}, {"nodes", packed("u32", group.nodes)}});
   out["regions"] = Json::array();
-  for (std::size_t i = 0; i < body.regions.size(); ++i)
-    out["regions"].push_back({{"name", body.regions[i].name},
-                              {"words", body.regions[i].words},
-                              {"volume", body.regions[i].volume},
-                              {"colour", region_colour(i)}});
-  out["rest_words"] = body.rest_words;
-  out["region"] = bytes(body.region, [](std::uint8_t region) { return region; });
-  out["inside"] = {{"nodes", floats(body.inside.nodes, [](const Vec3& p) { return p; })},
-                   {"triangles", corners_of(body.inside.triangles)},
-                   {"region", bytes(body.inside.region, [](std::uint8_t region) { return region; })}};
+  for (std::size_t i = 0; i < body.regions.all.size(); ++i)
+    out["regions"].push_back({{"name", body.regions.all[i].name},
+                              {"words", body.regions.all[i].words},
+                              {"volume", body.regions.all[i].volume},
+                              {"colour", colour_of(palette_in_use(), i)}});
+  out["rest_words"] = body.regions.rest_words;
+  out["region"] = bytes(body.regions.of_triangle, [](std::uint8_t region) { return region; });
+  out["inside"] = {{"nodes", floats(body.regions.inside.nodes, [](const Vec3& p) { return p; })},
+                   {"triangles", corners_of(body.regions.inside.triangles)},
+                   {"region", bytes(body.regions.inside.region, [](std::uint8_t region) { return region; })}};
   out["rest"] = vector3(body.rest);
   out["elements"] = body.mesh.tets.size();
   return out;
@@ -127,19 +127,15 @@ Json states_json(const ShownStates& states) {
   return out;
 }
 
-// Displacements as whole multiples of `scale` [m], so that two bytes hold each.
 Json shapes_json(const std::vector<ShownShape>& shapes) {
-  double most = 0;
+  std::vector<double> all;
   for (const ShownShape& shape : shapes)
-    for (const Vec3& moved : shape.moved) most = std::max(most, moved.cwiseAbs().maxCoeff());
-  const double scale = std::max(most, 1e-12) / 32000;
-  std::vector<std::int16_t> all;
-  for (const ShownShape& shape : shapes)
-    for (const Vec3& moved : shape.moved)
-      for (int k = 0; k < 3; ++k) all.push_back(static_cast<std::int16_t>(std::lround(moved[k] / scale)));
+    for (const Vec3& moved : shape.moved) all.insert(all.end(), moved.begin(), moved.end());
+  double scale = 0;
+  const std::string packed = base64_of_whole(all, scale);
   return {{"t", floats(shapes, [](const ShownShape& s) { return s.t; })},
           {"scale", scale},
-          {"moved", packed("i16", all)}};
+          {"moved", {{"i16", packed}}}};
 }
 
 Json run_json(const ShownRun& run) {
@@ -164,7 +160,10 @@ std::string data_text(const ShowContent& content) {
   const ViewPoint view = view_of(content);
   out["view"] = {view.azimuth, view.elevation};
   out["colours"] = Json::object();
-  for (const auto& [meaning, colour] : show_colours()) out["colours"][meaning] = colour;
+  for (const char* meaning :
+       {"axis_x", "axis_y", "axis_z", "blank", "blank_dot", "body", "clamp", "contact", "failed", "force",
+        "gap", "group", "path", "path_light", "ramp_high", "ramp_low", "safe", "solved", "sparse"})
+    out["colours"][meaning] = ink(meaning);
   out["body"] = content.body ? body_json(*content.body) : Json();
   out["states"] = content.states ? states_json(*content.states) : Json();
   out["run"] = content.run ? run_json(*content.run) : Json();
@@ -191,56 +190,23 @@ std::string library(std::string_view embedded, const char* installed, const std:
   return text.str();
 }
 
-constexpr std::string_view body_html = R"(<div id="stage"></div>
-<div id="panel"><h1 id="title"></h1></div>
-<div id="help">drag: turn &middot; wheel: zoom &middot; right button: move<br>point at something: its values</div>
-<div id="time" style="display:none"><div class="row"><button id="play">play</button>
-<input id="clock" type="range"><span id="now"></span></div><canvas id="strip"></canvas>
-<div id="words"></div></div>
-<div id="tip"></div>
-<div id="failure">This page needs WebGL, which the browser does not offer.</div>
-)";
-
 // Forbids the page to load anything; the browser enforces it.
 constexpr std::string_view policy =
     "<meta http-equiv=\"Content-Security-Policy\" content=\"default-src 'none'; script-src 'unsafe-inline'; "
     "style-src 'unsafe-inline'; img-src data: blob:\">\n";
 
-constexpr std::string_view licence =
-    "<!-- The first two scripts are three.js, copyright three.js authors, under the MIT licence: Permission "
-    "is hereby "
-    "granted, free of charge, to any person obtaining a copy of this software and associated documentation "
-    "files "
-    "(the \"Software\"), to deal in the Software without restriction, including without limitation the "
-    "rights to "
-    "use, copy, modify, merge, publish, distribute, sublicense, and/or sell copies of the Software, and to "
-    "permit "
-    "persons to whom the Software is furnished to do so, subject to the following conditions: The above "
-    "copyright "
-    "notice and this permission notice shall be included in all copies or substantial portions of the "
-    "Software. THE "
-    "SOFTWARE IS PROVIDED \"AS IS\", WITHOUT WARRANTY OF ANY KIND, EXPRESS OR IMPLIED, INCLUDING BUT NOT "
-    "LIMITED TO "
-    "THE WARRANTIES OF MERCHANTABILITY, FITNESS FOR A PARTICULAR PURPOSE AND NONINFRINGEMENT. IN NO EVENT "
-    "SHALL THE "
-    "AUTHORS OR COPYRIGHT HOLDERS BE LIABLE FOR ANY CLAIM, DAMAGES OR OTHER LIABILITY, WHETHER IN AN ACTION "
-    "OF "
-    "CONTRACT, TORT OR OTHERWISE, ARISING FROM, OUT OF OR IN CONNECTION WITH THE SOFTWARE OR THE USE OR "
-    "OTHER "
-    "DEALINGS IN THE SOFTWARE. -->\n";
-
 }  // namespace
 
 std::string show_page(const ShowContent& content, const std::string& file) {
-  const std::string three = library(embedded_three(), "three.min.js", file);
-  const std::string orbit = library(embedded_orbit_controls(), "examples/js/controls/OrbitControls.js", file);
+  const std::string three = library(three_script, "three.min.js", file);
+  const std::string orbit = library(orbit_script, "examples/js/controls/OrbitControls.js", file);
   std::string page = "<!DOCTYPE html>\n<html lang=\"en\"><head><meta charset=\"utf-8\">\n";
   page += policy;
   page += "<title>" + html_escaped(content.title) + "</title>\n<style>\n";
-  page += embedded_viewer_style();
+  page += viewer_style;
   page += "</style></head><body>\n";
-  page += body_html;
-  page += licence;
+  page += viewer_body;
+  page += three_licence;
   const auto script = [&](std::string_view text) {
     page += "<script>\n";
     page += text;
@@ -249,7 +215,7 @@ std::string show_page(const ShowContent& content, const std::string& file) {
   script(three);
   script(orbit);
   page += "<script id=\"data\" type=\"application/json\">" + data_text(content) + "</script>\n";
-  script(embedded_viewer_script());
+  script(viewer_script);
   return page + "</body></html>\n";
 }
 

@@ -11,7 +11,8 @@
 #include <numbers>
 #include <utility>
 
-#include "apps/show/colours.hpp"
+#include "apps/picture/label_image.hpp"
+#include "apps/picture/palette.hpp"
 #include "apps/show/still_legend.hpp"
 #include "geometry/states/state_outcome.hpp"
 
@@ -89,7 +90,8 @@ struct Coarse {
 
 // The surface, with nodes of one small cube joined if it has too many triangles for a picture.
 Coarse coarse_surface(const ShownBody& body, const Box& extent) {
-  if (body.triangles.size() <= most_triangles) return {body.nodes, body.role, body.triangles, body.region};
+  if (body.triangles.size() <= most_triangles)
+    return {body.nodes, body.role, body.triangles, body.regions.of_triangle};
   const double cube = extent.size().maxCoeff() / 90;
   std::map<std::array<int, 3>, NodeIndex> place;
   std::vector<NodeIndex> joined(body.nodes.size());
@@ -114,7 +116,7 @@ Coarse coarse_surface(const ShownBody& body, const Box& extent) {
                        joined[static_cast<std::size_t>(t[2])]};
     if (own[0] == own[1] || own[1] == own[2] || own[0] == own[2]) continue;
     coarse.triangles.push_back(own);
-    if (!body.region.empty()) coarse.region.push_back(body.region[k]);
+    if (!body.regions.of_triangle.empty()) coarse.region.push_back(body.regions.of_triangle[k]);
   }
   return coarse;
 }
@@ -140,7 +142,7 @@ void add_body(const ShownBody& body, const Box& extent, const Eye& eye, double o
     const double light = 0.55 + 0.45 * std::abs(normal.dot(lamp));
     const std::string colour = shaded(clamped                 ? ink("clamp")
                                       : role == Role::contact ? ink("contact")
-                                      : region > 0            ? region_colour(region - 1)
+                                      : region > 0            ? colour_of(palette_in_use(), region - 1)
                                                               : ink("body"),
                                       light);
     const double see = (facing ? 1 : 0.5) * opacity;
@@ -166,7 +168,7 @@ void add_inside(const ShownInterface& inside, const Eye& eye, Depths& shapes) {
     for (std::size_t i = 0; i < 3; ++i) p[i] = inside.nodes[static_cast<std::size_t>(inside.triangles[k][i])];
     const Vec3 normal = (p[1] - p[0]).cross(p[2] - p[0]).normalized();
     const std::string colour =
-        shaded(region_colour(inside.region[k]), 0.55 + 0.45 * std::abs(normal.dot(lamp)));
+        shaded(colour_of(palette_in_use(), inside.region[k]), 0.55 + 0.45 * std::abs(normal.dot(lamp)));
     shapes.add(eye.depth((p[0] + p[1] + p[2]) / 3), [=, &eye](FlatPicture& picture) {
       picture.polygon({eye(p[0]), eye(p[1]), eye(p[2])}, colour, 1);
     });
@@ -214,28 +216,24 @@ void add_plane(const LabelGrid& grid, const Box& box, const Eye& eye, Depths& sh
   const int layer =
       step[axis] > 0 ? std::clamp(static_cast<int>((level - box.low[axis]) / step[axis]), 0, count(axis) - 1)
                      : 0;
+  const LabelImage image(count(u), count(v), [&](int column, int row) {
+    return grid.label[static_cast<std::size_t>(layer) * stride[static_cast<std::size_t>(axis)] +
+                      static_cast<std::size_t>(row) * stride[static_cast<std::size_t>(v)] +
+                      static_cast<std::size_t>(column) * stride[static_cast<std::size_t>(u)]];
+  });
   constexpr int longest = 6;  // of a run of cells, so that the order by depth holds
-  for (int row = 0; row < count(v); ++row)
-    for (int begin = 0; begin < count(u);) {
-      const auto at = [&](int column) {
-        return grid.label[static_cast<std::size_t>(layer) * stride[static_cast<std::size_t>(axis)] +
-                          static_cast<std::size_t>(row) * stride[static_cast<std::size_t>(v)] +
-                          static_cast<std::size_t>(column) * stride[static_cast<std::size_t>(u)]];
-      };
-      int end = begin + 1;
-      while (end < count(u) && end - begin < longest && at(end) == at(begin)) ++end;
+  for (int row = 0; row < image.rows; ++row)
+    for (const LabelBox& run : label_runs(image, row, longest)) {
       std::array<Vec3, 4> corner;
       for (std::size_t k = 0; k < 4; ++k) {
         corner[k][axis] = level;
-        corner[k][u] = box.low[u] + step[u] * (k == 1 || k == 2 ? end : begin);
-        corner[k][v] = box.low[v] + step[v] * (k >= 2 ? row + 1 : row);
+        corner[k][u] = box.low[u] + step[u] * (k == 1 || k == 2 ? run.right : run.left);
+        corner[k][v] = box.low[v] + step[v] * (k >= 2 ? run.above : run.below);
       }
-      const Label label = at(begin);
       shapes.add(eye.depth(0.5 * (corner[0] + corner[2])), [=, &eye](FlatPicture& picture) {
-        picture.polygon({eye(corner[0]), eye(corner[1]), eye(corner[2]), eye(corner[3])}, ink(name(label)),
-                        label == Label::blank ? 0.6 : 1);
+        picture.polygon({eye(corner[0]), eye(corner[1]), eye(corner[2]), eye(corner[3])}, colour(run.label),
+                        run.label == Label::blank ? 0.6 : 1);
       });
-      begin = end;
     }
 }
 
@@ -244,12 +242,12 @@ void add_states(const ShownStates& states, const Cut& cut, const Eye& eye, doubl
   for (const ShownState& s : states.all) {
     const Vec3 at = s.state.at;
     if (near_cut_only(states) && std::abs(at[cut.axis] - cut.level) > 0.5 * spacing) continue;
-    const std::string& colour = ink(!s.state.usable()         ? "failed"
-                                    : s.label == Label::blank ? "blank_dot"
-                                                              : name(s.label));
+    const std::string& own = ink(!s.state.usable()         ? "failed"
+                                 : s.label == Label::blank ? "blank_dot"
+                                                           : name(s.label));
     shapes.add(eye.depth(at), [=, &eye](FlatPicture& picture) {
       picture.dot(eye(at), radius + 0.8, "#ffffff");
-      picture.dot(eye(at), radius, colour);
+      picture.dot(eye(at), radius, own);
     });
   }
 }
@@ -282,12 +280,12 @@ void add_run(const ShownRun& run, const Box& extent, const Eye& eye, Depths& sha
 // Directions of the axes, at the lower left.
 void add_axes(const Eye& eye, FlatPicture& picture) {
   const Vec2 origin(60, height - 60), zero = eye(Vec3::Zero());
-  constexpr std::array<const char*, 3> names{"x", "y", "z"}, inks{"#b3342d", "#2d7a35", "#2b55a5"};
+  constexpr std::array<const char*, 3> names{"x", "y", "z"}, inks{"axis_x", "axis_y", "axis_z"};
   for (int axis = 0; axis < 3; ++axis) {
     const Vec2 along = (eye(Vec3::Unit(axis)) - zero) / eye.pixels(1) * 38;
     const auto i = static_cast<std::size_t>(axis);
-    picture.line(origin, origin + along, 1.8, inks[i]);
-    picture.text(origin + 1.3 * along + Vec2(-4, 4), names[i], 13, inks[i]);
+    picture.line(origin, origin + along, 1.8, ink(inks[i]));
+    picture.text(origin + 1.3 * along + Vec2(-4, 4), names[i], 13, ink(inks[i]));
   }
 }
 
@@ -298,10 +296,10 @@ FlatPicture still_picture(const ShowContent& content) {
   const Eye eye(content);
   const Box extent = extent_of(content);
   Depths shapes;
-  const bool inside = content.body && !content.body->inside.empty();
+  const bool inside = content.body && !content.body->regions.inside.empty();
   const double opacity = content.states || content.run ? 0.22 : inside ? 0.35 : 1;
   if (content.body) add_body(*content.body, extent, eye, opacity, shapes);
-  if (inside) add_inside(content.body->inside, eye, shapes);
+  if (inside) add_inside(content.body->regions.inside, eye, shapes);
   if (content.box) add_box(*content.box, eye, shapes);
   if (content.states) {
     if (!content.states->labels.empty()) add_plane(content.states->labels.back(), *content.box, eye, shapes);

@@ -6,7 +6,7 @@
 #include <cmath>
 #include <string_view>
 
-#include "apps/show/colours.hpp"
+#include "apps/picture/palette.hpp"
 
 namespace forefeel {
 namespace {
@@ -50,14 +50,15 @@ void add_body_lines(const ShownBody& body, Legend& legend) {
                   return sides(extent_of(only));
                 }()));
   const auto has = [&](Role role) { return std::ranges::find(body.role, role) != body.role.end(); };
-  for (std::size_t k = 0; k < std::min(body.regions.size(), most_named_regions); ++k) {
-    const ShownRegion& region = body.regions[k];
-    legend.patch(region_colour(k), fmt::format("{:.24}, {:.3g} cm\u00b3", region.name, 1e6 * region.volume));
+  for (std::size_t k = 0; k < std::min(body.regions.all.size(), most_named_regions); ++k) {
+    const ShownRegion& region = body.regions.all[k];
+    legend.patch(colour_of(palette_in_use(), k),
+                 fmt::format("{:.24}, {:.3g} cm\u00b3", region.name, 1e6 * region.volume));
     if (!region.words.empty()) legend.words("      " + region.words);
   }
-  if (!body.rest_words.empty()) legend.words("the rest: " + body.rest_words);
-  if (body.regions.size() > most_named_regions)
-    legend.words(fmt::format("and {} more regions", body.regions.size() - most_named_regions));
+  if (!body.regions.rest_words.empty()) legend.words("the rest: " + body.regions.rest_words);
+  if (body.regions.all.size() > most_named_regions)
+    legend.words(fmt::format("and {} more regions", body.regions.all.size() - most_named_regions));
   if (has(Role::clamp)) legend.swatch("clamp", "clamp (held)");
   if (has(Role::contact)) legend.swatch("contact", "contact (moves with the hand)");
 }
@@ -78,7 +79,7 @@ void add_legend(const ShowContent& content, FlatPicture& picture) {
     legend.words(fmt::format("{} states{} and a cut", content.states->all.size(),
                              near_cut_only(*content.states) ? " (dots: those near it)" : " (dots)"));
     legend.words("through the labels:");
-    for (const Label label : {Label::safe, Label::sparse, Label::gap, Label::blank})
+    for (const Label label : all_labels)
       legend.swatch(name(label),
                     fmt::format("{}, {:.4g} cm\u00b3", name(label),
                                 1e6 * content.states->regions.volume[static_cast<std::size_t>(label)]));

@@ -49,12 +49,6 @@ struct StudyArguments {
   MpiArguments mpi;
 };
 
-void write_whole(const fs::path& file, const std::string& text) {
-  OutputFile out(file);
-  out.write(text);
-  out.commit();
-}
-
 nlohmann::ordered_json manifest(const PlannedStudy& planned) {
   nlohmann::ordered_json document;
   const auto made_by = provenance(planned.scenes.front().source.hash);

@@ -7,6 +7,7 @@
 #include <string_view>
 #include <utility>
 
+#include "apps/picture/palette.hpp"
 #include "apps/picture/plot.hpp"
 
 namespace forefeel {
@@ -53,7 +54,7 @@ std::string hip_strip(const SessionResult& result) {
 // Above the bars: the labels by colour, then what the heights mean.
 std::string legend() {
   std::string keys;
-  for (const Label label : {Label::safe, Label::sparse, Label::gap, Label::blank})
+  for (const Label label : all_labels)
     keys += fmt::format(", keyentry with boxes fs solid 1 border lc rgb '#6b6b6b' fc rgb '{}' title '{}'",
                         colour(label), name(label));
   for (const auto& [size, meaning] :

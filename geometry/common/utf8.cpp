@@ -35,4 +35,15 @@ std::string valid_utf8(std::string_view text) {
   return valid;
 }
 
+std::string html_escaped(std::string_view text) {
+  std::string safe;
+  for (const char c : valid_utf8(text))
+    safe += c == '&'   ? "&amp;"
+            : c == '<' ? "&lt;"
+            : c == '>' ? "&gt;"
+            : c == '"' ? "&quot;"
+                       : std::string(1, c);
+  return safe;
+}
+
 }  // namespace forefeel

@@ -1,6 +1,5 @@
 #pragma once
-// Writes regions, Delaunay cells and time series for ParaView (.vtu with raw appended data, .pvd), and tables
-// (.csv). Labels in files for ParaView are numbers (0 safe, 1 sparse, 2 gap, 3 blank), with their names in an
+// Writes regions and Delaunay cells for ParaView (.vtu with raw appended data), and tables (.csv). Labels in files for ParaView are numbers (0 safe, 1 sparse, 2 gap, 3 blank), with their names in an
 // array of texts beside them. Lengths in [m].
 
 #include <filesystem>
@@ -29,12 +28,5 @@ void write_changes_vtu(const std::filesystem::path& file, std::span<const Region
 void write_regions_csv(const std::filesystem::path& file, std::span<const RegionLeaf> leaves);
 // One tetrahedron for each finite Delaunay cell. Cell data: spread at the centroid, alpha (circumradius) [m].
 void write_cells_vtu(const std::filesystem::path& file, const StateSpace& space);
-
-struct SeriesEntry {
-  double time = 0;  // [s]
-  int part = 0;
-  std::string file;  // relative to the series
-};
-void write_pvd(const std::filesystem::path& file, std::span<const SeriesEntry> entries);
 
 }  // namespace forefeel

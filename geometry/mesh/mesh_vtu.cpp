@@ -4,18 +4,15 @@
 #include <fmt/format.h>
 
 #include <algorithm>
-#include <iterator>
 #include <map>
 #include <span>
-#include <string_view>
 #include <vector>
 
 #include "geometry/common/error.hpp"
-#include "geometry/common/output_file.hpp"
-#include "geometry/common/utf8.hpp"
 #include "geometry/mesh/mesh_file.hpp"
 #include "geometry/mesh/mesh_formats.hpp"
 #include "geometry/mesh/vtk_xml.hpp"
+#include "geometry/mesh/vtu_writer.hpp"
 
 namespace forefeel {
 namespace {
@@ -122,69 +119,27 @@ class VtuReader {
 
 namespace {
 
-std::string escaped(std::string_view text) {
-  std::string out;
-  for (const char c : valid_utf8(text)) {
-    if (c == '&')
-      out += "&amp;";
-    else if (c == '<')
-      out += "&lt;";
-    else if (c == '>')
-      out += "&gt;";
-    else if (c == '"')
-      out += "&quot;";
-    else
-      out += c;
-  }
-  return out;
-}
-
-// <DataArray> of one value for each of n items.
-template <class Value>
-void put_array(fmt::memory_buffer& text, const char* type, std::string_view name, std::size_t n,
-               Value value) {
-  auto out = std::back_inserter(text);
-  fmt::format_to(out, "<DataArray type=\"{}\" Name=\"{}\" format=\"ascii\">\n", type, escaped(name));
-  for (std::size_t i = 0; i < n; ++i)
-    fmt::format_to(out, "{}{}", value(i), i % 20 == 19 || i + 1 == n ? '\n' : ' ');
-  fmt::format_to(out, "</DataArray>\n");
-}
-
 template <class Index>
-void put_masks(fmt::memory_buffer& text, const std::map<std::string, std::vector<Index>>& groups,
-               std::size_t n) {
+void put_masks(VtuWriter& out, const std::map<std::string, std::vector<Index>>& groups, std::size_t n) {
   for (const auto& [name, members] : groups) {
-    std::vector<int> in(n, 0);
+    std::vector<std::uint8_t> in(n, 0);
     for (const Index member : members) in[static_cast<std::size_t>(member)] = 1;
-    put_array(text, "UInt8", name, n, [&](std::size_t i) { return in[i]; });
+    out.array<std::uint8_t>(name, 1, in);
   }
 }
 
 }  // namespace
 
 void write_vtu(const std::filesystem::path& file, const TetMesh& mesh) {
-  const std::size_t nodes = mesh.nodes.size(), tets = mesh.tets.size();
-  fmt::memory_buffer text;
-  auto out = std::back_inserter(text);
-  fmt::format_to(out,
-                 "<?xml version=\"1.0\"?>\n<VTKFile type=\"UnstructuredGrid\" version=\"1.0\" "
-                 "byte_order=\"LittleEndian\">\n<UnstructuredGrid>\n");
-  fmt::format_to(out, "<Piece NumberOfPoints=\"{}\" NumberOfCells=\"{}\">\n<PointData>\n", nodes, tets);
-  put_masks(text, mesh.groups, nodes);
-  fmt::format_to(out, "</PointData>\n<CellData>\n");
-  put_masks(text, mesh.element_groups, tets);
-  fmt::format_to(out,
-                 "</CellData>\n<Points>\n<DataArray type=\"Float64\" NumberOfComponents=\"3\" "
-                 "format=\"ascii\">\n");
-  for (const Vec3& x : mesh.nodes) fmt::format_to(out, "{} {} {}\n", x[0], x[1], x[2]);
-  fmt::format_to(out, "</DataArray>\n</Points>\n<Cells>\n");
-  put_array(text, "Int64", "connectivity", 4 * tets, [&](std::size_t i) { return mesh.tets[i / 4][i % 4]; });
-  put_array(text, "Int64", "offsets", tets, [](std::size_t i) { return 4 * (i + 1); });
-  put_array(text, "UInt8", "types", tets, [](std::size_t) { return 10; });
-  fmt::format_to(out, "</Cells>\n</Piece>\n</UnstructuredGrid>\n</VTKFile>\n");
-  OutputFile output(file);
-  output.write({text.data(), text.size()});
-  output.commit();
+  VtuWriter out(file, VtuData::text);
+  out.begin(mesh.nodes.size(), mesh.tets.size());
+  out.section("PointData");
+  put_masks(out, mesh.groups, mesh.nodes.size());
+  out.section("CellData");
+  put_masks(out, mesh.element_groups, mesh.tets.size());
+  out.points(mesh.nodes, "");
+  out.cells(mesh.tets, vtk_cell::tetra);
+  out.finish();
 }
 
 TetMesh read_vtu(Scanner in) {

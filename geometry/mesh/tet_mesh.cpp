@@ -7,9 +7,9 @@
 #include <cmath>
 #include <limits>
 #include <numbers>
-#include <numeric>
 
 #include "geometry/common/error.hpp"
+#include "geometry/common/union_find.hpp"
 
 namespace forefeel {
 namespace {
@@ -62,19 +62,6 @@ std::pair<double, double> dihedral_range(const TetMesh& mesh, const Tet& tet) {
     }
   return {low, high};
 }
-
-struct UnionFind {
-  std::vector<int> parent;
-  explicit UnionFind(std::size_t n) : parent(n) { std::iota(parent.begin(), parent.end(), 0); }
-  int root(int i) {
-    while (parent[i] != i) i = parent[i] = parent[parent[i]];
-    return i;
-  }
-  void join(int a, int b) {
-    a = root(a), b = root(b);
-    if (a != b) parent[std::max(a, b)] = std::min(a, b);
-  }
-};
 
 void check_indices(const TetMesh& mesh, const std::string& where) {
   if (mesh.tets.empty())
@@ -176,12 +163,13 @@ std::vector<int> components(const TetMesh& mesh) {
   UnionFind sets(mesh.nodes.size());
   std::vector<char> used(mesh.nodes.size(), 0);
   for (const Tet& tet : mesh.tets)
-    for (const NodeIndex node : tet) used[node] = 1, sets.join(tet[0], node);
+    for (const NodeIndex node : tet)
+      used[node] = 1, sets.join(static_cast<std::uint32_t>(tet[0]), static_cast<std::uint32_t>(node));
   std::vector<int> number(mesh.nodes.size(), -1), result(mesh.nodes.size(), -1);
   int next = 0;
   for (std::size_t i = 0; i < result.size(); ++i) {
     if (!used[i]) continue;
-    int& root = number[sets.root(static_cast<int>(i))];
+    int& root = number[sets.find(static_cast<std::uint32_t>(i))];
     if (root < 0) root = next++;
     result[i] = root;
   }

@@ -4,6 +4,7 @@
 
 #include <algorithm>
 #include <array>
+#include <optional>
 #include <type_traits>
 #include <utility>
 
@@ -11,7 +12,9 @@
 #include <zlib.h>
 #endif
 
+#include "geometry/common/base64.hpp"
 #include "geometry/common/error.hpp"
+#include "geometry/common/scalar_type.hpp"
 
 namespace forefeel {
 namespace {
@@ -30,41 +33,52 @@ std::string unescaped(std::string_view text) {
   return out;
 }
 
-std::string decode_base64(std::string_view text, const Scanner& in) {
-  static const auto table = [] {
-    std::array<int, 256> t;
-    t.fill(-1);
-    const std::string_view letters = "ABCDEFGHIJKLMNOPQRSTUVWXYZabcdefghijklmnopqrstuvwxyz0123456789+/";
-    for (std::size_t i = 0; i < letters.size(); ++i)
-      t[static_cast<unsigned char>(letters[i])] = static_cast<int>(i);
-    return t;
-  }();
-  std::string result;
-  result.reserve(text.size() / 4 * 3);
-  for (std::size_t i = 0; i + 4 <= text.size(); i += 4) {
-    std::uint32_t word = 0;
-    int padding = 0;
-    for (std::size_t k = 0; k < 4; ++k) {
-      const int value = table[static_cast<unsigned char>(text[i + k])];
-      if (value < 0 && (text[i + k] != '=' || k < 2))
-        in.fail("base64 data hold a character that does not belong there");
-      padding += value < 0;
-      word = word << 6 | static_cast<std::uint32_t>(std::max(value, 0));
-    }
-    for (int k = 0; k < 3 - padding; ++k) result.push_back(static_cast<char>(word >> (16 - 8 * k)));
+void parse_tag(const Scanner& in, std::string_view text, XmlTag& tag) {
+  tag = {};
+  if (!text.empty() && text.back() == '/') tag.empty = true, text.remove_suffix(1);
+  const std::size_t name_end = std::min(text.find_first_of(" \t\r\n"), text.size());
+  tag.name = std::string(text.substr(0, name_end));
+  text.remove_prefix(name_end);
+  while (!(text = trimmed(text)).empty()) {
+    const std::size_t equals = text.find('=');
+    if (equals == std::string_view::npos)
+      in.fail(fmt::format("<{:.40}> has an attribute without a value", tag.name));
+    const std::string key(trimmed(text.substr(0, equals)));
+    text = trimmed(text.substr(equals + 1));
+    const std::size_t end = text.empty() ? std::string_view::npos : text.find(text.front(), 1);
+    if (text.empty() || (text.front() != '"' && text.front() != '\'') || end == std::string_view::npos)
+      in.fail(fmt::format("<{:.40}> has an attribute without quotes", tag.name));
+    tag.attributes[key] = unescaped(text.substr(1, end - 1));
+    text.remove_prefix(end + 1);
   }
-  return result;
 }
 
-std::size_t base64_length(std::size_t bytes) {
-  return (bytes + 2) / 3 * 4;
+std::string decoded(std::string_view text, const Scanner& in) {
+  std::optional<std::string> bytes = from_base64(text);
+  if (!bytes) in.fail("base64 data hold a character that does not belong there");
+  return std::move(*bytes);
 }
 
 }  // namespace
 
-std::string VtkXmlArray::attribute(const std::string& key) const {
+std::string XmlTag::attribute(const std::string& key) const {
   const auto found = attributes.find(key);
   return found == attributes.end() ? std::string() : found->second;
+}
+
+bool next_xml_tag(Scanner& in, XmlTag& tag) {
+  const std::string_view content = in.content();
+  for (;;) {
+    const std::size_t open = content.find('<', in.position());
+    if (open == std::string_view::npos) return false;
+    const std::string_view end_mark = content.substr(open, 4) == "<!--" ? "-->" : ">";
+    const std::size_t close = content.find(end_mark, open);
+    if (close == std::string_view::npos) return false;
+    in.seek(close + end_mark.size());
+    if (end_mark.size() > 1 || content[open + 1] == '?' || content[open + 1] == '!') continue;
+    parse_tag(in, content.substr(open + 1, close - open - 1), tag);
+    return true;
+  }
 }
 
 const VtkXmlArray* VtkXmlPiece::find(const std::string& section, const std::string& name) const {
@@ -79,9 +93,9 @@ VtkXmlReader::VtkXmlReader(Scanner in, std::string type) : in_(std::move(in)), t
 }
 
 void VtkXmlReader::read(const std::function<void(const VtkXmlPiece&)>& take) {
-  Tag tag;
+  XmlTag tag;
   bool grid = false, closed = false;
-  while (!closed && next_tag(tag)) {
+  while (!closed && next_xml_tag(in_, tag)) {
     if (tag.name == "VTKFile")
       read_root(tag);
     else if (tag.name == type_) {
@@ -113,52 +127,13 @@ void VtkXmlReader::find_appended() {
   appended_ = in_.content().substr(mark + 1);
 }
 
-bool VtkXmlReader::next_tag(Tag& tag) {
-  const std::string_view content = in_.content();
-  for (;;) {
-    const std::size_t open = content.find('<', in_.position());
-    if (open == std::string_view::npos) return false;
-    const std::string_view end_mark = content.substr(open, 4) == "<!--" ? "-->" : ">";
-    const std::size_t close = content.find(end_mark, open);
-    if (close == std::string_view::npos) return false;
-    in_.seek(close + end_mark.size());
-    if (end_mark.size() > 1 || content[open + 1] == '?' || content[open + 1] == '!') continue;
-    parse_tag(content.substr(open + 1, close - open - 1), tag);
-    return true;
-  }
-}
-
-void VtkXmlReader::parse_tag(std::string_view text, Tag& tag) const {
-  tag = {};
-  if (!text.empty() && text.back() == '/') tag.empty = true, text.remove_suffix(1);
-  const std::size_t name_end = std::min(text.find_first_of(" \t\r\n"), text.size());
-  tag.name = std::string(text.substr(0, name_end));
-  text.remove_prefix(name_end);
-  while (!(text = trimmed(text)).empty()) {
-    const std::size_t equals = text.find('=');
-    if (equals == std::string_view::npos)
-      in_.fail(fmt::format("<{:.40}> has an attribute without a value", tag.name));
-    const std::string key(trimmed(text.substr(0, equals)));
-    text = trimmed(text.substr(equals + 1));
-    const std::size_t end = text.empty() ? std::string_view::npos : text.find(text.front(), 1);
-    if (text.empty() || (text.front() != '"' && text.front() != '\'') || end == std::string_view::npos)
-      in_.fail(fmt::format("<{:.40}> has an attribute without quotes", tag.name));
-    tag.attributes[key] = unescaped(text.substr(1, end - 1));
-    text.remove_prefix(end + 1);
-  }
-}
-
-void VtkXmlReader::read_root(const Tag& tag) {
-  const auto get = [&](const char* key) {
-    const auto found = tag.attributes.find(key);
-    return found == tag.attributes.end() ? std::string() : found->second;
-  };
-  if (get("type") != type_)
+void VtkXmlReader::read_root(const XmlTag& tag) {
+  if (tag.attribute("type") != type_)
     throw InputError({.file = in_.name()},
-                     fmt::format("VTKFile of type '{:.40}', expected {}", get("type"), type_));
-  in_.swap_bytes((get("byte_order") == "BigEndian") != (std::endian::native == std::endian::big));
-  header_bytes_ = get("header_type") == "UInt64" ? 8 : 4;
-  const std::string compressor = get("compressor");
+                     fmt::format("VTKFile of type '{:.40}', expected {}", tag.attribute("type"), type_));
+  in_.swap_bytes((tag.attribute("byte_order") == "BigEndian") != (std::endian::native == std::endian::big));
+  header_bytes_ = tag.attribute("header_type") == "UInt64" ? 8 : 4;
+  const std::string compressor = tag.attribute("compressor");
   compressed_ = !compressor.empty();
   if (compressed_ && compressor != "vtkZLibDataCompressor")
     throw InputError(
@@ -181,11 +156,11 @@ bool is_section(const std::string& tag) {
 
 }  // namespace
 
-VtkXmlPiece VtkXmlReader::read_piece(const Tag& start) {
+VtkXmlPiece VtkXmlReader::read_piece(const XmlTag& start) {
   VtkXmlPiece piece{.attributes = start.attributes, .arrays = {}};
   std::string section;
-  Tag tag;
-  while (!start.empty && next_tag(tag) && tag.name != "/Piece") {
+  XmlTag tag;
+  while (!start.empty && next_xml_tag(in_, tag) && tag.name != "/Piece") {
     if (tag.name != "DataArray") {
       if (is_section(tag.name)) section = tag.name;
       continue;
@@ -201,7 +176,7 @@ VtkXmlPiece VtkXmlReader::read_piece(const Tag& start) {
     const std::size_t stop =
         std::min(in_.content().find('<', begin), end);  // before <InformationKey> and the like
     const std::string name = section == "Points" ? std::string() : tag.attributes["Name"];
-    piece.arrays[section][name] = {tag.attributes, in_.content().substr(begin, stop - begin)};
+    piece.arrays[section][name] = {tag, in_.content().substr(begin, stop - begin)};
   }
   return piece;
 }
@@ -253,33 +228,18 @@ std::vector<T> VtkXmlReader::values(const VtkXmlArray& array) const {
 
 template <class T>
 void VtkXmlReader::convert(Scanner& data, const std::string& type, std::vector<T>& result) const {
-  const auto take = [&]<class S>(S) {
-    result.reserve(data.remaining() / sizeof(S));
-    while (data.remaining() >= sizeof(S)) result.push_back(static_cast<T>(data.raw<S>("a number")));
-  };
-  if (type == "Float64")
-    take(double{});
-  else if (type == "Float32")
-    take(float{});
-  else if constexpr (std::is_same_v<T, double>)
+  constexpr std::array<std::string_view, 10> names{"Int8",   "UInt8", "Int16",  "UInt16",  "Int32",
+                                                   "UInt32", "Int64", "UInt64", "Float32", "Float64"};
+  const auto* const found = std::ranges::find(names, type);
+  if (std::is_same_v<T, double> && !type.starts_with("Float"))
     throw InputError({.file = in_.name()},
                      fmt::format("points of type '{:.40}', expected Float32 or Float64", type));
-  else if (type == "Int64" || type == "UInt64")
-    take(std::int64_t{});
-  else if (type == "Int32")
-    take(std::int32_t{});
-  else if (type == "UInt32")
-    take(std::uint32_t{});
-  else if (type == "Int16")
-    take(std::int16_t{});
-  else if (type == "UInt16")
-    take(std::uint16_t{});
-  else if (type == "Int8")
-    take(std::int8_t{});
-  else if (type == "UInt8")
-    take(std::uint8_t{});
-  else
+  if (found == names.end())
     throw InputError({.file = in_.name()}, fmt::format("data of type '{:.40}' are unknown", type));
+  with_type(static_cast<Scalar>(found - names.begin()), [&]<class S>(S) {  // in the order of Scalar
+    result.reserve(data.remaining() / sizeof(S));
+    while (data.remaining() >= sizeof(S)) result.push_back(static_cast<T>(data.raw<S>("a number")));
+  });
 }
 
 std::string VtkXmlReader::bytes_of(const VtkXmlArray& array, const std::string& format) const {
@@ -316,7 +276,7 @@ std::uint64_t VtkXmlReader::header_word(std::string_view bytes, std::size_t i) c
 std::string VtkXmlReader::head(std::string_view data, bool base64, std::size_t n) const {
   const std::size_t length = base64 ? base64_length(n) : n;
   if (length > data.size() || n > data.size()) cut_short();
-  std::string result = base64 ? decode_base64(data.substr(0, length), in_) : std::string(data.substr(0, n));
+  std::string result = base64 ? decoded(data.substr(0, length), in_) : std::string(data.substr(0, n));
   if (result.size() < n) cut_short();
   result.resize(n);
   return result;

@@ -14,10 +14,20 @@
 
 namespace forefeel {
 
-struct VtkXmlArray {
+struct XmlTag {
+  std::string name;  // "/Piece" for an end
   std::map<std::string, std::string> attributes;
-  std::string_view text;                                // between the tags
+  bool empty = false;  // <Tag/>
+
   std::string attribute(const std::string& key) const;  // empty where there is none
+};
+// The next tag but comments and declarations; false at the end. InputError for a damaged tag.
+bool next_xml_tag(Scanner& in, XmlTag& tag);
+
+struct VtkXmlArray {
+  XmlTag tag;
+  std::string_view text;  // between the tags
+  std::string attribute(const std::string& key) const { return tag.attribute(key); }
 };
 
 struct VtkXmlPiece {
@@ -46,16 +56,9 @@ class VtkXmlReader {
   const std::map<std::string, std::string>& attributes() const { return attributes_; }
 
  private:
-  struct Tag {
-    std::string name;  // "/Piece" for an end
-    std::map<std::string, std::string> attributes;
-    bool empty = false;  // <Tag/>
-  };
   void find_appended();
-  bool next_tag(Tag& tag);
-  void parse_tag(std::string_view text, Tag& tag) const;
-  void read_root(const Tag& tag);
-  VtkXmlPiece read_piece(const Tag& tag);
+  void read_root(const XmlTag& tag);
+  VtkXmlPiece read_piece(const XmlTag& tag);
   template <class T>
   std::vector<T> values(const VtkXmlArray& array) const;
   template <class T>

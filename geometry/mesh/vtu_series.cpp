@@ -1,70 +1,18 @@
 #include "geometry/mesh/vtu_series.hpp"
 
 #include <fmt/format.h>
-#ifdef FOREFEEL_ZLIB
-#include <zlib.h>
-#endif
 
-#include <algorithm>
-#include <bit>
 #include <cmath>
 #include <cstdint>
-#include <cstring>
-#include <new>
+#include <utility>
 
 #include "geometry/common/error.hpp"
 #include "geometry/common/output_file.hpp"
 #include "geometry/common/scanner.hpp"
 #include "geometry/mesh/vtk_xml.hpp"
+#include "geometry/mesh/vtu_writer.hpp"
 
 namespace forefeel {
-namespace {
-
-constexpr const char* byte_order = std::endian::native == std::endian::big ? "BigEndian" : "LittleEndian";
-#ifdef FOREFEEL_ZLIB
-constexpr const char* compressor = " compressor=\"vtkZLibDataCompressor\"";
-#else
-constexpr const char* compressor = "";
-#endif
-
-template <class T>
-std::span<const char> bytes_of(const std::vector<T>& values) {
-  return {reinterpret_cast<const char*>(values.data()), values.size() * sizeof(T)};
-}
-
-std::string words(std::initializer_list<std::size_t> values) {
-  std::string text;
-  for (const std::size_t value : values) {
-    const auto word = static_cast<std::uint32_t>(value);
-    text.append(reinterpret_cast<const char*>(&word), sizeof word);
-  }
-  return text;
-}
-
-// One array of the appended data: its length and bytes, or its one compressed block.
-std::string packed(std::span<const char> bytes) {
-#ifdef FOREFEEL_ZLIB
-  if (bytes.empty()) return words({0});
-  std::string data(compressBound(bytes.size()), '\0');
-  uLongf size = data.size();
-  if (compress2(reinterpret_cast<Bytef*>(data.data()), &size, reinterpret_cast<const Bytef*>(bytes.data()),
-                bytes.size(), 4) != Z_OK)
-    throw std::bad_alloc();
-  data.resize(size);
-  return words({1, bytes.size(), 0, size}) + data;
-#else
-  return words({bytes.size()}) + std::string(bytes.data(), bytes.size());
-#endif
-}
-
-std::string array(const char* type, const char* name, int width, std::size_t offset) {
-  return fmt::format(
-      "<DataArray type=\"{}\" Name=\"{}\" NumberOfComponents=\"{}\" format=\"appended\" offset=\"{}\"/>\n",
-      type, name, width, offset);
-}
-
-}  // namespace
-
 VtuSeries::VtuSeries(const TetMesh& mesh, const std::vector<NodeIndex>& nodes, bool surface) {
   std::vector<std::int32_t> place(mesh.nodes.size(), -1), connectivity, offsets;
   for (std::size_t i = 0; i < nodes.size(); ++i) {
@@ -80,17 +28,13 @@ VtuSeries::VtuSeries(const TetMesh& mesh, const std::vector<NodeIndex>& nodes, b
   else
     for (const Tet& tet : mesh.tets) add(tet);
   cells_ = offsets.size();
-  constexpr char triangle_type = 5, tet_type = 10;
-  node_ = pack(bytes_of(nodes));
-  connectivity_ = pack(bytes_of(connectivity));
-  offsets_ = pack(bytes_of(offsets));
-  types_ = pack(std::string(cells_, surface ? triangle_type : tet_type));
-}
-
-VtuSeries::Array VtuSeries::pack(std::span<const char> bytes) {
-  Array array{.packed = packed(bytes), .offset = constant_};
-  constant_ += array.packed.size();
-  return array;
+  const auto pack = [](const auto& values) {
+    return VtuWriter::pack({reinterpret_cast<const char*>(values.data()), values.size() * sizeof(values[0])});
+  };
+  node_ = pack(nodes);
+  connectivity_ = pack(connectivity);
+  offsets_ = pack(offsets);
+  types_ = pack(std::vector<std::uint8_t>(cells_, surface ? vtk_cell::triangle : vtk_cell::tetra));
 }
 
 std::string VtuSeries::frame(double t, const Vec3& tip, std::span<const float> u) const {
@@ -98,59 +42,56 @@ std::string VtuSeries::frame(double t, const Vec3& tip, std::span<const float> u
   for (std::size_t i = 0; i < rest_.size(); ++i)
     for (std::size_t c = 0; c < 3; ++c)
       points[3 * i + c] = rest_[i][static_cast<Eigen::Index>(c)] + u[3 * i + c];
-  const std::string moved = packed({reinterpret_cast<const char*>(u.data()), u.size_bytes()});
-  std::string text = fmt::format(
-      "<?xml version=\"1.0\"?>\n<VTKFile type=\"UnstructuredGrid\" version=\"1.0\" byte_order=\"{}\" "
-      "header_type=\"UInt32\"{}>\n<UnstructuredGrid>\n<FieldData>\n"
-      "<DataArray type=\"Float64\" Name=\"TimeValue\" NumberOfTuples=\"1\" format=\"ascii\">{}</DataArray>\n"
-      "<DataArray type=\"Float64\" Name=\"tip\" NumberOfComponents=\"3\" NumberOfTuples=\"1\" "
-      "format=\"ascii\">{} {} {}</DataArray>\n</FieldData>\n",
-      byte_order, compressor, t, tip[0], tip[1], tip[2]);
-  text += fmt::format(
-      "<Piece NumberOfPoints=\"{}\" NumberOfCells=\"{}\">\n<PointData Vectors=\"displacement\">\n",
-      rest_.size(), cells_);
-  text += array("Float32", "displacement", 3, constant_) + array("Int32", "node", 1, node_.offset) +
-          "</PointData>\n<Points>\n" + array("Float32", "position", 3, constant_ + moved.size()) +
-          "</Points>\n<Cells>\n" + array("Int32", "connectivity", 1, connectivity_.offset) +
-          array("Int32", "offsets", 1, offsets_.offset) + array("UInt8", "types", 1, types_.offset) +
-          "</Cells>\n</Piece>\n</UnstructuredGrid>\n<AppendedData encoding=\"raw\">\n_";
-  for (const Array* constant : {&node_, &connectivity_, &offsets_, &types_}) text += constant->packed;
-  return text + moved + packed(bytes_of(points)) + "\n</AppendedData>\n</VTKFile>\n";
+  std::string text;
+  VtuWriter out(text, VtuData::packed);
+  out.begin(
+      rest_.size(), cells_,
+      fmt::format("<DataArray type=\"Float64\" Name=\"TimeValue\" NumberOfTuples=\"1\" "
+                  "format=\"ascii\">{}</DataArray>\n"
+                  "<DataArray type=\"Float64\" Name=\"tip\" NumberOfComponents=\"3\" NumberOfTuples=\"1\" "
+                  "format=\"ascii\">{} {} {}</DataArray>\n",
+                  t, tip[0], tip[1], tip[2]));
+  out.section("PointData", "Vectors=\"displacement\"");
+  out.array<float>("displacement", 3, u);
+  out.packed_array("Int32", "node", 1, node_);
+  out.section("Points");
+  out.array<float>("position", 3, points);
+  out.section("Cells");
+  out.packed_array("Int32", "connectivity", 1, connectivity_);
+  out.packed_array("Int32", "offsets", 1, offsets_);
+  out.packed_array("UInt8", "types", 1, types_);
+  out.finish();
+  return text;
 }
 
 void write_pvd(const std::filesystem::path& file, std::span<const SeriesFile> series) {
   OutputFile out(file);
   out.write(
-      fmt::format("<?xml version=\"1.0\"?>\n<VTKFile type=\"Collection\" version=\"0.1\" byte_order=\"{}\">\n"
-                  "<Collection>\n",
-                  byte_order));
+      "<?xml version=\"1.0\"?>\n<VTKFile type=\"Collection\" version=\"0.1\" byte_order=\"LittleEndian\">\n"
+      "<Collection>\n");
   for (const SeriesFile& one : series)
-    out.write(fmt::format("<DataSet timestep=\"{}\" part=\"0\" file=\"{}\"/>\n", one.t, one.file));
+    out.write(fmt::format("<DataSet timestep=\"{}\" group=\"\" part=\"{}\" file=\"{}\"/>\n", one.t, one.part,
+                          one.file));
   out.write("</Collection>\n</VTKFile>\n");
   out.commit();
 }
 
 std::vector<SeriesFile> read_pvd(const std::filesystem::path& file) {
-  const Scanner in(read_file(file), file.string());
-  const std::string_view text = in.content();
-  const auto value = [&](std::string_view tag, std::string_view key) {
-    const std::size_t at = tag.find(key), begin = at + key.size();
-    const std::size_t end = at == std::string_view::npos ? at : tag.find('"', begin);
-    if (end == std::string_view::npos)
-      throw InputError({.file = file.string()},
-                       "a DataSet has no timestep and file, expected a series of forefeel");
-    return tag.substr(begin, end - begin);
-  };
+  Scanner in(read_file(file), file.string());
   std::vector<SeriesFile> series;
-  if (text.find("type=\"Collection\"") == std::string_view::npos)
-    throw InputError({.file = file.string()}, "is no collection of VTK, expected a series of forefeel");
-  for (std::size_t at = 0; (at = text.find("<DataSet ", at)) != std::string_view::npos; ++at) {
-    const std::string_view tag = text.substr(at, std::min(text.find('>', at), text.size()) - at);
-    SeriesFile one{.file = std::string(value(tag, " file=\""))};
-    if (!parse_real(value(tag, " timestep=\""), one.t) || !std::isfinite(one.t))
+  bool collection = false;
+  for (XmlTag tag; next_xml_tag(in, tag);) {
+    if (tag.name == "VTKFile") collection = tag.attribute("type") == "Collection";
+    if (tag.name != "DataSet") continue;
+    SeriesFile one{.file = tag.attribute("file")};
+    if (one.file.empty())
+      throw InputError({.file = file.string()}, "a DataSet has no file, expected a series of forefeel");
+    if (!parse_real(tag.attribute("timestep"), one.t) || !std::isfinite(one.t))
       throw InputError({.file = file.string()}, "a DataSet has no time, expected a series of forefeel");
     series.push_back(std::move(one));
   }
+  if (!collection)
+    throw InputError({.file = file.string()}, "is no collection of VTK, expected a series of forefeel");
   return series;
 }
 

@@ -7,7 +7,7 @@
 //   cells         triangles of the surface, outward, or all tetrahedra
 //   TimeValue [s], tip [m]   field data: the time, and the position of the HIP from rest
 // Arrays are appended raw, compressed by vtkZLibDataCompressor if the build has zlib; those that do not change
-// are packed once.
+// are packed once. A .pvd may list several files for a time, as parts.
 
 #include <filesystem>
 #include <span>
@@ -27,20 +27,15 @@ class VtuSeries {
   std::string frame(double t, const Vec3& tip, std::span<const float> u) const;
 
  private:
-  struct Array {
-    std::string packed;
-    std::size_t offset = 0;  // in the appended data
-  };
-  Array pack(std::span<const char> bytes);
-
   std::vector<Eigen::Vector3f> rest_;
-  std::size_t cells_ = 0, constant_ = 0;  // bytes of the arrays that do not change
-  Array node_, connectivity_, offsets_, types_;
+  std::size_t cells_ = 0;
+  std::string node_, connectivity_, offsets_, types_;  // packed
 };
 
 struct SeriesFile {
-  double t = 0;      // [s]
-  std::string file;  // relative to the .pvd
+  double t = 0;           // [s]
+  int part = 0;           // number of the file among those of this time
+  std::string file = "";  // relative to the .pvd
 };
 
 // The file appears complete or not at all.

@@ -3,6 +3,8 @@
 #include <fmt/format.h>
 #include <nifti2_io.h>
 
+#include <algorithm>
+#include <array>
 #include <cmath>
 #include <cstring>
 #include <memory>
@@ -23,30 +25,12 @@ using Image = std::unique_ptr<nifti_image, void (*)(nifti_image*)>;
 }
 
 std::optional<Scalar> scalar_of(int type) {
-  switch (type) {
-    case NIFTI_TYPE_INT8:
-      return Scalar::int8;
-    case NIFTI_TYPE_UINT8:
-      return Scalar::uint8;
-    case NIFTI_TYPE_INT16:
-      return Scalar::int16;
-    case NIFTI_TYPE_UINT16:
-      return Scalar::uint16;
-    case NIFTI_TYPE_INT32:
-      return Scalar::int32;
-    case NIFTI_TYPE_UINT32:
-      return Scalar::uint32;
-    case NIFTI_TYPE_INT64:
-      return Scalar::int64;
-    case NIFTI_TYPE_UINT64:
-      return Scalar::uint64;
-    case NIFTI_TYPE_FLOAT32:
-      return Scalar::float32;
-    case NIFTI_TYPE_FLOAT64:
-      return Scalar::float64;
-    default:
-      return {};
-  }
+  constexpr std::array codes{NIFTI_TYPE_INT8,    NIFTI_TYPE_UINT8,  NIFTI_TYPE_INT16, NIFTI_TYPE_UINT16,
+                             NIFTI_TYPE_INT32,   NIFTI_TYPE_UINT32, NIFTI_TYPE_INT64, NIFTI_TYPE_UINT64,
+                             NIFTI_TYPE_FLOAT32, NIFTI_TYPE_FLOAT64};  // in the order of Scalar
+  const auto* const found = std::ranges::find(codes, type);
+  if (found == codes.end()) return {};
+  return static_cast<Scalar>(found - codes.begin());
 }
 
 // Checks what libnifti does not check, or refuses with a message of its own: number of dimensions and sizes (of either

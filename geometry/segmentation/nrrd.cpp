@@ -3,8 +3,6 @@
 #include <fmt/format.h>
 
 #include <bit>
-#include <cmath>
-#include <map>
 
 #include "geometry/common/error.hpp"
 #include "geometry/common/scanner.hpp"
@@ -16,7 +14,7 @@ namespace {
 class NrrdReader {
  public:
   NrrdReader(std::string_view content, const std::filesystem::path& path)
-      : content_(content), path_(path), file_(path.string()) {
+      : content_(content), path_(path), fields_{.file = path.string()} {
     read_lines();
   }
 
@@ -27,19 +25,18 @@ class NrrdReader {
     std::string_view data = source.empty() ? content_.substr(data_) : std::string_view(other);
     for (const char* skip : {"line skip", "lineskip", "byte skip", "byteskip"})
       if (!get(skip).empty() && get(skip) != "0")
-        fail(fmt::format("{} is not read, expected data without it", skip));
+        fields_.fail(fmt::format("{} is not read, expected data without it", skip));
     const std::string encoding = lower_case(get("encoding"));
     if (encoding == "ascii" || encoding == "text" || encoding == "txt") return from_text(header, data);
     if (encoding != "raw" && encoding != "gzip" && encoding != "gz")
-      fail(fmt::format("encoding '{:.40}' is not read, expected raw, gzip or ascii", encoding));
-    return labels_in(header, data, encoding != "raw", file_);
+      fields_.fail(fmt::format("encoding '{:.40}' is not read, expected raw, gzip or ascii", encoding));
+    return labels_in(header, data, encoding != "raw", fields_.file);
   }
 
  private:
-  [[noreturn]] void fail(const std::string& problem) const { throw InputError({.file = file_}, problem); }
-
   void read_lines() {
-    if (!content_.starts_with("NRRD000")) fail("is no NRRD file, expected NRRD000… in the first line");
+    if (!content_.starts_with("NRRD000"))
+      fields_.fail("is no NRRD file, expected NRRD000… in the first line");
     constexpr std::size_t longest_header = 1'000'000;
     std::size_t at = std::min(content_.find('\n'), content_.size());
     while (at < std::min(content_.size(), longest_header)) {
@@ -52,75 +49,39 @@ class NrrdReader {
       const std::size_t colon = line.find(':');
       if (line.front() == '#' || colon == std::string_view::npos || line.substr(colon).starts_with(":="))
         continue;
-      values_[lower_case(line.substr(0, colon))] = std::string(trimmed(line.substr(colon + 1)));
+      fields_.values[lower_case(line.substr(0, colon))] = std::string(trimmed(line.substr(colon + 1)));
     }
     data_ = std::min(at + 1, content_.size());
   }
 
-  std::string get(const std::string& key) const {
-    const auto found = values_.find(key);
-    return found == values_.end() ? std::string() : found->second;
-  }
-
-  std::vector<double> numbers(const std::string& key, std::size_t expected) const {
-    std::string text = get(key);
-    for (char& letter : text)
-      if (letter == '(' || letter == ')' || letter == ',') letter = ' ';
-    return header_numbers(text, expected, file_, key);
-  }
+  std::string get(const std::string& key) const { return fields_.get(key); }
 
   Scalar type() const {
-    static const std::map<std::string, Scalar> types{{"signed char", Scalar::int8},
-                                                     {"int8", Scalar::int8},
-                                                     {"int8_t", Scalar::int8},
-                                                     {"uchar", Scalar::uint8},
-                                                     {"unsigned char", Scalar::uint8},
-                                                     {"uint8", Scalar::uint8},
-                                                     {"uint8_t", Scalar::uint8},
-                                                     {"short", Scalar::int16},
-                                                     {"short int", Scalar::int16},
-                                                     {"int16", Scalar::int16},
-                                                     {"int16_t", Scalar::int16},
-                                                     {"ushort", Scalar::uint16},
-                                                     {"unsigned short", Scalar::uint16},
-                                                     {"uint16", Scalar::uint16},
-                                                     {"uint16_t", Scalar::uint16},
-                                                     {"int", Scalar::int32},
-                                                     {"signed int", Scalar::int32},
-                                                     {"int32", Scalar::int32},
-                                                     {"int32_t", Scalar::int32},
-                                                     {"uint", Scalar::uint32},
-                                                     {"unsigned int", Scalar::uint32},
-                                                     {"uint32", Scalar::uint32},
-                                                     {"uint32_t", Scalar::uint32},
-                                                     {"longlong", Scalar::int64},
-                                                     {"long long", Scalar::int64},
-                                                     {"int64", Scalar::int64},
-                                                     {"int64_t", Scalar::int64},
-                                                     {"ulonglong", Scalar::uint64},
-                                                     {"unsigned long long", Scalar::uint64},
-                                                     {"uint64", Scalar::uint64},
-                                                     {"uint64_t", Scalar::uint64},
-                                                     {"float", Scalar::float32},
-                                                     {"double", Scalar::float64}};
-    const auto found = types.find(lower_case(get("type")));
-    if (found == types.end())
-      fail(fmt::format("type '{:.40}' is not read, expected uchar, short and the like", get("type")));
-    return found->second;
+    return fields_.type("type", lower_case(get("type")),
+                        {{Scalar::int8, "signed char,int8,int8_t"},
+                         {Scalar::uint8, "uchar,unsigned char,uint8,uint8_t"},
+                         {Scalar::int16, "short,short int,int16,int16_t"},
+                         {Scalar::uint16, "ushort,unsigned short,uint16,uint16_t"},
+                         {Scalar::int32, "int,signed int,int32,int32_t"},
+                         {Scalar::uint32, "uint,unsigned int,uint32,uint32_t"},
+                         {Scalar::int64, "longlong,long long,int64,int64_t"},
+                         {Scalar::uint64, "ulonglong,unsigned long long,uint64,uint64_t"},
+                         {Scalar::float32, "float"},
+                         {Scalar::float64, "double"}});
   }
 
   void place(ImageHeader& header) const {
     header.axes.setIdentity();
-    if (values_.contains("space directions")) {
-      const std::vector<double> m = numbers("space directions", 9);
+    if (fields_.has("space directions")) {
+      const std::vector<double> m = fields_.numbers("space directions", 9);
       for (int d = 0; d < 3; ++d)
         for (int r = 0; r < 3; ++r) header.axes(r, d) = m[static_cast<std::size_t>(3 * d + r)];
-    } else if (values_.contains("spacings")) {
-      const std::vector<double> s = numbers("spacings", 3);
+    } else if (fields_.has("spacings")) {
+      const std::vector<double> s = fields_.numbers("spacings", 3);
       header.axes = Vec3(s[0], s[1], s[2]).asDiagonal();
     }
-    if (values_.contains("space origin")) {
-      const std::vector<double> o = numbers("space origin", 3);
+    if (fields_.has("space origin")) {
+      const std::vector<double> o = fields_.numbers("space origin", 3);
       header.origin = Vec3(o[0], o[1], o[2]);
     }
   }
@@ -142,13 +103,9 @@ class NrrdReader {
 
   ImageHeader read_header() const {
     ImageHeader header;
-    if (get("dimension") != "3") fail(fmt::format("dimension '{:.20}', expected 3", get("dimension")));
-    const std::vector<double> size = numbers("sizes", 3);
-    for (std::size_t d = 0; d < 3; ++d) {
-      if (!(std::abs(size[d]) < 1e15) || size[d] != std::floor(size[d]))
-        fail(fmt::format("size {:g} is no number of voxels", size[d]));
-      header.size[d] = static_cast<std::int64_t>(size[d]);
-    }
+    if (get("dimension") != "3")
+      fields_.fail(fmt::format("dimension '{:.20}', expected 3", get("dimension")));
+    header.size = fields_.voxels("sizes");
     place(header);
     take_unit(header);
     header.type = type();
@@ -157,18 +114,17 @@ class NrrdReader {
   }
 
   LabelVolume from_text(const ImageHeader& header, std::string_view data) const {
-    const std::size_t voxels = checked_voxels(header, file_, 0);
-    if (voxels > data.size()) fail("the text holds fewer numbers than voxels, the file is cut short");
-    Scanner in(std::string(data), file_);
-    LabelCollector to(header, voxels, file_);
+    const std::size_t voxels = checked_voxels(header, fields_.file, 0);
+    if (voxels > data.size()) fields_.fail("the text holds fewer numbers than voxels, the file is cut short");
+    Scanner in(std::string(data), fields_.file);
+    LabelCollector to(header, voxels, fields_.file);
     for (std::size_t v = 0; v < voxels; ++v) to.put(v, in.real("the label of a voxel"));
     return to.take();
   }
 
   std::string_view content_;
   std::filesystem::path path_;
-  std::string file_;
-  std::map<std::string, std::string> values_;
+  HeaderFields fields_;
   std::size_t data_ = 0;
 };
 

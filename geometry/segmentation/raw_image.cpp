@@ -27,21 +27,7 @@ void check_axes(const ImageHeader& header, const std::string& file) {
                      "independent axes of positive length");
 }
 
-template <class T>
-void collect(std::string_view data, bool swap, LabelCollector& to) {
-  for (std::size_t v = 0; (v + 1) * sizeof(T) <= data.size(); ++v) {
-    T value;
-    std::memcpy(&value, data.data() + v * sizeof(T), sizeof(T));
-    to.put(v, static_cast<double>(swap ? byte_swapped(value) : value));
-  }
-}
-
 }  // namespace
-
-std::size_t bytes_of(Scalar type) {
-  constexpr std::array<std::size_t, 10> sizes{1, 1, 2, 2, 4, 4, 8, 8, 4, 8};
-  return sizes[static_cast<std::size_t>(type)];
-}
 
 std::size_t checked_voxels(const ImageHeader& header, const std::string& file, std::size_t bytes_each) {
   double voxels = 1;
@@ -110,38 +96,12 @@ LabelVolume LabelCollector::take() {
 
 LabelVolume labels_of(const ImageHeader& header, std::string_view data, const std::string& file) {
   LabelCollector to(header, data.size() / bytes_of(header.type), file);
-  switch (header.type) {
-    case Scalar::int8:
-      collect<std::int8_t>(data, false, to);
-      break;
-    case Scalar::uint8:
-      collect<std::uint8_t>(data, false, to);
-      break;
-    case Scalar::int16:
-      collect<std::int16_t>(data, header.swap, to);
-      break;
-    case Scalar::uint16:
-      collect<std::uint16_t>(data, header.swap, to);
-      break;
-    case Scalar::int32:
-      collect<std::int32_t>(data, header.swap, to);
-      break;
-    case Scalar::uint32:
-      collect<std::uint32_t>(data, header.swap, to);
-      break;
-    case Scalar::int64:
-      collect<std::int64_t>(data, header.swap, to);
-      break;
-    case Scalar::uint64:
-      collect<std::uint64_t>(data, header.swap, to);
-      break;
-    case Scalar::float32:
-      collect<float>(data, header.swap, to);
-      break;
-    case Scalar::float64:
-      collect<double>(data, header.swap, to);
-      break;
-  }
+  with_type(header.type, [&]<class T>(T value) {
+    for (std::size_t v = 0; (v + 1) * sizeof(T) <= data.size(); ++v) {
+      std::memcpy(&value, data.data() + v * sizeof(T), sizeof(T));
+      to.put(v, static_cast<double>(header.swap ? byte_swapped(value) : value));
+    }
+  });
   return to.take();
 }
 
@@ -161,15 +121,41 @@ LabelVolume labels_in(const ImageHeader& header, std::string_view content, bool 
   return labels_of(header, data.substr(0, bytes), file);
 }
 
-std::vector<double> header_numbers(const std::string& text, std::size_t expected, const std::string& file,
-                                   const std::string& key) {
+std::string HeaderFields::get(const std::string& key) const {
+  const auto found = values.find(key);
+  return found == values.end() ? std::string() : found->second;
+}
+
+std::vector<double> HeaderFields::numbers(const std::string& key, std::size_t expected) const {
+  std::string text = get(key);
+  for (char& letter : text)
+    if (letter == '(' || letter == ')' || letter == ',') letter = ' ';
   Scanner in(text, file + ": " + key);
   std::vector<double> numbers;
   while (!in.at_end()) numbers.push_back(in.real("a number"));
   if (numbers.size() != expected)
-    throw InputError({.file = file},
-                     fmt::format("{} has {} numbers, expected {}", key, numbers.size(), expected));
+    fail(fmt::format("{} has {} numbers, expected {}", key, numbers.size(), expected));
   return numbers;
+}
+
+std::array<std::int64_t, 3> HeaderFields::voxels(const std::string& key) const {
+  const std::vector<double> given = numbers(key, 3);
+  std::array<std::int64_t, 3> size{};
+  for (std::size_t d = 0; d < 3; ++d) {
+    if (!(std::abs(given[d]) < 1e15) || given[d] != std::floor(given[d]))
+      fail(fmt::format("{} {:g} is no number of voxels", key, given[d]));
+    size[d] = static_cast<std::int64_t>(given[d]);
+  }
+  return size;
+}
+
+Scalar HeaderFields::type(const std::string& key, const std::string& word, const TypeNames& names) const {
+  for (const auto& [type, words] : names)
+    if (!word.empty() && ("," + std::string(words) + ",").find("," + word + ",") != std::string::npos)
+      return type;
+  fail(fmt::format("{} '{:.40}' is not read, expected {}, {} and the like", key, word,
+                   names[1].second.substr(0, names[1].second.find(',')),
+                   names[2].second.substr(0, names[2].second.find(','))));
 }
 
 std::string read_beside(const std::filesystem::path& header, const std::string& name) {

@@ -3,28 +3,19 @@
 
 #include <array>
 #include <cstdint>
+#include <filesystem>
+#include <map>
 #include <string>
 #include <string_view>
 #include <unordered_map>
+#include <utility>
 #include <vector>
 
+#include "geometry/common/error.hpp"
+#include "geometry/common/scalar_type.hpp"
 #include "geometry/segmentation/label_volume.hpp"
 
 namespace forefeel {
-
-enum class Scalar : std::uint8_t {
-  int8,
-  uint8,
-  int16,
-  uint16,
-  int32,
-  uint32,
-  int64,
-  uint64,
-  float32,
-  float64
-};
-std::size_t bytes_of(Scalar type);
 
 struct ImageHeader {
   std::array<std::int64_t, 3> size{};
@@ -73,9 +64,21 @@ LabelVolume read_meta_image(std::string_view content, const std::filesystem::pat
 LabelVolume read_nrrd(std::string_view content, const std::filesystem::path& file);
 LabelVolume read_vti(std::string content, const std::string& file);
 
-// Reads exactly `expected` numbers from the text of a header's key; InputError for any other count.
-std::vector<double> header_numbers(const std::string& text, std::size_t expected, const std::string& file,
-                                   const std::string& key);
+// The lines "key = value" or "key: value" of a header.
+struct HeaderFields {
+  std::string file;
+  std::map<std::string, std::string> values = {};
+
+  std::string get(const std::string& key) const;  // empty where there is none
+  bool has(const std::string& key) const { return values.contains(key); }
+  // Exactly `expected` numbers, beside which brackets and commas may stand; InputError for any other count.
+  std::vector<double> numbers(const std::string& key, std::size_t expected) const;
+  std::array<std::int64_t, 3> voxels(const std::string& key) const;  // three whole numbers
+  // The type that lists this word among its names, separated by commas; InputError for an unknown word.
+  using TypeNames = std::vector<std::pair<Scalar, std::string_view>>;
+  Scalar type(const std::string& key, const std::string& word, const TypeNames& names) const;
+  [[noreturn]] void fail(const std::string& problem) const { throw InputError({.file = file}, problem); }
+};
 
 // Reads the data file that a header names; it must lie in the header's folder. InputError for a name with a folder.
 std::string read_beside(const std::filesystem::path& header, const std::string& name);

@@ -68,7 +68,7 @@ class VtiReader {
   std::vector<double> numbers(const char* key, std::vector<double> otherwise) const {
     const auto found = reader_.attributes().find(key);
     if (found == reader_.attributes().end()) return otherwise;
-    return header_numbers(found->second, otherwise.size(), file_, key);
+    return HeaderFields{.file = file_, .values = {{key, found->second}}}.numbers(key, otherwise.size());
   }
 
   Extent extent_of(const std::string& text, const char* what) const {

@@ -46,7 +46,7 @@ std::string unstable(const StabilityReport& report, const SessionSummary::Safety
 void add_short_bars(const SessionSummary::ErrorBars& bars, std::vector<std::string>& lines) {
   constexpr double least = 0.85;
   constexpr std::size_t enough = 50;
-  for (const Label label : {Label::safe, Label::sparse, Label::gap, Label::blank}) {
+  for (const Label label : all_labels) {
     const SessionSummary::Bars& b = bars.by_label[label];
     if (b.samples >= enough && b.inside[1] < least)
       lines.push_back(fmt::format("the 95 % error bar held in only {:.3g} % of {} samples labelled {}",

@@ -7,7 +7,9 @@
 #include <fstream>
 #include <sstream>
 
+#include "apps/picture/plot.hpp"
 #include "tests/support/executable.hpp"
+#include "tests/support/skip.hpp"
 
 using namespace forefeel::test;
 using nlohmann::json;
@@ -101,6 +103,20 @@ TEST_CASE("states without a body that do not fit the scene's are refused, with t
   CHECK(run(shop, "evaluate other.csv --foreign --scene beam.toml --points points.csv")["belonging"] ==
         "foreign");
   CHECK(run(shop, "evaluate other.csv --points points.csv")["belonging"].is_null());
+}
+
+TEST_CASE("the picture of a calibration obeys --palette", "[states]") {
+  const Workshop shop;
+  prepare(shop);
+  const std::string command = "classify other.csv --calibrate beam.toml --foreign ";
+  run(shop, command + "-o usual");
+  run(shop, command + "-o grey --palette grey");
+  if (!forefeel::have_gnuplot()) return skip("gnuplot is not installed");
+  const std::string usual = shop.shell("cat usual/calibration.svg").out,
+                    grey = shop.shell("cat grey/calibration.svg").out;
+  CHECK_THAT(usual, Catch::Contains("213,  94,   0") && !Catch::Contains(" 77,  77,  77"));
+  CHECK_THAT(grey, Catch::Contains(" 77,  77,  77") && !Catch::Contains("213,  94,   0"));
+  check_refused(shop, command + "-o other --palette mine", {"--palette", "okabe-ito"});
 }
 
 TEST_CASE("labels of foreign states are calibrated with a part of them left out, and nothing is solved",

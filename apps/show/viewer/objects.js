@@ -170,7 +170,7 @@ function textSprite(text, colour) {
 
 function makeAxes() {
   const axes = new THREE.Group();
-  const length = 0.1 * size, ink = ['#b3342d', '#2d7a35', '#2b55a5'];
+  const length = 0.1 * size, ink = ['x', 'y', 'z'].map(axis => colours['axis_' + axis]);
   for (let i = 0; i < 3; ++i) {
     const direction = new THREE.Vector3().setComponent(i, 1);
     const from = new THREE.Vector3();
@@ -297,7 +297,7 @@ function makeRun() {
   const geometry = new THREE.BufferGeometry();
   geometry.setAttribute('position', new THREE.BufferAttribute(run.at, 3));
   geometry.setAttribute('color', new THREE.BufferAttribute(new Float32Array(3 * n), 3));
-  const whole = new THREE.Line(geometry.clone(), new THREE.LineBasicMaterial({color: '#d9b8c8'}));
+  const whole = new THREE.Line(geometry.clone(), new THREE.LineBasicMaterial({color: colours.path_light}));
   const walked = new THREE.Line(geometry, new THREE.LineBasicMaterial({vertexColors: THREE.VertexColors}));
   walked.renderOrder = 2;
   const path = new THREE.Group();

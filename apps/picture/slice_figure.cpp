@@ -1,4 +1,4 @@
-#include "apps/session/slice_figure.hpp"
+#include "apps/picture/slice_figure.hpp"
 
 #include <fmt/format.h>
 
@@ -7,10 +7,11 @@
 #include <cmath>
 #include <utility>
 
+#include "apps/picture/label_image.hpp"
+#include "apps/picture/palette.hpp"
 #include "apps/picture/plot.hpp"
 #include "geometry/common/quantiles.hpp"
 #include "geometry/index/path_walk.hpp"
-#include "scheduling/record/summary.hpp"
 
 namespace forefeel {
 namespace {
@@ -36,50 +37,28 @@ struct Window {
   double left, right, bottom, top;  // [m]
 };
 
-// Labels on a grid in the plane, as boxes in mm. Runs of one label form boxes; equal boxes of rows are
-// merged.
-struct LabelBoxes {
+// Labels in the plane as boxes in mm, one text for each label.
+std::array<std::string, all_labels.size()> label_lines(const StateSpace& space, const Plane& plane,
+                                                       const Window& window, int columns) {
+  const double step = (window.right - window.left) / columns;
+  const int rows = std::max(1, static_cast<int>(std::ceil((window.top - window.bottom) / step)));
+  PathWalk walk;
+  const LabelImage image(columns, rows, [&](int column, int row) {
+    Vec3 q = Vec3::Constant(plane.level);
+    q[plane.across] = window.left + (column + 0.5) * step;
+    q[plane.up] = window.bottom + (row + 0.5) * step;
+    return space.label(q, walk);
+  });
   std::array<std::string, all_labels.size()> lines;
-
-  LabelBoxes(const StateSpace& space, const Plane& plane, const Window& window, int columns) {
-    const double step = (window.right - window.left) / columns;
-    const int rows = std::max(1, static_cast<int>(std::ceil((window.top - window.bottom) / step)));
-    struct Strip {
-      int begin, end, row;
-      Label label;
-    };
-    std::vector<Strip> open;
-    PathWalk walk;
-    const auto close = [&](const Strip& strip, int row) {
-      const double left = window.left + strip.begin * step, right = window.left + strip.end * step;
-      const double low = window.bottom + strip.row * step, high = window.bottom + row * step;
-      lines[static_cast<std::size_t>(strip.label)] +=
-          fmt::format("{:.5g} {:.5g} {:.5g} {:.5g} {:.5g} {:.5g}\n", 500 * (left + right), 500 * (low + high),
-                      1e3 * left, 1e3 * right, 1e3 * low, 1e3 * high);
-    };
-    for (int row = 0; row <= rows; ++row) {
-      std::vector<Strip> here;
-      for (int i = 0; i < columns && row < rows; ++i) {
-        Vec3 q = Vec3::Constant(plane.level);
-        q[plane.across] = window.left + (i + 0.5) * step;
-        q[plane.up] = window.bottom + (row + 0.5) * step;
-        const Label label = space.label(q, walk);
-        if (here.empty() || here.back().label != label) here.push_back({i, i, row, label});
-        here.back().end = i + 1;
-      }
-      for (const Strip& strip : open) {
-        const auto same = std::ranges::find_if(here, [&](const Strip& s) {
-          return s.begin == strip.begin && s.end == strip.end && s.label == strip.label;
-        });
-        if (same == here.end())
-          close(strip, row);
-        else
-          same->row = strip.row;
-      }
-      open = std::move(here);
-    }
+  for (const LabelBox& box : label_boxes(image)) {
+    const double left = window.left + box.left * step, right = window.left + box.right * step;
+    const double low = window.bottom + box.below * step, high = window.bottom + box.above * step;
+    lines[static_cast<std::size_t>(box.label)] +=
+        fmt::format("{:.5g} {:.5g} {:.5g} {:.5g} {:.5g} {:.5g}\n", 500 * (left + right), 500 * (low + high),
+                    1e3 * left, 1e3 * right, 1e3 * low, 1e3 * high);
   }
-};
+  return lines;
+}
 
 // The states known so far, and their places in the drawing [mm].
 struct KnownStates {
@@ -98,15 +77,15 @@ struct KnownStates {
   }
 };
 
-std::string panel(const SliceInput& slice, KnownStates& known, const Plane& plane, const Window& window,
-                  double until, int number) {
+std::string panel_at(const SliceInput& slice, KnownStates& known, const Plane& plane, const Window& window,
+                     double until, int number) {
   const auto& [path, t, states] = slice;
   known.grow(slice, plane, until);
-  const LabelBoxes boxes(known.space, plane, window, 110);
+  const auto boxes = label_lines(known.space, plane, window, 110);
   std::string script;
   for (const Label label : all_labels)
-    script += data_block(fmt::format("slice{}_{}", number, name(label)),
-                         boxes.lines[static_cast<std::size_t>(label)]);
+    script +=
+        data_block(fmt::format("slice{}_{}", number, name(label)), boxes[static_cast<std::size_t>(label)]);
   script += data_block(fmt::format("in_plane{}", number), known.in_plane) +
             data_block(fmt::format("elsewhere{}", number), known.elsewhere);
   const auto past = static_cast<std::size_t>(std::ranges::upper_bound(t, until) - t.begin());
@@ -126,8 +105,8 @@ std::string panel(const SliceInput& slice, KnownStates& known, const Plane& plan
                       "$elsewhere{0} with points pt 7 ps 0.2 lc rgb '#9a9a9a' notitle, "
                       "$in_plane{0} with points pt 7 ps 0.45 lc rgb '#ffffff' notitle, "
                       "$in_plane{0} with points pt 6 ps 0.45 lw 0.7 lc rgb '#1b1b1b' notitle, "
-                      "$trail{0} with lines lw 1.3 lc rgb '#c2185b' notitle\n",
-                      number);
+                      "$trail{0} with lines lw 1.3 lc rgb '{1}' notitle\n",
+                      number, ink("path"));
 }
 
 }  // namespace
@@ -150,7 +129,7 @@ Figure slice_figure(const SliceInput& slice, const StateSpaceOptions& space) {
   const char* const axes[] = {"x", "y", "z"};
   const int height = static_cast<int>(std::clamp(267 * (top - bottom) / (right - left), 90.0, 700.0)) + 106;
   std::string script =
-      figure_style +
+      plot_style +
       fmt::format(
           "unset grid\nset multiplot layout 1,3 margins 0.065,0.99,{:.4f},{:.4f} spacing 0.045,0.1\nset size "
           "ratio -1\nset xrange [{:.5g}:{:.5g}]\nset yrange [{:.5g}:{:.5g}]\n"
@@ -163,7 +142,7 @@ Figure slice_figure(const SliceInput& slice, const StateSpaceOptions& space) {
   int number = 0;
   KnownStates known{StateSpace(space), {}, {}};
   for (const double share : {0.125, 0.5, 1.0}) {
-    script += panel(slice, known, plane, window, share * end, ++number);
+    script += panel_at(slice, known, plane, window, share * end, ++number);
     script += "unset ylabel\n";
   }
   return {"slice",

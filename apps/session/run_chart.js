@@ -1,9 +1,4 @@
-#include "apps/session/run_script.hpp"
-
-namespace forefeel {
-
-// What is drawn: panels over one time axis.
-const std::string_view run_script_chart = R"JS(
+// The report of a session: panels over one time axis. run_page.js goes on in the same function.
 (() => {
   'use strict';
   const run = JSON.parse(document.getElementById('run-data').textContent);
@@ -37,6 +32,7 @@ const std::string_view run_script_chart = R"JS(
   };
   const digits = (v, d = 3) =>
       v === null || v === undefined || !isFinite(v) ? '–' : String(Number(v.toPrecision(d)));
+  const faint = (colour, share) => colour + Math.round(255 * share).toString(16).padStart(2, '0');
   const percent = v => v === null ? '–' : digits(100 * v) + ' %';
 
   function canvasOf(element) {
@@ -211,11 +207,11 @@ const std::string_view run_script_chart = R"JS(
       const pen = this.pen, sy = v => top + height * (1 - (v - least) / (most - least));
       this.frame(top, height, '|force| [N]', ticks(least, most, 5).map(v => [v, digits(v, 4)]), sy);
       this.clipped(top, height, () => {
-        pen.fillStyle = 'rgba(192,32,32,0.13)';
+        pen.fillStyle = faint(ink.limit, 0.13);
         for (const [a, b] of run.clamped)
           if (b >= this.view.from && a <= this.view.to)
             pen.fillRect(this.sx(a), top, Math.max(1, this.sx(b) - this.sx(a)), height);
-        this.band(sy, 'rgba(0,114,178,0.18)');
+        this.band(sy, faint(ink.bar, 0.18));
         this.dots(run.samples, r => r[1], sy, ink.reference, 2.6);
         this.curve(newest, sy, ink.newest, 1);
         this.curve(rendered, sy, ink.rendered, 1.4);
@@ -303,6 +299,3 @@ const std::string_view run_script_chart = R"JS(
       });
     }
   }
-)JS";
-
-}  // namespace forefeel

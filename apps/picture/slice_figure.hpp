@@ -5,7 +5,7 @@
 #include <utility>
 #include <vector>
 
-#include "apps/session/report_figures.hpp"
+#include "apps/picture/figure.hpp"
 #include "geometry/coverage/state_space.hpp"
 
 namespace forefeel {

@@ -1,9 +1,5 @@
-#include "apps/session/run_script.hpp"
+  // What the page does: zoom and read-off, one switch, maps. Goes on where run_chart.js ends.
 
-namespace forefeel {
-
-// What the page does: zoom and read-off, one switch, maps. Goes on where the chart script ends.
-const std::string_view run_script_page = R"JS(
   // ---- the whole run
 
   const view = {from: 0, to: end, cursor: null};
@@ -133,10 +129,7 @@ const std::string_view run_script_page = R"JS(
   // ---- where errors were
 
   const coordinates = [x, y, z], axes = ['x', 'y', 'z'];
-  const tint = ratio => ratio === null ? '#c9c5bc' :
-      ratio <= 1                       ? '#57a7d6' :
-      ratio <= 3                       ? '#e69f00' :
-                                         '#c02020';
+  const tint = ratio => ratio === null ? '#c9c5bc' : ratio <= 1 ? ink.within : ratio <= 3 ? ink.above : ink.far_above;
   class Plan {
     constructor(canvas, a, b) {
       this.canvas = canvas;
@@ -231,6 +224,3 @@ const std::string_view run_script_page = R"JS(
     show(0);
   if (n) readOff(0);
 })();
-)JS";
-
-}  // namespace forefeel
