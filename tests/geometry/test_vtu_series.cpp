@@ -62,7 +62,8 @@ TEST_CASE("a file of the whole body is a mesh of the moved body") {
 
 TEST_CASE("the list of a series comes back; what is no series is refused") {
   const test::TemporaryFolder folder;
-  const std::vector<SeriesFile> series{{0, "shape/a.vtu"}, {1.0 / 3, "shape/b.vtu"}};
+  const std::vector<SeriesFile> series{{.t = 0, .file = "shape/a.vtu"},
+                                       {.t = 1.0 / 3, .file = "shape/b.vtu"}};
   write_pvd(folder / "s.pvd", series);
   const std::vector<SeriesFile> read = read_pvd(folder / "s.pvd");
   REQUIRE(read.size() == 2);
