@@ -8,7 +8,7 @@
 
 #include "apps/console/json.hpp"
 #include "apps/console/outputs.hpp"
-#include "geometry/coverage/all_labels.hpp"
+#include "geometry/coverage/coverage.hpp"
 #include "geometry/mesh/vtu_writer.hpp"
 
 namespace forefeel {
@@ -84,9 +84,9 @@ const JsonKeys<EvaluatedBars>& error_bar_keys() {
          "out",
          [](const B& b) { return b.measured->checked(); }},
         {"points_outside", "1", "points outside the states", &B::outside}};
-    const JsonKeys<B> outside =
-        cover_keys("outside.", "number of the forces left out that lie outside the other states",
-                   "share of these inside their bars", [](const B& b) { return b.measured->cover_outside(); });
+    const JsonKeys<B> outside = cover_keys(
+        "outside.", "number of the forces left out that lie outside the other states",
+        "share of these inside their bars", [](const B& b) { return b.measured->cover_outside(); });
     all.insert(all.end(), more.begin(), more.end());
     all.insert(all.end(), outside.begin(), outside.end());
     all.push_back({"by_label.LABEL", "", "samples, coverage and width_p50 of one label", cover_by_label});

@@ -6,7 +6,7 @@
 #include <string_view>
 #include <vector>
 
-#include "geometry/coverage/all_labels.hpp"
+#include "geometry/coverage/coverage.hpp"
 
 namespace forefeel {
 

@@ -11,6 +11,7 @@
 // blank is beyond them. Sparse only needs a near state, so a sparse place may lie outside the hull, with infinite
 // spread.
 
+#include <array>
 #include <cstdint>
 #include <limits>
 #include <string_view>
@@ -23,6 +24,7 @@ inline constexpr double threshold_slack = 1e-9;  // relative tolerance of the th
 
 enum class Label : std::uint8_t { safe, sparse, gap, blank };
 std::string_view name(Label label);
+inline constexpr std::array all_labels{Label::safe, Label::sparse, Label::gap, Label::blank};
 
 struct CoverageOptions {
   double safe_spread = 0.95;       // kappa_s: safe needs pi <= kappa_s h

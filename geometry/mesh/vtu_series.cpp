@@ -97,7 +97,10 @@ std::vector<SeriesFile> read_pvd(const std::filesystem::path& file) {
 
 MovedNodes read_moved_nodes(const std::filesystem::path& file) {
   MovedNodes result;
-  VtkXmlReader in(Scanner(read_file(file), file.string()), "UnstructuredGrid");
+  std::string content = read_file(file);
+  if (!trimmed(content).ends_with("</VTKFile>"))
+    throw InputError({.file = file.string()}, "ends before </VTKFile>, the file is cut short");
+  VtkXmlReader in(Scanner(std::move(content), file.string()), "UnstructuredGrid");
   in.read([&](const VtkXmlPiece& piece) {
     const std::size_t points = in.count(piece, "NumberOfPoints");
     const std::vector<double> moved = in.reals(in.array(piece, "PointData", "displacement"));

@@ -22,7 +22,7 @@
 #include <string>
 #include <vector>
 
-#include "geometry/coverage/all_labels.hpp"
+#include "geometry/coverage/coverage.hpp"
 #include "scheduling/motion/prediction_score.hpp"
 #include "scheduling/record/control_summary.hpp"
 #include "scheduling/record/stability.hpp"

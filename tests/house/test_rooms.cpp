@@ -27,6 +27,7 @@ void fill(const test::TemporaryFolder& root, const std::string& room, std::size_
 }  // namespace
 
 TEST_CASE("a room holds 3 to 30 subjects", "[rooms]") {
+  check_none(faults_of_size(read_files(test::source_folder())));
   const test::TemporaryFolder root;
   fill(root, "geometry/mesh", 3);
   fill(root, "geometry/index", 30);
