@@ -211,9 +211,9 @@ std::vector<NodeIndex> read_nodes(const SceneTable& table, const SceneRows<NodeS
   const std::vector<std::string> keys = rows.names();
   if (default_group && std::ranges::none_of(keys, [&](const std::string& key) { return table.has(key); }))
     return mesh.groups.at(default_group);
-  table.exactly_one_of(rows.alternatives());
   NodeSet set{.mesh = &mesh, .nodes = {}, .radius = {}};
   rows.read(table, set);
+  table.exactly_one_of(rows.alternatives());
   if (!set.radius) return set.nodes;
   std::vector<NodeIndex> patch = set.nodes;
   for (const NodeIndex node : set.nodes) {
