@@ -165,7 +165,7 @@ void run_block(const Setting& setting, Kind& kind, const ShowShare& show) {
   kind.seconds += static_cast<double>(n) * frame;
   kind.states_start = result.counts.start;
   kind.states_end = std::max(kind.states_end, result.states.size());
-  kind.realtime = kind.realtime && result.process.realtime_priority && bare.note().empty();
+  kind.realtime = kind.realtime && result.run.realtime_priority && bare.note().empty();
   kind.memory.push_back(std::move(memory));
 }
 

@@ -59,7 +59,7 @@ py::array_t<FrameRow> frames_of(const SessionResult& result) {
     FrameRow& row = *to++;
     row.t = f.t;
     put(f.at, row.at), put(f.force, row.rendered), put(f.sent, row.sent), put(f.undamped, row.undamped);
-    row.label = static_cast<std::uint8_t>(f.label), row.model = f.model, row.known = f.known;
+    row.label = static_cast<std::uint8_t>(f.label), row.model = f.step.model, row.known = f.known;
     row.switch_change = f.step.change, row.switch_bound = f.step.bound;
     row.motion_change = f.step.motion_change, row.undamped_jump = f.step.undamped_jump;
     row.took_model = f.step.took_model, row.sampled = f.judged.sampled,
@@ -80,7 +80,7 @@ py::array_t<DispatchRow> dispatches_of(const SessionResult& result) {
     row.id = d.id;
     put(d.at, row.at);
     row.label = static_cast<std::uint8_t>(d.label), row.status = static_cast<std::uint8_t>(d.status);
-    row.priority = d.priority, row.requested = d.requested, row.started = d.started;
+    row.priority = d.choice.priority, row.requested = d.requested, row.started = d.started;
     row.finished = d.finished, row.known = d.known, row.first_used = d.first_used;
     row.worker = d.worker, row.parent = d.parent;
   }

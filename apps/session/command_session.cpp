@@ -191,7 +191,7 @@ int exit_code(const Globals& globals, const SessionResult& result, const Session
     flush_warnings();
     return failures.empty() ? 0 : 1;
   }
-  if (result.end == RunEnd::not_begun)
+  if (result.run.end == RunEnd::not_begun)
     warn(globals, fmt::format("{}: 0 of {} frames; the files of the run hold what was known at the start",
                               result.notes.front(), plan.frames));
   else

@@ -138,7 +138,7 @@ std::string run_data(const SessionResult& result, const RunView& view) {
   }
   document["labels"] = changes(frames, [](const FrameRecord& f) { return static_cast<int>(f.label); });
   document["known"] = changes(frames, [](const FrameRecord& f) { return f.known; });
-  document["models"] = changes(frames, [](const FrameRecord& f) { return f.model; });
+  document["models"] = changes(frames, [](const FrameRecord& f) { return f.step.model; });
   document["clamped"] = clamped(frames, view.force_limit);
   document["samples"] = samples(frames, view);
   document["switches"] = switches(result.switches);

@@ -14,6 +14,7 @@ namespace forefeel {
 
 // How the change from one model to the next affects the force in a frame (approx/switch/force_switch.hpp).
 struct SwitchStep {
+  std::uint32_t model = 0;       // serial number of the model that is rendered
   bool took_model = false;       // a newer model is rendered from this frame on
   Vec3 delta = Vec3::Zero();     // dF [N]
   double change = 0, bound = 0;  // |dF| and its limit by the rule [N]
@@ -51,7 +52,6 @@ struct FrameRecord {
   Vec3 sent = Vec3::Zero();      // after safety, to the device [N]
   Vec3 undamped = Vec3::Zero();  // of the newest model [N]
   Label label = Label::blank;    // at the HIP, from the states known in this frame
-  std::uint32_t model = 0;       // serial number of the model that is rendered
   std::uint32_t known = 0;       // number of known states
   SwitchStep step = {};
   Judgement judged = {};
@@ -70,12 +70,17 @@ enum class DispatchStatus {
 };
 std::string_view name(DispatchStatus status);
 
+// Why a state was dispatched.
+struct DispatchChoice {
+  double priority = 0;  // by the policy
+  bool audit = false;   // not chosen by the policy: solved where the HIP was, to calibrate the error bars
+};
+
 struct DispatchRecord {
   std::uint32_t id = 0;
   Vec3 at = Vec3::Zero();  // [m]
   Label label = Label::blank;
-  double priority = 0;
-  bool audit = false;  // not chosen by the policy: solved where the HIP was, to calibrate the error bars
+  DispatchChoice choice = {};
   double requested = unknown, started = unknown, finished = unknown, first_used = unknown;  // [s]
   double known = unknown;  // when the planner received the state: finished + a message [s]
   DispatchStatus status = DispatchStatus::running;

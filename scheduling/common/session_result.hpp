@@ -61,15 +61,21 @@ struct SolverReport {
   int lost = 0;                 // how often one of these failed or could not be reached
 };
 
-struct ProcessReport {             // real clock only
-  bool realtime_priority = false;  // of the loop's thread
-  bool memory_locked = false;
-};
-
 enum class RunEnd {
   whole,
   interrupted,  // ended early by the user or a failure, or samples without a reference
   not_begun     // interrupted during the rehearsals of a clairvoyant session: no frames
+};
+
+// How the run as a whole went.
+struct RunReport {
+  RunEnd end = RunEnd::whole;
+  double wall_seconds = 0;          // session, labels and references; without file access [s]
+  double guess_softness = unknown;  // of the plan (session/session_plan.hpp)
+  bool viscous = false;             // the elastic force passed a relaxation function
+  // Real clock only.
+  bool realtime_priority = false;  // of the loop's thread
+  bool memory_locked = false;
 };
 
 struct SessionResult {
@@ -81,17 +87,13 @@ struct SessionResult {
   SafetyReport safety;
   LoopReport loop;
   SolverReport solver;
-  ProcessReport process;
-  double guess_softness = unknown;  // of the plan (session/session_plan.hpp)
-  bool viscous = false;             // the elastic force passed a relaxation function
-  double wall_seconds = 0;          // session, labels and references; without file access [s]
-  RunEnd end = RunEnd::whole;
+  RunReport run;
   std::vector<std::string> notes;     // what the system refused, what failed
   std::vector<std::string> warnings;  // about input files and the cache, one line each
   // Failures that ended the session or lost results: a failing planner or worker, a full disk of the states' file.
   // One line each; the rest of the result is valid.
   std::vector<std::string> failures;
-  bool interrupted() const { return end != RunEnd::whole; }
+  bool interrupted() const { return run.end != RunEnd::whole; }
 };
 
 enum class SessionPhase { arrivals, session, labels, references };

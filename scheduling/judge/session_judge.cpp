@@ -3,7 +3,6 @@
 #include <fmt/format.h>
 
 #include <algorithm>
-#include <chrono>
 #include <cmath>
 #include <optional>
 #include <span>
@@ -11,6 +10,7 @@
 #include <vector>
 
 #include "geometry/index/path_walk.hpp"
+#include "scheduling/judge/patience.hpp"
 #include "scheduling/judge/viscous_reference.hpp"
 #include "scheduling/judge/visited_cells.hpp"
 #include "scheduling/render/session_model.hpp"
@@ -80,7 +80,8 @@ void keep_taken(SessionResult& result) {
   std::size_t published = 0;
   for (const FrameRecord& frame : result.frames) {
     if (!frame.step.took_model) continue;
-    while (published < result.switches.size() && result.switches[published].model != frame.model) ++published;
+    while (published < result.switches.size() && result.switches[published].model != frame.step.model)
+      ++published;
     if (published == result.switches.size()) break;
     SwitchRecord record = result.switches[published++];
     record.t = frame.t;
@@ -99,32 +100,26 @@ struct SessionJudge::Impl {
     Vec3 fresh;  // of a sample: force of a model made anew from all states known then [N]
   };
 
-  Impl(const JudgeSetup& setup, const StateSpace& all, ReferenceService& given)
-      : references(given),
-        end_early(setup.stop),
-        samples(all.options(), setup.judging),
+  Impl(const JudgeSetup& given, const StateSpace& all, ReferenceService& service)
+      : setup(given),
+        references(service),
+        patience(given.stop),
+        samples(all.options(), given.judging),
         known(all),
-        model(all, setup.model),
-        viscosity(setup.viscosity),
-        errors(setup.errors),
-        floor(setup.judging.error_floor) {}
+        model(all, given.model) {}
 
   std::vector<std::size_t> enter_labels(SessionResult& result) const;
-  std::optional<State> wait_for(const Vec3& at, bool interrupted);
   void enter_errors(const std::vector<std::size_t>& chosen, SessionResult& result, const ShowProgress& show);
 
+  const JudgeSetup setup;
   ReferenceService& references;
-  const StopOptions end_early;
+  Patience patience;
   Samples samples;
   const StateSpace& known;
   SessionModel model;
   PathWalk walk;
   Vec3 last = Vec3::Zero();
   std::vector<Found> found;  // by frame
-  const Viscosity viscosity;
-  bool errors;                                                                               // wanted
-  double floor;                                                                              // f0 [N]
-  std::chrono::steady_clock::time_point end = std::chrono::steady_clock::time_point::max();  // of waiting
 };
 
 SessionJudge::SessionJudge(const JudgeSetup& setup, const StateSpace& known, ReferenceService& references)
@@ -136,7 +131,7 @@ void SessionJudge::frame(const PassedFrame& frame) {
   const bool as_before = !my.found.empty() && !frame.grown && frame.at == my.last;  // a hand at rest
   my.last = frame.at;
   Impl::Found result{.label = as_before ? my.found.back().label : my.known.label(frame.at, my.walk),
-                     .choice = my.errors ? my.samples.next(frame.at) : Samples::Choice{},
+                     .choice = my.setup.errors ? my.samples.next(frame.at) : Samples::Choice{},
                      .fresh = Vec3::Zero()};
   if (result.choice.sampled || result.choice.first_visit) {
     my.references.request(frame.at);
@@ -159,29 +154,15 @@ std::vector<std::size_t> SessionJudge::Impl::enter_labels(SessionResult& result)
   return chosen;
 }
 
-// nullopt once the patience of an interrupted session has run out, whether it was interrupted before or
-// during the wait.
-std::optional<State> SessionJudge::Impl::wait_for(const Vec3& at, bool interrupted) {
-  using Time = std::chrono::steady_clock;
-  for (;;) {
-    const auto now = Time::now();
-    if (end == Time::time_point::max() && (interrupted || end_early.is_interrupted()))
-      end =
-          now + std::chrono::duration_cast<Time::duration>(std::chrono::duration<double>(end_early.patience));
-    if (end != Time::time_point::max() && end_early.is_hurried()) end = std::min(end, now);
-    const auto turn = std::min(end, now + std::chrono::milliseconds(100));
-    std::optional<State> reference = references.get_until(at, turn);
-    if (reference || turn == end) return reference;
-  }
-}
-
 void SessionJudge::Impl::enter_errors(const std::vector<std::size_t>& chosen, SessionResult& result,
                                       const ShowProgress& show) {
+  const double floor = setup.judging.error_floor;  // f0 [N]
+  const Viscosity& viscosity = setup.viscosity;
   std::size_t failed = 0, late = 0;
   std::vector<SampledState> samples_known;  // of a viscous body
   for (std::size_t i = 0; i < chosen.size(); ++i) {
     FrameRecord& frame = result.frames[chosen[i]];
-    const std::optional<State> reference = wait_for(frame.at, result.interrupted());
+    const std::optional<State> reference = patience.wait_for(frame.at, references, result.interrupted());
     if (!reference)
       ++late;
     else if (reference->usable())
@@ -198,7 +179,7 @@ void SessionJudge::Impl::enter_errors(const std::vector<std::size_t>& chosen, Se
   }
   if (!viscosity.empty()) judge_viscous(samples_known, viscosity, floor, result.frames);
   if (late > 0) {
-    if (result.end == RunEnd::whole) result.end = RunEnd::interrupted;
+    if (result.run.end == RunEnd::whole) result.run.end = RunEnd::interrupted;
     result.notes.push_back(
         fmt::format("interrupted: {} of {} references were not waited for, those samples have no error", late,
                     chosen.size()));

@@ -1,6 +1,5 @@
 #include "scheduling/policy/error_need.hpp"
 
-#include <Eigen/Cholesky>
 #include <algorithm>
 #include <cmath>
 #include <limits>
@@ -16,15 +15,10 @@ namespace {
 constexpr std::size_t around = 8;        // states that tell inside from outside
 constexpr std::size_t most_cubes = 300;  // of the box
 constexpr std::size_t most_residuals = 300;
-constexpr double far = 5;                // distance of a state where none is known [spacings]
-constexpr double nearest_of_all = 0.05;  // delta below which the error is taken as that there [spacings]
-constexpr double least_share = 1e-5;     // of the need of all places: below it a place needs nothing
-constexpr double local = 3;              // width of r [spacings]
-constexpr double local_strength = 2;     // residuals that r = 0 counts as
-// The prior of a, b, c with its strength, of v with its strength [states]. Fits to the errors at 320 to 780 states of
-// three bodies gave a -3.7 to -1.5, b 1.1 to 1.9, c -0.2 to 2.3 and v 0.8 to 1.3.
-const Eigen::Vector3d prior(-2.5, 1.6, 1.3), strength(4, 8, 4);
-constexpr double prior_deviation = 1.2, deviation_strength = 6;
+constexpr double far = 5;             // distance of a state where none is known [spacings]
+constexpr double least_share = 1e-5;  // of the need of all places: below it a place needs nothing
+constexpr double local = 3;           // width of r [spacings]
+constexpr double local_strength = 2;  // residuals that r = 0 counts as
 
 double normal_share(double x) {
   return 0.5 * std::erfc(-x * M_SQRT1_2);
@@ -36,11 +30,7 @@ void ErrorNeed::begin(const StateSpace& space) {
   space_ = &space;
   spacing_ = space.options().spacing;
   known_ = 0;
-  normal_ = strength.asDiagonal();
-  right_ = strength.cwiseProduct(prior);
-  fit_ = prior;
-  squares_ = deviation_strength * prior_deviation * prior_deviation;
-  count_ = deviation_strength;
+  fit_ = ErrorFit();
   residuals_.clear();
   box_.clear();
   const Box& box = space.options().box;
@@ -102,30 +92,13 @@ void ErrorNeed::learn(const PlannerView& view) {
     Place seen{.at = (*space_)[StateId{static_cast<std::uint32_t>(known_)}].at};
     see(seen, known_);
     const double error = std::clamp(std::log(double(view.surprises[known_]) + 1e-9), -8.0, 8.0);
-    const double away = std::log(std::max(seen.delta / spacing_, nearest_of_all));
-    const Eigen::Vector3d row(1, away, seen.side);
-    const double residual = error - row.dot(fit_);
-    squares_ += std::min(residual * residual, 16.0);
-    ++count_;
-    normal_ += row * row.transpose();
-    right_ += error * row;
-    fit_ = normal_.ldlt().solve(right_);
-    fit_[1] = std::max(fit_[1], 0.5);  // an error that does not grow away from states orders nothing
-    remember({seen.at, residual});
+    remember({seen.at, fit_.learn(seen.delta / spacing_, seen.side, error)});
   }
   for (std::size_t k = first; k < known_; ++k) {
     const Vec3 at = (*space_)[StateId{static_cast<std::uint32_t>(k)}].at;
     for (Place& place : box_)
       if ((at - place.at).norm() < place.reach) see(place, known_);
   }
-}
-
-double ErrorNeed::deviation() const {
-  return std::sqrt(squares_ / count_);
-}
-
-double ErrorNeed::median(double delta_over_h, double side) const {
-  return std::exp(fit_.dot(Eigen::Vector3d(1, std::log(std::max(delta_over_h, nearest_of_all)), side)));
 }
 
 // path_share of the weight is on the predicted path. An uncertain prediction passes a part of its weight to the cubes
@@ -160,10 +133,10 @@ void ErrorNeed::weigh(const PlannerView& view) {
 
 // The needs of all places, as tables over the distance of the nearest state.
 void ErrorNeed::estimate() {
-  const double v = deviation();
+  const double v = fit_.deviation();
   std::vector<double> log_scale;  // ln m without the part of delta
   for (const Place& place : places_)
-    log_scale.push_back(fit_[0] + fit_[2] * place.side +
+    log_scale.push_back(fit_.intercept(place.side) +
                         place.residuals / (place.residual_count + local_strength));
   if (options_.shuffle) {  // estimates change places, with their distances
     const std::uint64_t step = random::mix(options_.seed, known_);
@@ -178,8 +151,7 @@ void ErrorNeed::estimate() {
   for (std::size_t i = 0; i < places_.size(); ++i) {
     Need need{.at = places_[i].at, .delta = places_[i].delta};
     for (int k = 0; k <= levels; ++k) {
-      const double away = std::log(std::max(need.delta / spacing_ * k / levels, nearest_of_all));
-      const double error = log_scale[i] + fit_[1] * away;
+      const double error = log_scale[i] + fit_.slope() * log_distance(need.delta / spacing_ * k / levels);
       need.table[static_cast<std::size_t>(k)] = places_[i].weight * normal_share(error / v);
     }
     all += need.table[levels];

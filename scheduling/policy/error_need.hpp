@@ -14,12 +14,12 @@
 // Why the probability and not the mean error: far from all states the error may be tens of JNDs. A mean would spend
 // most solves there, where a single solve helps little.
 
-#include <Eigen/Core>
 #include <array>
 #include <cstdint>
 #include <span>
 #include <vector>
 
+#include "scheduling/policy/error_fit.hpp"
 #include "scheduling/policy/policy.hpp"
 
 namespace forefeel {
@@ -39,8 +39,7 @@ class ErrorNeed {
   // V of each candidate [1/s]; never negative. out: #candidates.
   void worth(std::span<const Candidate> candidates, std::span<double> out) const;
 
-  double median(double delta_over_h, double side) const;  // m, without r
-  double deviation() const;                               // v
+  const ErrorFit& fit() const { return fit_; }  // m without r, and v
 
  private:
   static constexpr int levels = 16;
@@ -72,9 +71,7 @@ class ErrorNeed {
   const StateSpace* space_ = nullptr;
   std::size_t known_ = 0;
   double spacing_ = 0.006, solve_ = 0.01;
-  Eigen::Matrix3d normal_ = Eigen::Matrix3d::Zero();  // of the least squares
-  Eigen::Vector3d right_ = Eigen::Vector3d::Zero(), fit_ = Eigen::Vector3d::Zero();
-  double squares_ = 0, count_ = 0;  // of residuals, with the prior's
+  ErrorFit fit_;
   std::vector<Residual> residuals_;
   std::vector<Place> box_, places_;
   std::vector<Need> needs_;       // of places that need anything, nothing being solved

@@ -67,7 +67,7 @@ constexpr RunColumn<Frame> frame_columns[] = {
     {"label", "", "coverage at the tip: safe, sparse, gap or blank",
      [](Text& o, const Frame& f) { put(o, name(f.label)); }},
     {"model", "", "serial number of the model that is rendered; 0: none",
-     [](Text& o, const Frame& f) { put(o, std::int64_t{f.model}); }},
+     [](Text& o, const Frame& f) { put(o, std::int64_t{f.step.model}); }},
     {"known", "", "number of known states", [](Text& o, const Frame& f) { put(o, std::int64_t{f.known}); }},
     {"ux,uy,uz", "N", "force of the newest model, as if models changed at once",
      [](Text& o, const Frame& f) { put(o, f.undamped); }},
@@ -122,7 +122,8 @@ constexpr RunColumn<Dispatched> dispatch_columns[] = {
     {"x,y,z", "m", "position of the state", [](Text& o, const Dispatched& d) { put(o, d.at); }},
     {"label", "", "coverage there when it was requested",
      [](Text& o, const Dispatched& d) { put(o, name(d.label)); }},
-    {"priority", "1", "priority by the policy", [](Text& o, const Dispatched& d) { put(o, d.priority); }},
+    {"priority", "1", "priority by the policy",
+     [](Text& o, const Dispatched& d) { put(o, d.choice.priority); }},
     {"requested", "s", "time of the planner's decision",
      [](Text& o, const Dispatched& d) { put(o, d.requested); }},
     {"started", "s", "begin of the solve; empty: it never began",
@@ -139,7 +140,7 @@ constexpr RunColumn<Dispatched> dispatch_columns[] = {
     {"known", "s", "time at which the planner received the state",
      [](Text& o, const Dispatched& d) { put(o, d.known); }},
     {"audit", "", "1: solved where the tip had just been, to calibrate the error bars",
-     [](Text& o, const Dispatched& d) { put(o, d.audit); }}};
+     [](Text& o, const Dispatched& d) { put(o, d.choice.audit); }}};
 
 using Change = SwitchRecord;
 constexpr RunColumn<Change> switch_columns[] = {
@@ -236,7 +237,7 @@ void prepare_run_folder(const std::filesystem::path& folder) {
 
 void write_run_files(const std::filesystem::path& folder, const SessionResult& result,
                      const SessionOptions& options) {
-  const Circumstances of_run{.real = options.clock.kind == Clock::real, .viscous = result.viscous};
+  const Circumstances of_run{.real = options.clock.kind == Clock::real, .viscous = result.run.viscous};
   std::future<std::string> others = std::async(std::launch::async, [&] {
     return problem_of([&] {
              write<Dispatched>(folder / "dispatch.csv", result.dispatch, dispatch_columns, of_run);

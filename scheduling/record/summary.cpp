@@ -239,10 +239,10 @@ SessionSummary::Run run_of(const SessionResult& result, const SessionOptions& op
           .frames_asked = static_cast<std::size_t>(std::llround(options.clock.seconds / options.clock.frame)),
           .interrupted = result.interrupted(),
           .first_guess = !result.switches.empty() && result.switches.front().cause == SwitchCause::guess,
-          .guess_softness = result.guess_softness,
-          .wall_seconds = result.wall_seconds,
-          .realtime_priority = result.process.realtime_priority,
-          .memory_locked = result.process.memory_locked,
+          .guess_softness = result.run.guess_softness,
+          .wall_seconds = result.run.wall_seconds,
+          .realtime_priority = result.run.realtime_priority,
+          .memory_locked = result.run.memory_locked,
           .notes = result.notes,
           .failures = result.failures};
 }

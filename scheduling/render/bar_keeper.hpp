@@ -16,8 +16,7 @@
 #include "approx/error/body_level.hpp"
 #include "geometry/coverage/state_space.hpp"
 #include "geometry/index/path_walk.hpp"
-#include "scheduling/render/bar_link.hpp"
-#include "scheduling/render/render_loop.hpp"
+#include "scheduling/render/loop_link.hpp"
 
 namespace forefeel {
 

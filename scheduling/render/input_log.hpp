@@ -26,7 +26,7 @@ class InputLog {
   // Makes the file and writes the header. With `thread`, a thread of the log calls drain(). InputError if the file
   // cannot be written.
   InputLog(std::filesystem::path file, const InputHeader& header, bool thread);
-  ~InputLog();
+  ~InputLog() { end_thread(); }
   InputLog(const InputLog&) = delete;
   InputLog& operator=(const InputLog&) = delete;
 
@@ -39,23 +39,42 @@ class InputLog {
 
   void drain();  // one thread; not with a thread of the log
   void close();  // after the last frame: drains, marks the end, closes the file
-  const std::optional<std::string>& failure() const { return failure_; }  // after close(); one line
+  const std::optional<std::string>& failure() const { return disk_.failure; }  // after close(); one line
 
  private:
-  std::size_t put(const Bytes& bytes);
-  bool write(const Bytes& bytes);
-  void fail(const std::string& why);
+  class Disk {  // the file, until it fails
+   public:
+    explicit Disk(std::filesystem::path file);
+    ~Disk() { close(); }
+    // Returns how many bytes are in the file; errno says why it is not all.
+    std::size_t put(const Bytes& bytes);
+    bool write(const Bytes& bytes);  // false: it has failed
+    bool close();                    // false: the system refused; errno says why
+    void fail(const std::string& why);
 
-  std::filesystem::path file_;
-  int descriptor_ = -1;
-  SpscQueue<FrameInput, 8192> frames_;
-  std::atomic<bool> full_{false};  // a frame was lost: recording ends before it
-  std::mutex mutex_;               // of planned_
-  Packer planned_;
-  std::uint32_t learned_ = 0;  // states recorded; planner's thread
-  double last_t_ = 0;          // of the frames that are in the file [s]
-  double frame_seconds_;
-  std::optional<std::string> failure_;
+    double last_t = 0;  // of the frames that are in the file [s]
+    std::optional<std::string> failure = {};
+
+   private:
+    std::filesystem::path file_;
+    int descriptor_ = -1;
+  };
+  struct Frames {  // of the loop
+    SpscQueue<FrameInput, 8192> queue;
+    std::atomic<bool> full{false};  // a frame was lost: recording ends before it
+    double seconds = 0;             // of one frame
+  };
+  struct Planned {     // records of the planner
+    std::mutex mutex;  // of bytes
+    Packer bytes;
+    std::uint32_t learned = 0;  // states recorded; planner's thread
+  };
+  void plan(InputKind kind, const Bytes& content);
+  void end_thread();
+
+  Disk disk_;
+  Frames frames_;
+  Planned planned_;
   std::jthread thread_;
 };
 

@@ -9,7 +9,7 @@
 
 #include "scheduling/common/records.hpp"
 #include "scheduling/render/bar_keeper.hpp"
-#include "scheduling/render/render_loop.hpp"
+#include "scheduling/render/loop_link.hpp"
 #include "scheduling/render/session_model.hpp"
 
 namespace forefeel {
@@ -20,27 +20,40 @@ class ModelKeeper {
   ModelKeeper(const StateSpace& space, const ModelRecipe& recipe, LoopLink& link);
 
   void update(double now, const Vec3& hip, bool time_it = false);
-  Label label() const { return label_; }  // of the HIP when the newest model was made
+  Label label() const { return last_.label; }  // of the HIP when the newest model was made
   // When each state first entered a model [s], by id; NaN or missing: never.
   const std::vector<double>& first_used() const { return first_used_; }
   std::vector<SwitchRecord> take_switches() { return std::move(updates_); }  // one per published model
 
  private:
-  Model* free_model();
+  class Pool {  // of models: in the loop, published, or free
+   public:
+    Model* take(LoopLink& link);  // null: the loop has not given one back yet
+    void put(const Model* model) { free_.push_back(const_cast<Model*>(model)); }
+
+   private:
+    std::vector<std::unique_ptr<Model>> models_;
+    std::vector<Model*> free_;
+  };
+  struct Update {  // the last one
+    Vec3 at = Vec3::Zero();
+    std::size_t states = 0;  // in the space then
+    Label label = Label::blank;
+  };
+  struct Published {
+    const Model* newest = nullptr;  // null: none yet
+    std::uint32_t n = 0;            // its states
+  };
+  void publish(const Model* model, const SwitchRecord& record);
 
   const StateSpace& space_;
   LoopLink& link_;
   double travel_;  // that triggers an update [m]
   SessionModel updater_;
-  std::vector<std::unique_ptr<Model>> models_;
-  std::vector<Model*> free_;
-  const Model* newest_ = nullptr;  // published
   BarKeeper bars_;
-  bool published_ = false;  // a model
-  Vec3 updated_at_ = Vec3::Zero();
-  std::size_t updated_states_ = 0;  // in the space then
-  std::uint32_t updated_n_ = 0;
-  Label label_ = Label::blank;
+  Pool pool_;
+  Update last_;
+  Published published_;
   std::vector<double> first_used_;
   std::vector<SwitchRecord> updates_;
 };

@@ -39,17 +39,16 @@ SessionModel::SessionModel(const StateSpace& space, const ModelRecipe& recipe)
       rbf_(space, recipe.fit),
       first_(space, at_first(recipe.fit, space)),
       with_stiffness_(recipe.fit.data == Data::force_and_stiffness),
-      lattice_(recipe.method != SessionMethod::rbf),
-      cubic_(recipe.method == SessionMethod::tricubic) {
+      method_(recipe.method) {
   if (recipe.guess.isZero(0)) return;
   State rest;
   rest.force = Vec3::Zero();
   rest.stiffness = recipe.guess;
-  guessed_ = std::make_unique<StateSpace>(space.options());
-  guessed_->insert(rest);
+  StateSpace guessed(space.options());
+  guessed.insert(rest);
   ModelOptions tangent = at_first(recipe.fit, space);
   tangent.data = Data::force_and_stiffness;
-  guess_.emplace(*guessed_, tangent);
+  guess_ = std::make_unique<Guess>(std::move(guessed), tangent);
 }
 
 bool SessionModel::update_guess(const Vec3& hip, Model& out, UpdateReport* report) {
@@ -58,26 +57,29 @@ bool SessionModel::update_guess(const Vec3& hip, Model& out, UpdateReport* repor
     out.assign(draft_, 0);
     return false;
   }
-  guess_->update(hip, out, report, {.serial = ++serial_, .guess = true});
+  guess_->updater.update(hip, out, report, {.serial = ++serial_, .guess = true});
   if (report != nullptr) *report = {.label = Label::blank};
   return true;
 }
 
 bool SessionModel::update_lattice(const Vec3& hip, Model& out, UpdateReport* report) {
-  space_.within(hip, around * space_.options().spacing, near_);
-  if (near_.empty()) space_.nearest(hip, 1, near_);
-  states_.clear();
-  for (const StateId id : near_) states_.push_back(space_[id]);
-  draft_.set_lattice(std::make_shared<const LatticeField>(states_, space_.options().spacing, cubic_), near_);
+  const double spacing = space_.options().spacing;
+  space_.within(hip, around * spacing, near_.ids);
+  if (near_.ids.empty()) space_.nearest(hip, 1, near_.ids);
+  near_.states.clear();
+  for (const StateId id : near_.ids) near_.states.push_back(space_[id]);
+  const bool cubic = method_ == SessionMethod::tricubic;
+  draft_.set_lattice(std::make_shared<const LatticeField>(near_.states, spacing, cubic), near_.ids);
   out.assign(draft_, ++serial_);
   if (report != nullptr)
-    *report = {.n = near_.size(), .replaced = near_.size(), .refit = true, .label = space_.label(hip)};
+    *report = {
+        .n = near_.ids.size(), .replaced = near_.ids.size(), .refit = true, .label = space_.label(hip)};
   return true;
 }
 
 bool SessionModel::update(const Vec3& hip, Model& out, UpdateReport* report) {
   if (space_.empty()) return update_guess(hip, out, report);
-  if (lattice_) return update_lattice(hip, out, report);
+  if (method_ != SessionMethod::rbf) return update_lattice(hip, out, report);
   ModelUpdater& updater = with_stiffness_ && space_.size() <= few ? first_ : rbf_;
   const bool known = updater.update(hip, out, report, {.serial = serial_ + 1});  // one count for both
   serial_ += known ? 1 : 0;

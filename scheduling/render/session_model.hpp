@@ -9,8 +9,7 @@
 // While no state is known, the model is the linear force of the first guess, if there is one.
 
 #include <memory>
-#include <optional>
-#include <string>
+#include <utility>
 #include <vector>
 
 #include "approx/model/updater.hpp"
@@ -33,13 +32,22 @@ class SessionModel {
   bool update_guess(const Vec3& hip, Model& out, UpdateReport* report);
   bool update_lattice(const Vec3& hip, Model& out, UpdateReport* report);
 
+  struct Guess {
+    Guess(StateSpace of_guess, const ModelOptions& tangent)
+        : space(std::move(of_guess)), updater(space, tangent) {}
+    StateSpace space;  // rest with the first guess
+    ModelUpdater updater;
+  };
+  struct Near {  // states of a lattice model
+    std::vector<StateId> ids;
+    std::vector<State> states;
+  };
   const StateSpace& space_;
   ModelUpdater rbf_, first_;
-  std::unique_ptr<StateSpace> guessed_;  // rest with the first guess; null: none
-  std::optional<ModelUpdater> guess_;
-  bool with_stiffness_, lattice_, cubic_;
-  std::vector<StateId> near_;
-  std::vector<State> states_;
+  std::unique_ptr<Guess> guess_;  // null: none
+  bool with_stiffness_;
+  SessionMethod method_;
+  Near near_;
   ModelDraft draft_;
   std::uint64_t serial_ = 0;
 };

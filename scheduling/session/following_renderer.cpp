@@ -6,9 +6,11 @@
 
 namespace forefeel {
 
-FollowingRenderer::FollowingRenderer(const StateSpace& known, const ModelRecipe& model,
-                                     const RenderOptions& options, std::size_t frames, InputLog* inputs)
-    : models_(known, model, link_), loop_(motion_, link_, options, frames), frame_(options.frame) {
+FollowingRenderer::FollowingRenderer(const StateSpace& known, const RunRendering& rendering,
+                                     std::size_t frames, InputLog* inputs)
+    : models_(known, rendering.model, link_),
+      loop_(motion_, link_, rendering.options, frames),
+      frame_(rendering.options.frame) {
   link_.inputs = inputs;
 }
 

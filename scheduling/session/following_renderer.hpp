@@ -8,14 +8,15 @@
 #include "scheduling/judge/frame_pipeline.hpp"
 #include "scheduling/render/model_keeper.hpp"
 #include "scheduling/render/render_loop.hpp"
+#include "scheduling/session/session_setup.hpp"
 
 namespace forefeel {
 
 class FollowingRenderer final : public FrameStage {
  public:
   // known: FramePipeline::known(); frames: upper bound of their number; inputs: records what came in.
-  FollowingRenderer(const StateSpace& known, const ModelRecipe& model, const RenderOptions& options,
-                    std::size_t frames, InputLog* inputs = nullptr);
+  FollowingRenderer(const StateSpace& known, const RunRendering& rendering, std::size_t frames,
+                    InputLog* inputs = nullptr);
 
   void frame(const PassedFrame& frame) override;
 

@@ -6,12 +6,12 @@
 
 namespace forefeel {
 
-// The reference service given in the plan's input; otherwise a new one.
-std::shared_ptr<ReferenceService> references_of(const SessionPlan& plan);
+// The reference service given in the input; otherwise a new one.
+std::shared_ptr<ReferenceService> references_of(const SessionInput& input, const WorkerOptions& workers);
 
 // Whether the state at rest must be known from the start but is not among the known states. If so, run_once() appends
 // it to them.
-bool adds_rest(const SessionPlan& plan);
+bool adds_rest(const SessionInput& input, const PlanningOptions& options);
 
 struct ShapedRun;  // shaped_run.hpp
 

@@ -14,6 +14,7 @@
 #include <cstring>
 #include <exception>
 #include <optional>
+#include <span>
 #include <string>
 #include <thread>
 #include <utility>
@@ -21,6 +22,8 @@
 #include "scheduling/render/clock_watch.hpp"
 #include "scheduling/render/frame_pacer.hpp"
 #include "scheduling/render/loop_thread.hpp"
+#include "scheduling/render/model_keeper.hpp"
+#include "scheduling/render/render_loop.hpp"
 #include "scheduling/session/run_parts.hpp"
 #include "scheduling/session/session_setup.hpp"
 #include "scheduling/shape/shape_thread.hpp"
@@ -51,7 +54,7 @@ class LockedMemory {
     const int what = unlimited ? MCL_CURRENT | MCL_FUTURE : MCL_CURRENT;
     locked_ = mlockall(what | MCL_ONFAULT) == 0 || (errno == EINVAL && mlockall(what) == 0);  // older kernels
     if (!locked_) result.notes.push_back(fmt::format("memory is not locked: {}", std::strerror(errno)));
-    result.process.memory_locked = locked_;
+    result.run.memory_locked = locked_;
   }
   ~LockedMemory() {
     if (locked_) munlockall();
@@ -102,8 +105,8 @@ struct PlannerTimes {
   }
 };
 
-// How the loop and the planner kept time.
-void report(const FramePacer& pacer, const PlannerTimes& planner, const SessionPlan& plan,
+// How the loop and the planner kept time. stale: of the watchdog [s].
+void report(const FramePacer& pacer, const PlannerTimes& planner, std::size_t frames, double stale,
             SessionResult& result) {
   const double stall = planner.stall;
   result.loop.skipped = pacer.skipped();
@@ -116,58 +119,65 @@ void report(const FramePacer& pacer, const PlannerTimes& planner, const SessionP
     result.notes.push_back(fmt::format(
         "{} of {} frames came a frame or more late and were skipped; the longest pause was {:.3g} s, at "
         "{:.3f} s",
-        pacer.skipped(), plan.frames, pacer.longest_pause(), pacer.paused_at()));
-  if (stall > plan.options.safety.stale_seconds)
+        pacer.skipped(), frames, pacer.longest_pause(), pacer.paused_at()));
+  if (stall > stale)
     result.notes.push_back(fmt::format(
         "the planner stood still for {:.3g} s: the watchdog fades the force out after {:g} s of it", stall,
-        plan.options.safety.stale_seconds));
+        stale));
 }
 
-// Solves the states of --arrivals and --replay before the first frame.
-std::vector<State> solve_arrivals(const SessionPlan& plan, ReferenceService& references,
-                                  const ShowProgress& show) {
-  for (const Arrival& arrival : plan.arrivals.list) references.request(arrival.at);
-  std::vector<State> states;
-  for (const Arrival& arrival : plan.arrivals.list) {
-    states.push_back(references.get(arrival.at));
-    if (show)
-      show({.phase = SessionPhase::arrivals,
-            .t = static_cast<double>(states.size()),
-            .seconds = static_cast<double>(plan.arrivals.list.size()),
-            .known = states.size()});
+// States that become known by themselves. They are solved before the first frame.
+struct Arriving {
+  std::span<const Arrival> at;
+  std::vector<State> states = {};
+  std::size_t arrived = 0;
+
+  void solve(ReferenceService& references, const ShowProgress& show) {
+    for (const Arrival& arrival : at) references.request(arrival.at);
+    for (const Arrival& arrival : at) {
+      states.push_back(references.get(arrival.at));
+      if (show)
+        show({.phase = SessionPhase::arrivals,
+              .t = static_cast<double>(states.size()),
+              .seconds = static_cast<double>(at.size()),
+              .known = states.size()});
+    }
   }
-  return states;
-}
+  void pass(Planner& planner, double now) {
+    while (arrived < states.size() && at[arrived].t <= now) planner.arrive(std::move(states[arrived++]), now);
+  }
+};
 
 // The planner's thread.
 struct PlannerRun {
-  const SessionPlan& plan;
   Planner& planner;
   ModelKeeper& models;
   RealWorkers& workers;
   LoopLink& link;
-  std::vector<State> arriving;
+  Arriving arriving;
+  bool dispatches;
+  double stale;  // of the watchdog [s]
   Nanoseconds start;
-  const ShowProgress& show;
   ShapeThread* shapes = nullptr;
   PlannerTimes times = {};
 
   double now() const { return static_cast<double>(monotonic() - start) / 1e9; }
 
-  void step(std::vector<JobResult>& results, std::size_t& arrived) {
+  void step(std::vector<JobResult>& results) {
     results.clear();
     collect(results);
     for (JobResult& result : results) planner.receive(std::move(result), now());
-    while (arrived < arriving.size() && plan.arrivals.list[arrived].t <= now())
-      planner.arrive(std::move(arriving[arrived++]), now());
+    arriving.pass(planner, now());
     if (const auto hip = link.hip.take()) {
       planner.observe(*hip);
       if (shapes) shapes->pass(*hip, planner.space());
     }
     link.known.store(static_cast<std::uint32_t>(planner.space().size()), std::memory_order_release);
     models.update(now(), planner.hip().at, true);
-    if (!plan.arrivals.given && !workers.failure()) planner.plan(now());
-    take_beat();
+    if (dispatches && !workers.failure()) planner.plan(now());
+    const double t = now();
+    times.step(t, stale);
+    link.planner_beat.store(t, std::memory_order_relaxed);
   }
 
   // Failed workers are not waited for.
@@ -177,23 +187,16 @@ struct PlannerRun {
     if (workers.failure()) std::this_thread::sleep_for(std::chrono::duration<double>(longest));
   }
 
-  void take_beat() {
-    const double t = now();
-    times.step(t, plan.options.safety.stale_seconds);
-    link.planner_beat.store(t, std::memory_order_relaxed);
-  }
-
-  void until(const LoopEnd& end) {
+  void until(const LoopEnd& end, double seconds, const ShowProgress& show) {
     std::vector<JobResult> results;
-    std::size_t arrived = 0;
     double shown = 0;
     while (!end.done.load(std::memory_order_acquire)) {
-      step(results, arrived);
+      step(results);
       if (show && now() - shown > 0.1) {
         shown = now();
         show({.phase = SessionPhase::session,
               .t = shown,
-              .seconds = plan.options.clock.seconds,
+              .seconds = seconds,
               .known = planner.space().size(),
               .solved = planner.solved(),
               .label = models.label()});
@@ -222,63 +225,66 @@ void report_workers(const RealWorkers& workers, int asked, SessionResult& result
                                        workers.workers(), asked));
 }
 
-std::shared_ptr<RealWorkers> workers_of(const SessionPlan& plan) {
-  const TouchedBody& touched = plan.input.touched;
-  const WorkerOptions& options = plan.options.workers;
-  if (plan.input.parts.workers) return plan.input.parts.workers;
-  if (options.ranks) return make_rank_workers(*options.ranks);
-  return make_real_workers(options.kind, {.body = touched.body,
-                                          .solving = {.spacing = touched.space.spacing,
-                                                      .tolerance = 1e-6,
-                                                      .displacements = touched.displacements},
-                                          .count = options.count});
+// The calling thread and its team are the workers until they are stopped.
+void serve(RealWorkers& workers, const RunSolving& solving) {
+  const bool serving = solving.dispatches && workers.serves();
+  const int team = serving ? solving.options.count : 1;
+  omp_set_dynamic(0);
+#pragma omp parallel num_threads(team)
+  {
+    if (serving) workers.serve();
+  }
+}
+
+std::shared_ptr<RealWorkers> workers_of(const RunSolving& solving) {
+  if (solving.real) return solving.real;
+  if (solving.options.ranks) return make_rank_workers(*solving.options.ranks);
+  return make_real_workers(solving.options.kind, solving.context);
 }
 
 }  // namespace
 
-void run_real(const SessionPlan& plan, ReferenceService& references, SessionResult& result,
+void run_real(const RunSetup& setup, ReferenceService& references, SessionResult& result,
               const ShowProgress& show, const RunLogs& logs) {
-  const SessionOptions& options = plan.options;
-  std::vector<State> arriving = solve_arrivals(plan, references, show);
-  StateLog states(plan.input);
+  const RunMotion& motion = setup.motion;
+  const RunSolving& solving = setup.solving;
+  const double stale = setup.rendering.options.safety.stale_seconds;
+  Arriving arriving{.at = solving.arrivals};
+  arriving.solve(references, show);
+  StateLog states(setup.record);
 
   LoopLink link;
   link.inputs = logs.inputs;
   Nanoseconds start = 0;
   const auto session_time = [&start] { return static_cast<double>(monotonic() - start) / 1e9; };
-  RenderLoop loop(*plan.device, link, plan.render, plan.frames, {.now = session_time, .spare = spare_frames});
+  RenderLoop loop(*motion.device, link, setup.rendering.options, motion.frames,
+                  {.now = session_time, .spare = spare_frames});
   const LockedMemory locked(result);
   start = monotonic() + 20000000;  // threads are up by then
-  const std::shared_ptr<RealWorkers> given = workers_of(plan);
+  const std::shared_ptr<RealWorkers> given = workers_of(solving);
   RealWorkers& workers = *given;
   workers.begin([start] { return static_cast<double>(monotonic() - start) / 1e9; });
-  Planner planner(planner_setup(plan), workers, hooks_of(plan, nullptr, states, logs.inputs));
+  Planner planner(setup.planning, workers, hooks_of(setup, states, logs.inputs));
   link.known.store(static_cast<std::uint32_t>(planner.space().size()), std::memory_order_release);
-  ModelKeeper models(planner.space(), plan.model, link);
-  PlannerRun run{plan, planner, models, workers, link, std::move(arriving), start, show};
-  FramePacer pacer(options.clock.frame, plan.frames);
+  ModelKeeper models(planner.space(), setup.rendering.model, link);
+  PlannerRun run{planner, models, workers, link, std::move(arriving), solving.dispatches, stale, start};
+  FramePacer pacer(motion.clock.frame, motion.frames);
   LoopEnd end;
   std::exception_ptr failure;
 
-  std::thread loop_thread([&] { run_loop(loop, pacer, options.stop, start, end); });
+  std::thread loop_thread([&] { run_loop(loop, pacer, motion.stop, start, end); });
   std::optional<ShapeThread> shape_thread;  // after the loop's, which must not wait for it
   if (logs.shapes) run.shapes = &shape_thread.emplace(*logs.shapes, session_time);
   std::thread planner_thread([&] {
     try {
-      run.until(end);
+      run.until(end, motion.clock.seconds, show);
     } catch (...) {
       failure = std::current_exception();
     }
     end.wanted.store(true, std::memory_order_release);  // without a planner the force goes to zero
     workers.stop();
   });
-  const bool serving = !plan.arrivals.given && workers.serves();
-  const int team = serving ? options.workers.count : 1;
-  omp_set_dynamic(0);
-#pragma omp parallel num_threads(team)
-  {
-    if (serving) workers.serve();
-  }
+  serve(workers, solving);
   planner_thread.join();
   loop_thread.join();
   if (shape_thread) shape_thread->end();
@@ -288,12 +294,12 @@ void run_real(const SessionPlan& plan, ReferenceService& references, SessionResu
   if (failure) result.failures.push_back(failure_in_words("planning", failure));
   if (shape_thread && shape_thread->failure()) result.failures.push_back(*shape_thread->failure());
 
-  take_loop(loop, plan.frames, result);
-  report(pacer, run.times, plan, result);
+  take_loop(loop, motion.frames, result);
+  report(pacer, run.times, motion.frames, stale, result);
   planner.finish(result, models);
-  result.process.realtime_priority = end.realtime;
+  result.run.realtime_priority = end.realtime;
   if (!end.note.empty()) result.notes.push_back(end.note);
-  report_workers(workers, plan.arrivals.given ? 0 : options.workers.count, result);
+  report_workers(workers, solving.dispatches ? solving.options.count : 0, result);
 }
 
 }  // namespace forefeel

@@ -4,10 +4,9 @@
 //   planner   receives states, makes models, dispatches
 //   workers   solve
 // and, where shapes are wanted, one that makes them (shape/shape_thread.hpp).
-// They share only LoopLink (render/render_loop.hpp) and the queue of the workers.
+// They share only LoopLink (render/loop_link.hpp) and the queue of the workers.
 
-#include "scheduling/common/session_result.hpp"
-#include "scheduling/session/session_plan.hpp"
+#include "scheduling/session/session_setup.hpp"
 
 namespace forefeel {
 
@@ -28,7 +27,7 @@ struct RunLogs {
 // The loop wakes at the absolute times of its frames on CLOCK_MONOTONIC; frames that it misses are skipped and counted
 // (render/frame_pacer.hpp). The planner's heartbeat and the watchdog use the same clock, so a stop of the whole process
 // (SIGSTOP, a debugger) shows as a pause of both loop and planner.
-void run_real(const SessionPlan& plan, ReferenceService& references, SessionResult& result,
+void run_real(const RunSetup& setup, ReferenceService& references, SessionResult& result,
               const ShowProgress& show, const RunLogs& logs = {});
 
 }  // namespace forefeel

@@ -49,13 +49,13 @@ ShowProgress as_rehearsal(const ShowProgress& show, std::size_t which, std::size
 }
 
 // The result of a session that was interrupted during a rehearsal: no frames and no solves.
-SessionResult not_begun(const SessionPlan& plan, SessionResult tried, std::string note) {
-  open_state_file(plan.input);
+// with_rest: its first states end with one at rest that the plan does not hold.
+SessionResult not_begun(SessionResult tried, bool with_rest, std::string note) {
   SessionResult result;
-  tried.states.resize(tried.counts.start - (adds_rest(plan) ? 1 : 0));
+  tried.states.resize(tried.counts.start - (with_rest ? 1 : 0));
   result.states = std::move(tried.states);
   result.counts.start = result.states.size();
-  result.end = RunEnd::not_begun;
+  result.run.end = RunEnd::not_begun;
   result.notes.push_back(std::move(note));
   return result;
 }
@@ -93,19 +93,20 @@ Rehearsals rehearse(const SessionPlan& plan, const ShowProgress& show) {
 SessionResult run_rehearsed(SessionPlan plan, const SessionHooks& hooks, ShapedRun* shapes) {
   const auto start = std::chrono::steady_clock::now();
   const bool own = !plan.input.references;
-  plan.input.references = references_of(plan);  // one for all rehearsals
+  plan.input.references = references_of(plan.input, plan.options.workers);  // one for all rehearsals
   const auto state_file = std::exchange(plan.input.files.states, std::nullopt);
   const auto inputs_file = std::exchange(plan.input.files.inputs, std::nullopt);
   Rehearsals rehearsed = rehearse(plan, hooks.progress);
   plan.input.files.states = state_file;
   plan.input.files.inputs = inputs_file;
   if (rehearsed.cut) {
+    open_state_file(state_file, states_header(plan.input.touched));
     SessionResult result = not_begun(
-        plan, std::move(*rehearsed.cut),
+        std::move(*rehearsed.cut), adds_rest(plan.input, plan.options.planning),
         fmt::format("interrupted while simulating schedule {} of {}: the session itself was not begun",
                     rehearsed.tried + 1, rehearsed.of));
     if (hooks.when_run) hooks.when_run(result);
-    result.wall_seconds = std::chrono::duration<double>(std::chrono::steady_clock::now() - start).count();
+    result.run.wall_seconds = std::chrono::duration<double>(std::chrono::steady_clock::now() - start).count();
     return result;
   }
   const std::shared_ptr<ReferenceService> references = plan.input.references;

@@ -14,30 +14,18 @@
 
 namespace forefeel {
 
-std::unique_ptr<StateWriter> open_state_file(const SessionInput& input) {
-  if (!input.files.states) return nullptr;
-  return std::make_unique<StateWriter>(
-      StateFile::open_or_create(*input.files.states, {.identity = input.touched.identity,
-                                                      .spacing = input.touched.space.spacing,
-                                                      .box = input.touched.space.box,
-                                                      .notes = {}}));
+std::unique_ptr<StateWriter> open_state_file(const std::optional<std::filesystem::path>& file,
+                                             const StateFileHeader& header) {
+  if (!file) return nullptr;
+  return std::make_unique<StateWriter>(StateFile::open_or_create(*file, header));
 }
 
-std::unique_ptr<InputLog> open_inputs(const SessionPlan& plan) {
-  const SessionFiles& files = plan.input.files;
-  if (!files.inputs || !plan.options.record) return nullptr;
-  const bool real = plan.options.clock.kind == Clock::real;
-  const InputHeader header{.made_by = inputs_made_by(files.program),
-                           .real = real,
-                           .frames = plan.frames,
-                           .spare = real ? spare_frames : 0,
-                           .render = plan.render,
-                           .model = plan.model,
-                           .space = plan.input.touched.space};
-  return std::make_unique<InputLog>(*files.inputs, header, real);
+std::unique_ptr<InputLog> open_inputs(const RunRecord& record) {
+  if (!record.inputs) return nullptr;
+  return std::make_unique<InputLog>(*record.inputs, record.inputs_header, record.inputs_header.real);
 }
 
-StateLog::StateLog(const SessionInput& input) : writer_(open_state_file(input)) {}
+StateLog::StateLog(const RunRecord& record) : writer_(open_state_file(record.states, record.states_header)) {}
 
 void StateLog::push(const State& state) {
   if (!writer_) return;
@@ -75,19 +63,19 @@ std::string failure_in_words(const std::string& what, const std::exception_ptr& 
   }
 }
 
-Planner::Hooks hooks_of(const SessionPlan& plan, const CostModel* cost, StateLog& log, InputLog* inputs) {
+Planner::Hooks hooks_of(const RunSetup& setup, StateLog& log, InputLog* inputs) {
   Planner::Hooks hooks;
   hooks.on_state = [&log, inputs](const State& state) {
     log.push(state);
     if (inputs && !state.usable()) inputs->failed(state);
   };
-  if (!plan.motion.empty())
-    hooks.future = [&motion = plan.motion, frame = plan.options.clock.frame](double t) {
+  if (!setup.motion.known.empty())
+    hooks.future = [motion = setup.motion.known, frame = setup.motion.clock.frame](double t) {
       const auto k = static_cast<std::size_t>(std::max(0LL, std::llround(t / frame)));
       return motion[std::min(k, motion.size() - 1)];
     };
-  if (cost) {  // a body that has been solved before: its median is known
-    std::vector<double> seconds = coarse_costs(*cost, plan.input.touched.space.box);
+  if (setup.solving.cost) {  // a body that has been solved before: its median is known
+    std::vector<double> seconds = coarse_costs(*setup.solving.cost, setup.planning.space.box);
     if (!seconds.empty()) hooks.expected_solve = median(std::move(seconds));
   }
   return hooks;
@@ -96,7 +84,7 @@ Planner::Hooks hooks_of(const SessionPlan& plan, const CostModel* cost, StateLog
 void take_loop(RenderLoop& loop, std::size_t frames, SessionResult& result) {
   result.frames = loop.take_log();
   if (loop.next() < frames) {
-    result.end = RunEnd::interrupted;
+    result.run.end = RunEnd::interrupted;
     result.notes.push_back(fmt::format("interrupted after {} of {} frames", result.frames.size(), frames));
   }
   result.loop.ending_frames = loop.safety().counts().ending;

@@ -6,33 +6,33 @@
 #include <memory>
 #include <optional>
 #include <string>
+#include <vector>
 
 #include "geometry/states/state_file.hpp"
-#include "scheduling/common/session_result.hpp"
 #include "scheduling/render/render_loop.hpp"
 #include "scheduling/session/planner.hpp"
-#include "scheduling/session/session_plan.hpp"
+#include "scheduling/session/session_setup.hpp"
 
 namespace forefeel {
 
-class CostModel;
 class InputLog;
 
 // Number of frames that a real loop may record beyond those of the session, for the ramp of the force at the end.
 inline constexpr std::size_t spare_frames = 256;
 
 // The file that new states are appended to; null: none. InputError if it cannot be opened.
-std::unique_ptr<StateWriter> open_state_file(const SessionInput& input);
+std::unique_ptr<StateWriter> open_state_file(const std::optional<std::filesystem::path>& file,
+                                             const StateFileHeader& header);
 
 // The log of the run's inputs (render/input_log.hpp); null: none is wanted. InputError if it cannot be written.
-std::unique_ptr<InputLog> open_inputs(const SessionPlan& plan);
+std::unique_ptr<InputLog> open_inputs(const RunRecord& record);
 
 // The state file during a run. If the disk fails, the run continues without it, and failure() returns the error.
 class StateLog {
  public:
-  explicit StateLog(const SessionInput& input);  // InputError where the file cannot be opened
-  void push(const State& state);                 // one thread
-  void flush();                                  // returns when all is on the disk, or the disk has failed
+  explicit StateLog(const RunRecord& record);  // InputError where the file cannot be opened
+  void push(const State& state);               // one thread
+  void flush();                                // returns when all is on the disk, or the disk has failed
   const std::optional<std::string>& failure() const { return failure_; }  // one line
 
  private:
@@ -42,9 +42,8 @@ class StateLog {
   std::optional<std::string> failure_;
 };
 
-// The planner's hooks. inputs: null where nothing is recorded. cost: of simulated workers; null under the real clock.
-// Plan and log must outlive the hooks.
-Planner::Hooks hooks_of(const SessionPlan& plan, const CostModel* cost, StateLog& log, InputLog* inputs);
+// The planner's hooks. inputs: null where nothing is recorded. The setup and both logs must outlive the hooks.
+Planner::Hooks hooks_of(const RunSetup& setup, StateLog& log, InputLog* inputs);
 // Moves the log and the safety counters of a run into its result. `frames`: the number requested.
 void take_loop(RenderLoop& loop, std::size_t frames, SessionResult& result);
 // One line for an exception: what failed, why, and what followed.

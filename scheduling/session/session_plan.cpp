@@ -16,6 +16,7 @@
 #include "scheduling/render/render_loop.hpp"
 #include "scheduling/session/memory_need.hpp"
 #include "scheduling/session/passivity_plan.hpp"
+#include "scheduling/session/run_parts.hpp"
 #include "scheduling/session/session_setup.hpp"
 #include "scheduling/workers/cost.hpp"
 #include "scheduling/workers/generator.hpp"
@@ -91,8 +92,9 @@ void take_device(SessionPlan& plan) {
   const bool of_path = std::holds_alternative<PathMotion>(options.motion.device.motion());
   if (of_path && !plan.input.parts.device && !(touched.space.box.size().maxCoeff() > 0))
     throw InputError("state_space.box", "is a point, expected room for a path");
-  plan.device = plan.input.parts.device ? plan.input.parts.device
-                                        : make_device(options.motion.device, factory_context(plan));
+  plan.device = plan.input.parts.device
+                    ? plan.input.parts.device
+                    : make_device(options.motion.device, factory_context(plan.input, options.seed));
   if (!options.planning.arrivals) return;
   plan.arrivals.list = read_arrivals(*options.planning.arrivals, farthest(*touched.body));
   plan.arrivals.given = true;
@@ -115,12 +117,12 @@ void check_registered(const SessionPlan& plan) {
   const WorkerOptions& workers = plan.options.workers;
   const SessionParts& parts = plan.input.parts;
   const bool is_virtual = plan.options.clock.kind == Clock::virtual_time;
-  predictor_of(plan);
+  predictor_of(plan.input, plan.options);
   const Box& box = plan.input.touched.space.box;
   if (is_virtual && parts.cost)
     coarse_costs(*parts.cost, box);
   else if (is_virtual && std::holds_alternative<Registered>(workers.cost.cost()))
-    coarse_costs(*make_cost(workers.cost, factory_context(plan), {}), box);
+    coarse_costs(*make_cost(workers.cost, factory_context(plan.input, plan.options.seed), {}), box);
   if (is_virtual ? !parts.virtual_workers : !parts.workers && !workers.ranks)
     check_workers(workers.kind, is_virtual);
 }
@@ -158,7 +160,7 @@ void choose_model(SessionPlan& plan) {
 
 void take_future(SessionPlan& plan) {
   plan.motion.clear();
-  const std::shared_ptr<Policy> policy = policy_of(plan);
+  const std::shared_ptr<Policy> policy = policy_of(plan.input, plan.options);
   if (!policy->reads_future()) return;
   if (plan.device->answers_force())
     throw InputError(
@@ -216,7 +218,7 @@ SessionPlan make_plan(SessionInput input, SessionOptions options) {
   check_motion(plan);
   note_motion(plan);
   choose_model(plan);
-  plan.batch = chosen.planning.batch > 0 ? chosen.planning.batch : chosen.clock.kind == Clock::real ? 8 : 1;
+  if (chosen.planning.batch == 0) plan.options.planning.batch = chosen.clock.kind == Clock::real ? 8 : 1;
   plan.render = {.switching = chosen.switching,
                  .safety = chosen.safety,
                  .frame = chosen.clock.frame,

@@ -36,14 +36,14 @@ struct PlannedGuess {
 // two copies at once. The device restarts its motion when asked for an earlier time.
 struct SessionPlan {
   SessionInput input;
-  SessionOptions options;  // clock.seconds has been set according to clock.length
+  SessionOptions
+      options;  // clock.seconds has been set according to clock.length, planning.batch by the clock
   std::shared_ptr<Device> device;
   std::size_t frames = 0;
   std::vector<Vec3> motion = {};  // by frame [m], for policies that read it; else empty
   PlannedArrivals arrivals = {};
   RenderOptions render = {};  // with the lower force limit of device and options
   ModelRecipe model = {};
-  int batch = 1;                               // states of one job
   std::vector<std::string> motion_notes = {};  // on a recorded motion (motion/trace_check.hpp), one line each
   PlannedGuess guess = {};
 };

@@ -1,30 +1,101 @@
 #include "scheduling/session/session_setup.hpp"
 
+#include <fmt/format.h>
+
+#include <utility>
+
+#include "approx/switch/relaxation.hpp"
 #include "geometry/coverage/state_space.hpp"
 #include "scheduling/motion/predictor.hpp"
 #include "scheduling/policy/policy.hpp"
+#include "scheduling/session/run_parts.hpp"
 #include "scheduling/workers/reference_service.hpp"
 #include "solver/body/body.hpp"
 #include "solver/body/contact_bound.hpp"
 
 namespace forefeel {
+namespace {
 
-FactoryContext factory_context(const SessionPlan& plan) {
-  return {.box = plan.input.touched.space.box,
-          .inward = plan.input.touched.inward,
-          .seed = plan.options.seed,
-          .folder = plan.input.files.scene};
+RunMotion motion_of(const SessionPlan& plan) {
+  return {.device = plan.device,
+          .name = to_text(plan.options.motion.device),
+          .clock = plan.options.clock,
+          .stop = plan.options.stop,
+          .frames = plan.frames,
+          .known = plan.motion};
 }
 
-std::shared_ptr<Policy> policy_of(const SessionPlan& plan) {
-  if (plan.input.parts.policy) return plan.input.parts.policy;
-  return make_policy(plan.options.planning.policy, factory_context(plan));
+std::shared_ptr<const CostModel> cost_of(const SessionPlan& plan, ReferenceService& references) {
+  if (plan.options.clock.kind != Clock::virtual_time) return nullptr;
+  if (plan.input.parts.cost) return plan.input.parts.cost;
+  const FactoryContext context = factory_context(plan.input, plan.options.seed);
+  if (plan.input.foreign) return make_cost(CostSpec(), context, {});  // no solve is measured
+  return make_cost(plan.options.workers.cost, context, [&] { return references.recorded_costs(); });
 }
 
-std::shared_ptr<Predictor> predictor_of(const SessionPlan& plan) {
-  if (plan.input.parts.predictor) return plan.input.parts.predictor;
-  return make_predictor(plan.options.motion.predictor, factory_context(plan));
+RunSolving solving_of(const SessionPlan& plan, ReferenceService& references) {
+  const TouchedBody& touched = plan.input.touched;
+  const WorkerOptions& options = plan.options.workers;
+  return {.options = options,
+          .context = {.body = touched.body,
+                      .solving = {.spacing = touched.space.spacing,
+                                  .tolerance = 1e-6,
+                                  .displacements = touched.displacements},
+                      .count = options.count},
+          .real = plan.input.parts.workers,
+          .simulated = plan.input.parts.virtual_workers,
+          .cost = cost_of(plan, references),
+          .rest_first = plan.options.planning.rest_first,
+          .arrivals = plan.arrivals.list,
+          .dispatches = !plan.arrivals.given};
 }
+
+RunRecord record_of(const SessionPlan& plan) {
+  const TouchedBody& touched = plan.input.touched;
+  const SessionFiles& files = plan.input.files;
+  const bool real = plan.options.clock.kind == Clock::real;
+  return {.states = files.states,
+          .inputs = plan.options.record ? files.inputs : std::nullopt,
+          .states_header = states_header(touched),
+          .inputs_header = {.made_by = inputs_made_by(files.program),
+                            .real = real,
+                            .frames = plan.frames,
+                            .spare = real ? spare_frames : 0,
+                            .render = plan.render,
+                            .model = plan.model,
+                            .space = touched.space}};
+}
+
+std::string viscosity_in_words(const TouchedBody& touched) {
+  return fmt::format(
+      "viscous: the force of a held press relaxes to {:.3g} of its first value{}; errors compare with tight "
+      "solves after the same relaxation",
+      long_term_share(touched.viscosity),
+      is_linear(*touched.body) ? " (exact for this law)"
+                               : " (quasi-linear: an approximation where the law is not linear)");
+}
+
+// What is known before the first frame.
+std::vector<std::string> notes_of(const SessionPlan& plan) {
+  const WorkerOptions& workers = plan.options.workers;
+  std::vector<std::string> notes;
+  if (plan.options.clock.kind == Clock::real &&
+      (to_text(workers.cost) != to_text(CostSpec()) || workers.latency > 0))
+    notes.push_back("cost and latency are those of simulated workers: ignored under the real clock");
+  if (plan.input.foreign)
+    notes.push_back(fmt::format(
+        "the {} known states are of another body: they alone are rendered, nothing is solved, and "
+        "errors are not measured",
+        plan.input.known.size()));
+  notes.insert(notes.end(), plan.motion_notes.begin(), plan.motion_notes.end());
+  if (!plan.input.touched.viscosity.empty()) notes.push_back(viscosity_in_words(plan.input.touched));
+  if (!plan.guess.left_out.empty())
+    notes.push_back(fmt::format("no first guess: {}; the force is zero until the first state is solved",
+                                plan.guess.left_out));
+  return notes;
+}
+
+}  // namespace
 
 bool is_rehearsed(const SessionPlan& plan) {
   const SessionOptions& options = plan.options;
@@ -33,34 +104,59 @@ bool is_rehearsed(const SessionPlan& plan) {
          !plan.input.foreign;
 }
 
+FactoryContext factory_context(const SessionInput& input, std::uint64_t seed) {
+  return {.box = input.touched.space.box,
+          .inward = input.touched.inward,
+          .seed = seed,
+          .folder = input.files.scene};
+}
+
+std::shared_ptr<Policy> policy_of(const SessionInput& input, const SessionOptions& options) {
+  if (input.parts.policy) return input.parts.policy;
+  return make_policy(options.planning.policy, factory_context(input, options.seed));
+}
+
+std::shared_ptr<Predictor> predictor_of(const SessionInput& input, const SessionOptions& options) {
+  if (input.parts.predictor) return input.parts.predictor;
+  return make_predictor(options.motion.predictor, factory_context(input, options.seed));
+}
+
 std::vector<double> coarse_costs(const CostModel& cost, const Box& box) {
   std::vector<double> seconds;
   for (const Vec3& x : lattice(box, box.size().maxCoeff() / 4)) seconds.push_back(checked_seconds(cost, x));
   return seconds;
 }
 
-std::unique_ptr<CostModel> cost_model(const SessionPlan& plan, ReferenceService& references) {
-  if (plan.input.foreign) return make_cost(CostSpec(), factory_context(plan), {});  // no solve is measured
-  return make_cost(plan.options.workers.cost, factory_context(plan),
-                   [&] { return references.recorded_costs(); });
+StateFileHeader states_header(const TouchedBody& touched) {
+  return {
+      .identity = touched.identity, .spacing = touched.space.spacing, .box = touched.space.box, .notes = {}};
+}
+
+RunSetup divide(const SessionPlan& plan, ReferenceService& references) {
+  const StateSpaceOptions& space = plan.input.touched.space;
+  return {.motion = motion_of(plan),
+          .planning = planner_setup(plan),
+          .solving = solving_of(plan, references),
+          .rendering = {.options = plan.render, .model = plan.model},
+          .judging = judge_setup(plan),
+          .record = record_of(plan),
+          .bounds = {.space = space, .visit_cell = visit_cell(plan.options.judging, space.spacing)},
+          .report = {.guess_softness = plan.guess.softness, .viscous = !plan.input.touched.viscosity.empty()},
+          .notes = notes_of(plan)};
 }
 
 PlannerSetup planner_setup(const SessionPlan& plan) {
-  const SessionOptions& options = plan.options;
+  const Body& body = *plan.input.touched.body;
   return {.space = plan.input.touched.space,
           .known = plan.input.known,
-          .nodes = plan.input.touched.body->mesh.nodes.size(),
-          .policy = policy_of(plan),
-          .predictor = predictor_of(plan),
-          .placement = options.planning.placement,
-          .batch = plan.batch,
-          .preempt = options.planning.preempt,
-          .rest_first = options.planning.rest_first,
-          .latency = options.workers.latency,
+          .body = {.nodes = body.mesh.nodes.size(), .stiffest = contact_stiffness_bound(body)},
+          .options = plan.options.planning,
+          .policy = policy_of(plan.input, plan.options),
+          .predictor = predictor_of(plan.input, plan.options),
+          .latency = plan.options.workers.latency,
           .model = plan.model,
-          .jnd = options.switching,
-          .audits = {.share = options.planning.audit, .seed = options.seed},
-          .stiffest = contact_stiffness_bound(*plan.input.touched.body)};
+          .jnd = plan.options.switching,
+          .seed = plan.options.seed};
 }
 
 JudgeSetup judge_setup(const SessionPlan& plan) {

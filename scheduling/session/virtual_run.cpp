@@ -3,12 +3,16 @@
 #include <algorithm>
 #include <cmath>
 #include <exception>
+#include <limits>
 #include <memory>
 #include <optional>
 #include <queue>
+#include <span>
 #include <tuple>
 
 #include "scheduling/render/input_log.hpp"
+#include "scheduling/render/model_keeper.hpp"
+#include "scheduling/render/render_loop.hpp"
 #include "scheduling/session/run_parts.hpp"
 #include "scheduling/session/session_setup.hpp"
 #include "scheduling/workers/cost.hpp"
@@ -56,38 +60,56 @@ class EventQueue {
   std::uint64_t sequence_ = 0;
 };
 
-std::shared_ptr<VirtualWorkers> workers_of(const SessionPlan& plan, const CostModel& cost,
-                                           ReferenceService& references) {
-  const WorkerOptions& options = plan.options.workers;
-  if (plan.input.parts.virtual_workers && !plan.arrivals.given) return plan.input.parts.virtual_workers;
+std::shared_ptr<VirtualWorkers> workers_of(const RunSolving& solving, ReferenceService& references) {
+  const WorkerOptions& options = solving.options;
+  if (solving.simulated && solving.dispatches) return solving.simulated;
   return make_virtual_workers(options.kind, {.references = references,
-                                             .cost = cost,
-                                             .count = plan.arrivals.given ? 0 : options.count,
-                                             .rest_first = plan.options.planning.rest_first,
+                                             .cost = *solving.cost,
+                                             .count = solving.dispatches ? options.count : 0,
+                                             .rest_first = solving.rest_first,
                                              .batch_share = options.batch_share,
                                              .latency = options.latency});
 }
 
+// Renders in the frame itself: for a motion that depends on the force, which no renderer can follow.
+struct OwnRenderer {
+  LoopLink link;
+  ModelKeeper models;
+  RenderLoop loop;
+
+  OwnRenderer(const RunSetup& setup, const StateSpace& space, InputLog* inputs)
+      : models(space, setup.rendering.model, link),
+        loop(*setup.motion.device, link, setup.rendering.options, setup.motion.frames) {
+    link.inputs = inputs;
+  }
+  // From the states and the motion up to now; at most one new model per frame.
+  void frame(std::size_t k, double now, std::uint32_t known) {
+    models.update(now, loop.hip().at);
+    link.known.store(known, std::memory_order_relaxed);
+    link.planner_beat.store(now, std::memory_order_relaxed);
+    loop.frame(k);
+    if (link.inputs && k % 1024 == 1023) link.inputs->drain();
+  }
+};
+
 class VirtualRun {
  public:
-  VirtualRun(const SessionPlan& plan, const VirtualParts& parts, const ShowProgress& show)
-      : plan_(plan),
+  VirtualRun(const RunSetup& setup, const VirtualParts& parts, const ShowProgress& show)
+      : motion_(setup.motion),
+        arrivals_(setup.solving.arrivals),
         parts_(parts),
         show_(show),
-        workers_(workers_of(plan, parts.cost, parts.references)),
-        states_(plan.input),
-        planner_(planner_setup(plan), *workers_, hooks_of(plan, &parts.cost, states_, parts.inputs)) {
-    if (parts.renderer) return;
-    link_.inputs = parts.inputs;
-    models_.emplace(planner_.space(), plan.model, link_);
-    loop_.emplace(*plan.device, link_, plan.render, plan.frames);
+        workers_(workers_of(setup.solving, parts.references)),
+        states_(setup.record),
+        planner_(setup.planning, *workers_, hooks_of(setup, states_, parts.inputs)),
+        tip_(*motion_.device, motion_.clock.frame, std::numeric_limits<double>::infinity()) {
+    if (!parts.renderer) own_.emplace(setup, planner_.space(), parts.inputs);
   }
 
   void run() {
-    const std::vector<Arrival>& arrivals = plan_.arrivals.list;
-    for (std::size_t i = 0; i < arrivals.size() && arrivals[i].t <= plan_.options.clock.seconds; ++i) {
-      parts_.references.request(arrivals[i].at);
-      events_.push(ns(arrivals[i].t), Kind::arrival, i);
+    for (std::size_t i = 0; i < arrivals_.size() && arrivals_[i].t <= motion_.clock.seconds; ++i) {
+      parts_.references.request(arrivals_[i].at);
+      events_.push(ns(arrivals_[i].t), Kind::arrival, i);
     }
     events_.push(0, Kind::frame, 0);
     while (const std::optional<Event> event = next_event()) {
@@ -96,7 +118,7 @@ class VirtualRun {
       if (event->kind == Kind::result)
         take_results(*event);
       else if (event->kind == Kind::arrival)
-        planner_.arrive(parts_.references.get(arrivals[event->payload].at), now);
+        planner_.arrive(parts_.references.get(arrivals_[event->payload].at), now);
       else if (event->kind == Kind::plan)
         planner_.plan(now);
       else if (!frame(event->payload, now))
@@ -105,34 +127,34 @@ class VirtualRun {
     states_.flush();
   }
 
-  // Adds the frames of a session that ends early, in which the force goes to zero. Nothing more is planned. There are
-  // as many frames as the largest force may need, because a following renderer has not yet reported the actual force.
-  void end_early() {
-    const SafetyOptions& limits = plan_.render.safety;
-    const double needed = std::ceil(limits.force_limit / (limits.slew_limit * plan_.render.frame));
-    const std::size_t last = std::min(plan_.frames, next_ + static_cast<std::size_t>(std::min(needed, 1e3)));
+  // Adds the frames of a session that ends early, in which the force goes to zero. Nothing more is planned. There are as
+  // many frames as the largest force may need, because a following renderer has not yet reported the actual force.
+  void end_early(const SafetyOptions& limits) {
+    const double needed = std::ceil(limits.force_limit / (limits.slew_limit * motion_.clock.frame));
+    const std::size_t last =
+        std::min(motion_.frames, next_ + static_cast<std::size_t>(std::min(needed, 1e3)));
     for (; next_ < last; ++next_) {
-      if (loop_) {
-        loop_->end();
-        loop_->frame(next_);
-        hip_ = loop_->hip();
+      if (own_) {
+        own_->loop.end();
+        own_->loop.frame(next_);
       } else {
-        hip_ = next_hip(*plan_.device, hip_, next_, plan_.render.frame, Vec3::Zero(), held_);
+        tip_.read(next_, Vec3::Zero());
       }
       const std::size_t known = planner_.space().size();
-      parts_.pipeline.pass(hip_.at, static_cast<std::uint32_t>(known), planner_.space(), true);
+      parts_.pipeline.pass(hip().at, static_cast<std::uint32_t>(known), planner_.space(), true);
     }
   }
+  bool interrupted() const { return interrupted_; }
 
   void finish(SessionResult& result) {
     if (parts_.renderer) {
       parts_.pipeline.flush(planner_.space());
       parts_.pipeline.wait();
     }
-    take_loop(parts_.renderer ? parts_.renderer->loop() : *loop_, plan_.frames, result);
+    take_loop(own_ ? own_->loop : parts_.renderer->loop(), motion_.frames, result);
     if (states_.failure()) result.failures.push_back(*states_.failure());
-    planner_.finish(result, parts_.renderer ? parts_.renderer->models() : *models_);
-    result.loop.device_held += held_;
+    planner_.finish(result, own_ ? own_->models : parts_.renderer->models());
+    result.loop.device_held += tip_.faults().held;
     result.solver.workers = workers_->workers();
   }
 
@@ -153,46 +175,40 @@ class VirtualRun {
     if (!results_.empty()) events_.push(event.t, Kind::plan, 0);
   }
 
-  // Returns whether another frame follows. Without a following renderer, a model is made and rendered in this frame,
-  // from the states and the motion up to now; at most one update per frame.
+  // Returns whether another frame follows.
   bool frame(std::size_t k, double now) {
     const auto known = static_cast<std::uint32_t>(planner_.space().size());
-    if (loop_) {
-      models_->update(now, hip_.at);
-      link_.known.store(known, std::memory_order_relaxed);
-      link_.planner_beat.store(now, std::memory_order_relaxed);
-      loop_->frame(k);
-      if (link_.inputs && k % 1024 == 1023) link_.inputs->drain();
-      hip_ = loop_->hip();
-    } else {
-      hip_ = next_hip(*plan_.device, hip_, k, plan_.render.frame, Vec3::Zero(), held_);
-    }
-    parts_.pipeline.pass(hip_.at, known, planner_.space());
-    planner_.observe(hip_);
+    if (own_)
+      own_->frame(k, now, known);
+    else
+      tip_.read(k, Vec3::Zero());
+    parts_.pipeline.pass(hip().at, known, planner_.space());
+    planner_.observe(hip());
     planner_.plan(now);
     next_ = k + 1;
-    if (next_ == plan_.frames) return false;
-    if (plan_.options.stop.is_interrupted()) {
-      end_early();
-      return false;
-    }
-    events_.push(ns(static_cast<double>(k + 1) * plan_.render.frame), Kind::frame, k + 1);
+    if (next_ == motion_.frames) return false;
+    interrupted_ = motion_.stop.is_interrupted();
+    if (interrupted_) return false;
+    events_.push(ns(static_cast<double>(k + 1) * motion_.clock.frame), Kind::frame, k + 1);
     if (show_ && (k + 1) % 250 == 0) show_progress(k, now);
     return true;
   }
+
+  const HipSample& hip() const { return own_ ? own_->loop.hip() : tip_.tip(); }
 
   void show_progress(std::size_t k, double now) const {
     const FollowingRenderer* behind = parts_.renderer;
     show_({.phase = SessionPhase::session,
            .t = now,
-           .seconds = plan_.options.clock.seconds,
+           .seconds = motion_.clock.seconds,
            .known = planner_.space().size(),
            .solved = planner_.solved(),
-           .label = behind ? behind->label() : models_->label(),
-           .force = behind ? behind->force() : loop_->log()[k].force.norm()});
+           .label = behind ? behind->label() : own_->models.label(),
+           .force = behind ? behind->force() : own_->loop.log()[k].force.norm()});
   }
 
-  const SessionPlan& plan_;
+  const RunMotion& motion_;
+  std::span<const Arrival> arrivals_;
   const VirtualParts& parts_;
   const ShowProgress& show_;
   EventQueue events_;
@@ -200,27 +216,24 @@ class VirtualRun {
   std::shared_ptr<VirtualWorkers> workers_;
   StateLog states_;
   Planner planner_;
-  HipSample hip_;
-  std::size_t next_ = 0;  // frame
-  std::size_t held_ = 0;  // frames in which the device failed, with a renderer that follows behind
-  // Used if the motion depends on the force: then a following renderer is impossible.
-  LoopLink link_;
-  std::optional<ModelKeeper> models_;
-  std::optional<RenderLoop> loop_;
+  TipReader tip_;                   // with a renderer that follows behind
+  std::optional<OwnRenderer> own_;  // without one
+  std::size_t next_ = 0;            // frame
+  bool interrupted_ = false;
 };
 
 }  // namespace
 
-void run_virtual(const SessionPlan& plan, const VirtualParts& parts, SessionResult& result,
+void run_virtual(const RunSetup& setup, const VirtualParts& parts, SessionResult& result,
                  const ShowProgress& show) {
-  VirtualRun run(plan, parts, show);
+  VirtualRun run(setup, parts, show);
   std::exception_ptr failure;
   try {
     run.run();
   } catch (...) {
     failure = std::current_exception();
-    run.end_early();
   }
+  if (failure || run.interrupted()) run.end_early(setup.rendering.options.safety);
   run.finish(result);
   if (failure) result.failures.push_back(failure_in_words("planning", failure));
 }

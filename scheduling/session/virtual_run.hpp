@@ -4,15 +4,13 @@
 // come first, then arrivals, planning, and the frame.
 
 #include "scheduling/session/following_renderer.hpp"
-#include "scheduling/session/session_plan.hpp"
+#include "scheduling/session/session_setup.hpp"
 
 namespace forefeel {
 
-class CostModel;
 class InputLog;
 
 struct VirtualParts {
-  const CostModel& cost;
   ReferenceService& references;  // gives the values of states
   FramePipeline& pipeline;       // receives the frames
   // A stage of the pipeline. Null if the motion depends on the force: the run then renders itself.
@@ -22,7 +20,7 @@ struct VirtualParts {
 
 // Fills the result, except for labels, errors and other values of the judge. If planning fails, the frames
 // end there with the ramp at the end, and result.failures says why.
-void run_virtual(const SessionPlan& plan, const VirtualParts& parts, SessionResult& result,
+void run_virtual(const RunSetup& setup, const VirtualParts& parts, SessionResult& result,
                  const ShowProgress& show);
 
 }  // namespace forefeel

@@ -3,10 +3,10 @@
 #include <fmt/format.h>
 
 #include <algorithm>
-#include <chrono>
 #include <optional>
 
 #include "geometry/common/quantiles.hpp"
+#include "scheduling/judge/patience.hpp"
 
 namespace forefeel {
 namespace {
@@ -23,18 +23,6 @@ std::vector<std::size_t> chosen(std::size_t shapes, std::size_t checks) {
 Label label_at(double t, const std::vector<FrameRecord>& frames) {
   const auto found = std::ranges::lower_bound(frames, t - 1e-9, {}, &FrameRecord::t);
   return found != frames.end() ? found->label : frames.empty() ? Label::blank : frames.back().label;
-}
-
-// nullopt if the session was interrupted and is hurried or out of patience.
-std::optional<State> wait_for(const Vec3& at, ReferenceService& references, const StopOptions& stop) {
-  const auto begin = std::chrono::steady_clock::now();
-  for (;;) {
-    const auto now = std::chrono::steady_clock::now();
-    if (std::optional<State> state = references.get_until(at, now + std::chrono::milliseconds(100)))
-      return state;
-    const bool impatient = std::chrono::duration<double>(now - begin).count() > stop.patience;
-    if (stop.is_interrupted() && (stop.is_hurried() || impatient)) return {};
-  }
 }
 
 CheckedShape compare(const ShapeLog& log, std::size_t which, const std::vector<double>& truth,
@@ -60,12 +48,13 @@ std::vector<CheckedShape> check_shapes(const ShapeLog& log, ReferenceService& re
                                        const ShowProgress& show) {
   const std::vector<std::size_t> records = chosen(log.records().size(), log.options().checks);
   for (const std::size_t which : records) references.request(log.records()[which].at);
+  Patience patience(stop);
   std::vector<CheckedShape> checked;
   std::vector<float> u;
   std::size_t late = 0, failed = 0;
   for (std::size_t i = 0; i < records.size(); ++i) {
     const ShapeRecord& record = log.records()[records[i]];
-    const std::optional<State> truth = wait_for(record.at, references, stop);
+    const std::optional<State> truth = patience.wait_for(record.at, references);
     if (!truth)
       ++late;
     else if (!truth->usable() || !truth->displacements)

@@ -48,49 +48,50 @@ ShapeLog::ShapeLog(std::shared_ptr<const Body> body, const ShapeOptions& options
 
 void ShapeLog::learn(const State& state) {
   check_shapeable({&state, 1}, *body_, "a solved state");
-  at_.push_back(state.at);
-  moved_.push_back(state.displacements);
+  known_.at.push_back(state.at);
+  known_.moved.push_back(state.displacements);
 }
 
 // Chooses the nearest states. States at rest are skipped, because every shape contains rest and its slope.
 void ShapeLog::choose_near(const Vec3& at) {
-  near_.resize(at_.size());
-  std::iota(near_.begin(), near_.end(), 0u);
-  std::erase_if(near_, [&](std::uint32_t id) { return at_[id].norm() < 1e-9; });
-  const std::size_t few = std::min(options_.neighbours, near_.size());
-  const auto middle = near_.begin() + static_cast<std::ptrdiff_t>(few);
-  std::ranges::nth_element(near_, middle, [&](std::uint32_t a, std::uint32_t b) {
-    const double da = (at_[a] - at).squaredNorm(), db = (at_[b] - at).squaredNorm();
+  present_.near.resize(known_.at.size());
+  std::iota(present_.near.begin(), present_.near.end(), 0u);
+  std::erase_if(present_.near, [&](std::uint32_t id) { return known_.at[id].norm() < 1e-9; });
+  const std::size_t few = std::min(options_.neighbours, present_.near.size());
+  const auto middle = present_.near.begin() + static_cast<std::ptrdiff_t>(few);
+  std::ranges::nth_element(present_.near, middle, [&](std::uint32_t a, std::uint32_t b) {
+    const double da = (known_.at[a] - at).squaredNorm(), db = (known_.at[b] - at).squaredNorm();
     return da != db ? da < db : a < b;
   });
-  near_.resize(few);
-  std::ranges::sort(near_);
-  places_.clear();
-  for (const std::uint32_t id : near_) places_.push_back(at_[id]);
+  present_.near.resize(few);
+  std::ranges::sort(present_.near);
+  present_.places.clear();
+  for (const std::uint32_t id : present_.near) present_.places.push_back(known_.at[id]);
 }
 
 void ShapeLog::take(double t, const Vec3& at) {
   choose_near(at);
-  const ShapeWeights weights = shape_weights(at, places_);
+  const ShapeWeights weights = shape_weights(at, present_.places);
   ShapeRecord record{.t = t,
                      .at = at,
-                     .known = static_cast<std::uint32_t>(at_.size()),
+                     .known = static_cast<std::uint32_t>(known_.at.size()),
                      .states = {},
                      .weights = {},
                      .slope = weights.of_slope,
                      .order = weights.order};
-  for (std::size_t i = 0; i < near_.size(); ++i) {
+  for (std::size_t i = 0; i < present_.near.size(); ++i) {
     if (weights.of_states[i] == 0) continue;
-    record.states.push_back(near_[i]);
+    record.states.push_back(present_.near[i]);
     record.weights.push_back(static_cast<float>(weights.of_states[i]));
   }
-  displacements(record, u_);
+  displacements(record, present_.u);
   double largest = 0;
-  for (std::size_t i = 0; i < u_.size(); i += 3)
-    largest =
-        std::max(largest, static_cast<double>(u_[i] * u_[i] + u_[i + 1] * u_[i + 1] + u_[i + 2] * u_[i + 2]));
+  for (std::size_t i = 0; i < present_.u.size(); i += 3)
+    largest = std::max(
+        largest, static_cast<double>(present_.u[i] * present_.u[i] + present_.u[i + 1] * present_.u[i + 1] +
+                                     present_.u[i + 2] * present_.u[i + 2]));
   record.largest = std::sqrt(largest);
-  if (each_) each_(record, u_);
+  if (each_) each_(record, present_.u);
   records_.push_back(std::move(record));
 }
 
@@ -100,7 +101,7 @@ void ShapeLog::displacements(const ShapeRecord& record, std::vector<float>& u) c
   for (std::size_t i = 0; i < u.size(); ++i)
     u[i] = slope_[3 * i] * g[0] + slope_[3 * i + 1] * g[1] + slope_[3 * i + 2] * g[2];
   for (std::size_t k = 0; k < record.states.size(); ++k) {
-    const std::vector<double>& moved = *moved_[record.states[k]];
+    const std::vector<double>& moved = *known_.moved[record.states[k]];
     const float w = record.weights[k];
     for (std::size_t v = 0; v < nodes_.size(); ++v)
       for (std::size_t c = 0; c < 3; ++c)

@@ -48,20 +48,35 @@ class ShapeLog {
   // those of another mesh.
   void learn(const State& state);
   void take(double t, const Vec3& at);
-  void miss(std::size_t shapes) { missed_ += shapes; }  // counts shapes that were not made for lack of time
-  void note_cost(double us) { cost_us_.push_back(static_cast<float>(us)); }
+  void miss(std::size_t shapes) {
+    pace_.missed += shapes;
+  }  // counts shapes that were not made for lack of time
+  void note_cost(double us) { pace_.cost_us.push_back(static_cast<float>(us)); }
 
   const ShapeOptions& options() const { return options_; }
   const Body& body() const { return *body_; }
   // The nodes of a shape in ascending order: those of the surface, or all nodes of the mesh.
   const std::vector<NodeIndex>& nodes() const { return nodes_; }
-  std::size_t known() const { return at_.size(); }
+  std::size_t known() const { return known_.at.size(); }
   std::span<const ShapeRecord> records() const { return records_; }
-  std::size_t missed() const { return missed_; }               // real clock
-  std::span<const float> cost_us() const { return cost_us_; }  // of each shape; real clock [us]
+  std::size_t missed() const { return pace_.missed; }               // real clock
+  std::span<const float> cost_us() const { return pace_.cost_us; }  // of each shape; real clock [us]
   void displacements(const ShapeRecord& record, std::vector<float>& u) const;  // as EachShape has them
 
  private:
+  struct Known {  // by state
+    std::vector<Vec3> at;
+    std::vector<std::shared_ptr<const std::vector<double>>> moved;
+  };
+  struct Pace {  // real clock
+    std::vector<float> cost_us;
+    std::size_t missed = 0;
+  };
+  struct Present {                    // the shape that is being made
+    std::vector<std::uint32_t> near;  // ids of its states
+    std::vector<Vec3> places;
+    std::vector<float> u;
+  };
   void choose_near(const Vec3& at);
 
   std::shared_ptr<const Body> body_;
@@ -69,14 +84,10 @@ class ShapeLog {
   EachShape each_;
   std::vector<NodeIndex> nodes_;
   std::vector<float> slope_;  // V of the nodes: #nodes x 3 x 3, row by row
-  std::vector<Vec3> at_;      // of the states
-  std::vector<std::shared_ptr<const std::vector<double>>> moved_;
+  Known known_;
   std::vector<ShapeRecord> records_;
-  std::vector<float> cost_us_;
-  std::size_t missed_ = 0;
-  std::vector<std::uint32_t> near_;  // ids of the states used for the present shape
-  std::vector<Vec3> places_;
-  std::vector<float> u_;
+  Pace pace_;
+  Present present_;
 };
 
 // "shapes ended after 2.1 s: PROBLEM".

@@ -1,14 +1,12 @@
 #pragma once
 // Solves states to a tight tolerance on the reference branch (the primary equilibrium path), by threads, and
-// caches them on disk. A value depends on (body, x) alone: neither the number of threads nor the order of
-// requests changes it. The cache is a state file named after the body's identity, the continuation step and
-// the revision of the solver.
+// caches them on disk (reference_cache.hpp). A value depends on (body, x) alone: neither the number of threads nor the
+// order of requests changes it.
 
 #include <chrono>
 #include <condition_variable>
 #include <deque>
 #include <exception>
-#include <filesystem>
 #include <functional>
 #include <memory>
 #include <mutex>
@@ -20,24 +18,15 @@
 #include <vector>
 
 #include "geometry/common/types.hpp"
-#include "geometry/states/state_file.hpp"
 #include "scheduling/workers/cost.hpp"
 #include "scheduling/workers/generator.hpp"
+#include "scheduling/workers/reference_cache.hpp"
+#include "scheduling/workers/solve_costs.hpp"
 
 namespace forefeel {
 
 class LinearBasis;
 class SolverBasis;
-
-struct ReferenceOptions {
-  std::shared_ptr<const Body> body;
-  BodyIdentity identity;               // key of the cache; empty: no cache
-  double spacing = 0.006;              // continuation step of the reference branch [m]
-  Box box;                             // recorded_costs() draws its positions here [m]
-  bool displacements = false;          // states hold them
-  std::filesystem::path cache_folder;  // empty: no cache
-  bool read_only = false;              // the cache is another process's to write
-};
 
 // Other processes that solve for the same body. Each position is solved by one of them. Any thread may call
 // these.
@@ -78,10 +67,10 @@ class ReferenceService {
   std::optional<State> find(const Vec3& x) const;  // if it is ready
 
   // If a cache was requested but there is none, or it is read-only: the reason.
-  const std::optional<std::string>& note() const { return note_; }
+  const std::optional<std::string>& note() const { return costs_.note() ? costs_.note() : cache_.note(); }
   // Set if records of the cache had a wrong checksum: one line with file and count. They are solved again and
   // replaced.
-  const std::optional<std::string>& damage() const { return damage_; }
+  const std::optional<std::string>& damage() const { return cache_.damage(); }
 
   // Waits until the cache is on the disk. Returns one line if the cache could no longer be written (a full disk);
   // states solved after that are not kept.
@@ -89,7 +78,7 @@ class ReferenceService {
 
   // Times of a fixed sample of solves from a neighbour, and of the state at rest. They are measured once per
   // body and kept beside the cache.
-  RecordedCosts recorded_costs();
+  RecordedCosts recorded_costs() { return costs_.recorded(); }
 
  private:
   struct Key {
@@ -103,41 +92,32 @@ class ReferenceService {
     bool ready = false;
     State state;
   };
+  // With other processes: permission for queued positions is asked a little before the threads need them.
+  struct Sharing {
+    std::shared_ptr<ReferenceExchange> exchange;
+    std::deque<Vec3> granted;
+    std::unordered_map<Key, Vec3, Hash> asked, put_off;
+  };
   static Key key(const Vec3& x);
   void work(std::stop_token stop);
-  void start_thread();            // unless there are enough
-  void keep(const State& state);  // in the cache, under the mutex
-  void note_cache_failure(const std::exception& problem);
+  void start_thread();              // unless there are enough
   void take(const State& state);    // under the mutex
   std::vector<Vec3> next_to_ask();  // under the mutex
 
   std::shared_ptr<SolverBasis> basis_;
   std::shared_ptr<LinearBasis> linear_;
   StateSolverOptions solver_options_;
-  Box box_;
-  std::filesystem::path costs_file_, rest_cost_file_;
   std::size_t thread_count_;  // at most
-  std::vector<double> measured_costs();
-  std::vector<double> measured_rest_costs();
-  // The times in the file. If there is no file, measures them and writes it.
-  std::vector<double> kept(const std::filesystem::path& file,
-                           std::vector<double> (ReferenceService::*measured)());
-  std::mutex costs_mutex_;
-  RecordedCosts costs_;
-  std::optional<std::string> note_, damage_, cache_failure_;
 
   mutable std::mutex mutex_;
   std::condition_variable wake_, ready_;
+  ReferenceCache cache_;  // under the mutex
+  SolveCosts costs_;
   std::unordered_map<Key, Entry, Hash> entries_;
   std::deque<Vec3> queue_;
-  // With an exchange: permission for queued positions is asked a little before the threads need them.
-  std::shared_ptr<ReferenceExchange> exchange_;
-  std::deque<Vec3> granted_;
-  std::unordered_map<Key, Vec3, Hash> asked_, put_off_;
+  Sharing sharing_;
   std::size_t solved_ = 0;
   std::exception_ptr failure_;
-  std::unique_ptr<StateWriter> writer_;
-  bool unflushed_ = false;  // states were given to the writer
   std::vector<std::jthread> threads_;
 };
 

@@ -33,12 +33,7 @@ double seconds_of(Time t) {
 class SimulatedWorkers final : public VirtualWorkers {
  public:
   explicit SimulatedWorkers(const VirtualWorkersContext& with)
-      : references_(with.references),
-        cost_(with.cost),
-        rest_first_(with.rest_first),
-        share_(with.batch_share),
-        latency_(time_of(with.latency)),
-        running_(static_cast<std::size_t>(with.count)) {}
+      : with_(with), latency_(time_of(with.latency)), running_(static_cast<std::size_t>(with.count)) {}
 
   int workers() const override { return static_cast<int>(running_.size()); }
   void set_now(Time now) override { now_ = now; }
@@ -48,7 +43,7 @@ class SimulatedWorkers final : public VirtualWorkers {
     solves.clear();
     Time begin = add(solves, worker, job.dispatch, job.at, 1, now_ + latency_);
     for (const Job::Neighbour& neighbour : job.beside)
-      begin = add(solves, worker, neighbour.dispatch, neighbour.at, share_, begin);
+      begin = add(solves, worker, neighbour.dispatch, neighbour.at, with_.batch_share, begin);
   }
 
   void cancel(int worker) override {
@@ -85,7 +80,7 @@ class SimulatedWorkers final : public VirtualWorkers {
       if (solve.cancelled)
         result.state.solve.status = SolveStatus::cancelled;
       else
-        result.state = references_.get(solve.at);
+        result.state = with_.references.get(solve.at);
     }
   }
 
@@ -112,21 +107,18 @@ class SimulatedWorkers final : public VirtualWorkers {
 
   Time add(std::vector<Solve>& solves, int worker, std::uint32_t dispatch, const Vec3& at, double share,
            Time begin) {
-    Time cost = time_of(
-        share * (rest_first_ && at.isZero(0) ? checked_rest_seconds(cost_) : checked_seconds(cost_, at)));
+    Time cost = time_of(share * (with_.rest_first && at.isZero(0) ? checked_rest_seconds(with_.cost)
+                                                                  : checked_seconds(with_.cost, at)));
     if (const auto done = done_.find(at); done != done_.end()) cost -= done->second;
     const Time end = begin + std::max(Time(1), cost);
     solves.push_back(
         {.dispatch = dispatch, .at = at, .started = begin, .finished = end, .due = end + latency_});
-    references_.request(at);
+    with_.references.request(at);
     events_.push({end + latency_, sequence_++, worker});
     return end;
   }
 
-  ReferenceService& references_;
-  const CostModel& cost_;
-  bool rest_first_;
-  double share_;
+  const VirtualWorkersContext with_;
   Time latency_, now_{};
   std::vector<std::vector<Solve>> running_;
   std::map<Vec3, Time, ByPlace> done_;  // time already spent on states whose solve was cancelled

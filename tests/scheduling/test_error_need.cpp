@@ -53,10 +53,10 @@ TEST_CASE("the worth of a state is the chance of an error above the JND that it 
   candidates[2].at = Vec3(-0.02, 0, 0);  // farther than the known state: removes nothing
   std::vector<double> worth(3);
   need.worth(candidates, worth);
-  const double v = need.deviation();
-  const double now = above_one(need.median(2, 1), v);
-  CHECK(worth[0] == Approx((now - above_one(need.median(1, 1), v)) / 0.02).epsilon(0.01));
-  CHECK(worth[1] == Approx((now - above_one(need.median(0.5, 1), v)) / 0.02).epsilon(0.01));
+  const double v = need.fit().deviation();
+  const double now = above_one(need.fit().median(2, 1), v);
+  CHECK(worth[0] == Approx((now - above_one(need.fit().median(1, 1), v)) / 0.02).epsilon(0.01));
+  CHECK(worth[1] == Approx((now - above_one(need.fit().median(0.5, 1), v)) / 0.02).epsilon(0.01));
   CHECK(worth[2] == 0);
   // A state being solved at half the distance leaves less to remove.
   const std::vector<Vec3> pending{Vec3(0, 0.005, 0)};
@@ -65,7 +65,8 @@ TEST_CASE("the worth of a state is the chance of an error above the JND that it 
   need.worth(candidates, left);
   CHECK(left[0] == Approx(0).margin(1e-9 * worth[0]));
   CHECK(left[1] ==
-        Approx((above_one(need.median(1, 1), v) - above_one(need.median(0.5, 1), v)) / 0.02).epsilon(0.03));
+        Approx((above_one(need.fit().median(1, 1), v) - above_one(need.fit().median(0.5, 1), v)) / 0.02)
+            .epsilon(0.03));
 }
 
 TEST_CASE("the estimate learns the order of the error from the errors of states") {
@@ -84,8 +85,9 @@ TEST_CASE("the estimate learns the order of the error from the errors of states"
   const std::vector<Prediction> path = still_at(Vec3::Zero());
   ErrorNeed need({});
   need.look({.space = space, .hip = {}, .predicted = path, .pending = {}, .surprises = surprises});
-  CHECK(std::log(need.median(1, 0.7) / need.median(0.5, 0.7)) / std::log(2.0) == Approx(3).margin(0.6));
-  CHECK(need.deviation() < 1.2);  // the prior's
+  CHECK(std::log(need.fit().median(1, 0.7) / need.fit().median(0.5, 0.7)) / std::log(2.0) ==
+        Approx(3).margin(0.6));
+  CHECK(need.fit().deviation() < 1.2);  // the prior's
 }
 
 TEST_CASE("a state is worth more where states near it were surprises") {

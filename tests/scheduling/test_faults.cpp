@@ -114,7 +114,7 @@ bool says(const std::vector<std::string>& lines, const std::string& word) {
 // The run went to its end, within its limits.
 SessionSummary check_whole(const SessionResult& result, const SessionInput& input,
                            const SessionOptions& options) {
-  CHECK(result.end == RunEnd::whole);
+  CHECK(result.run.end == RunEnd::whole);
   CHECK(result.frames.size() + result.loop.skipped >=
         static_cast<std::size_t>(options.clock.seconds / options.clock.frame));
   check_sent(result, options.safety);

@@ -121,7 +121,7 @@ TEST_CASE("the loop logs what it renders and accounts for every switch") {
       if (k < 20) CHECK(log[k].force == Vec3::Zero());  // before the first model
       over += log[k].step.change > log[k].step.bound;
       taken += log[k].step.took_model;
-      if (k > 0) CHECK(log[k].model >= log[k - 1].model);
+      if (k > 0) CHECK(log[k].step.model >= log[k - 1].step.model);
       if (k < 500) CHECK(log[k].sent.isApprox(log[k].force));  // no safety measure was needed
     }
     CHECK(taken > 0);

@@ -193,5 +193,5 @@ TEST_CASE("real clock: renders, solves and reports") {
   const SessionSummary summary = summarise(r, input, options);
   CHECK(summary.settings.clock == Clock::real);
   CHECK(std::isfinite(summary.deadline.cost_us.p50));
-  if (!r.process.realtime_priority) CHECK(!r.notes.empty());  // a note reports it
+  if (!r.run.realtime_priority) CHECK(!r.notes.empty());  // a note reports it
 }

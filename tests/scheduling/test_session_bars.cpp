@@ -22,7 +22,8 @@ SessionOptions audited(double share) {
 }
 
 std::size_t audits_in(const SessionResult& result) {
-  return static_cast<std::size_t>(std::ranges::count_if(result.dispatch, &DispatchRecord::audit));
+  return static_cast<std::size_t>(
+      std::ranges::count_if(result.dispatch, [](const DispatchRecord& d) { return d.choice.audit; }));
 }
 
 }  // namespace
@@ -68,7 +69,7 @@ TEST_CASE("audits: the asked share of the solves, where the tip was, none where 
   CHECK(share > 0.05);
   CHECK(share < 0.45);
   for (const DispatchRecord& d : r.dispatch) {
-    if (!d.audit) continue;
+    if (!d.choice.audit) continue;
     CHECK(std::ranges::any_of(r.frames, [&](const FrameRecord& f) { return f.at == d.at; }));
   }
 }

@@ -38,7 +38,7 @@ TEST_CASE("an interrupted rehearsal leaves a session that was not begun") {
                   {.when_run = [&](const SessionResult& so_far) { delivered += 1 + so_far.frames.size(); },
                    .each_position = [&](const Vec3&) { ++positions; }});
   CHECK(result.interrupted());
-  CHECK(result.end == RunEnd::not_begun);
+  CHECK(result.run.end == RunEnd::not_begun);
   CHECK(result.frames.empty());
   CHECK(result.dispatch.empty());
   CHECK(result.states.size() == 1);

@@ -5,8 +5,8 @@
 #include "run_logs.hpp"
 #include "scheduling/judge/session_judge.hpp"
 #include "scheduling/record/summary_columns.hpp"
-#include "scheduling/session/session.hpp"
 #include "scheduling/session/session_setup.hpp"
+#include "scheduling/session/session.hpp"
 #include "scheduling/session/virtual_run.hpp"
 #include "scheduling/workers/cost.hpp"
 #include "scheduling/workers/reference_service.hpp"
@@ -98,18 +98,19 @@ TEST_CASE("what is rendered beside the planner is what is rendered in turn with 
                       {.box = input.touched.space.box, .seed = 3, .folder = {}}),
           in_turn);
       ReferenceService references(reference_options(input), 2);
-      const auto cost =
+      RunSetup setup = divide(plan, references);
+      setup.solving.cost =
           make_cost(LogNormalCost{0.03, 0.8}, {.seed = 3}, [&] { return references.recorded_costs(); });
       FramePipeline pipeline(input.touched.space);
       std::shared_ptr<FollowingRenderer> renderer;
       if (!in_turn) {
-        renderer = std::make_shared<FollowingRenderer>(pipeline.known(), plan.model, plan.render, frames);
+        renderer = std::make_shared<FollowingRenderer>(pipeline.known(), setup.rendering, frames);
         pipeline.add(renderer);
       }
-      const auto judge = std::make_shared<SessionJudge>(judge_setup(plan), pipeline.known(), references);
+      const auto judge = std::make_shared<SessionJudge>(setup.judging, pipeline.known(), references);
       pipeline.add(judge);
       SessionResult result;
-      run_virtual(plan, {*cost, references, pipeline, renderer.get()}, result, {});
+      run_virtual(setup, {references, pipeline, renderer.get()}, result, {});
       pipeline.pass_rest(result.frames, result.states);
       pipeline.wait();
       judge->finish(result, {});
@@ -123,7 +124,7 @@ TEST_CASE("what is rendered beside the planner is what is rendered in turn with 
         const FrameRecord &a = one.frames[k], &b = other.frames[k];
         REQUIRE((a.t == b.t && a.at == b.at && a.force == b.force && a.sent == b.sent &&
                  a.undamped == b.undamped));
-        REQUIRE((a.label == b.label && a.model == b.model && a.known == b.known &&
+        REQUIRE((a.label == b.label && a.step.model == b.step.model && a.known == b.known &&
                  a.step.took_model == b.step.took_model));
         REQUIRE((a.step.change == b.step.change && a.step.motion_change == b.step.motion_change &&
                  a.judged.first_visit == b.judged.first_visit));

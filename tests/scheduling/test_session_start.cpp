@@ -54,7 +54,7 @@ TEST_CASE(
       for (const FrameRecord& f : r.frames) {
         REQUIRE(f.step.change <= f.step.bound);
         if (f.known == 0) CHECK(f.force == Vec3::Zero());
-        if (f.model == 1)
+        if (f.step.model == 1)
           CHECK((f.undamped + r.states[0].stiffness * f.at).norm() <= 1e-9 * (1 + f.undamped.norm()));
       }
       CHECK(r.states[0].at == Vec3::Zero());
@@ -173,7 +173,7 @@ TEST_CASE("on a slender body the first guess is near the truth, and its error ba
   }
   options.model.first_guess = false;
   const SessionResult without = run_session(small_input(), options);
-  CHECK(std::isnan(without.guess_softness));
+  CHECK(std::isnan(without.run.guess_softness));
   for (const FrameRecord& f : without.frames)
     if (f.known == 0) {
       REQUIRE(f.force == Vec3::Zero());

@@ -254,7 +254,7 @@ TEST_CASE(
   input.touched.viscosity = two_branches;
   const SessionResult r = run_session(input, moving(0.6));
   REQUIRE(r.frames.size() == 600);
-  CHECK(r.viscous);
+  CHECK(r.run.viscous);
   const double most = largest(r.frames);
   REQUIRE(most > 0.1);
   MaxwellBody body(*input.touched.body, two_branches, true);
@@ -309,7 +309,7 @@ TEST_CASE("viscous session: the reference between samples is that of tight solve
 
 TEST_CASE("elastic session: what is rendered is what the switch gave") {
   const SessionResult r = run_session(small_input(), virtual_options(0.2));
-  CHECK_FALSE(r.viscous);
+  CHECK_FALSE(r.run.viscous);
   for (const FrameRecord& f : r.frames) {
     REQUIRE(f.force == f.elastic);
     REQUIRE_FALSE(f.judged.elastic_reference.allFinite());
