@@ -1,6 +1,6 @@
 #pragma once
 // A parsed scene file and its tables. Values are read by type; each error is one line that names file, line,
-// key and what was expected. Only scene_table.cpp includes the parser, toml++.
+// key and what was expected. Only toml_table.cpp includes the parser, toml++.
 
 #include <cstdint>
 #include <filesystem>

@@ -17,9 +17,6 @@ namespace forefeel {
 
 class InputLog;
 
-// Number of frames that a real loop may record beyond those of the session, for the ramp of the force at the end.
-inline constexpr std::size_t spare_frames = 256;
-
 // The file that new states are appended to; null: none. InputError if it cannot be opened.
 std::unique_ptr<StateWriter> open_state_file(const std::optional<std::filesystem::path>& file,
                                              const StateFileHeader& header);

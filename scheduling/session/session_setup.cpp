@@ -8,7 +8,6 @@
 #include "geometry/coverage/state_space.hpp"
 #include "scheduling/motion/predictor.hpp"
 #include "scheduling/policy/policy.hpp"
-#include "scheduling/session/run_parts.hpp"
 #include "scheduling/workers/reference_service.hpp"
 #include "solver/body/body.hpp"
 #include "solver/body/contact_bound.hpp"

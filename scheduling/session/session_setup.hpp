@@ -24,6 +24,9 @@
 
 namespace forefeel {
 
+// Number of frames that a real loop may record beyond those of the session, for the ramp of the force at the end.
+inline constexpr std::size_t spare_frames = 256;
+
 // Where the tip is, and for how long.
 struct RunMotion {
   std::shared_ptr<Device> device;

@@ -16,7 +16,6 @@
 #include "scheduling/render/render_loop.hpp"
 #include "scheduling/session/memory_need.hpp"
 #include "scheduling/session/passivity_plan.hpp"
-#include "scheduling/session/run_parts.hpp"
 #include "scheduling/session/session_setup.hpp"
 #include "scheduling/workers/cost.hpp"
 #include "scheduling/workers/generator.hpp"
