@@ -61,6 +61,6 @@ struct Loops {
                 double* out);
 };
 
-const Loops& loops();  // those of approx_instruction_set()
+const Loops& loops();  // those of instruction_set_in_use()
 
 }  // namespace forefeel::dense

@@ -107,15 +107,14 @@ struct Columns {
   double *l, *y, *v, *side;
   std::size_t stride, vs, m, col;
 
-  inline __attribute__((always_inline)) void rows(const Corner<G, C>& corner, std::size_t i,
-                                                  std::size_t skip = 0) const {
+  FOREFEEL_INLINE void rows(const Corner<G, C>& corner, std::size_t i, std::size_t skip = 0) const {
     double* at[C];
     for (std::size_t t = 0; t < C; ++t) at[t] = l + (col + t) * stride + i;
     reflect_rows<G, C>(corner.h, at, v + i, vs, skip);
   }
   // Reflects the vector that holds the first row below the corner, then stores the corner. The order matters:
   // reading a vector right after storing single entries of it would stall. Returns the next row.
-  inline __attribute__((always_inline)) std::size_t begin(const Corner<G, C>& corner, double* inverse) const {
+  FOREFEEL_INLINE std::size_t begin(const Corner<G, C>& corner, double* inverse) const {
     const std::size_t next = col + C, i = next / width * width;
     if (i < next && i < m) rows(corner, i, next - i);
     for (std::size_t t = 0; t < C; ++t) {
@@ -124,7 +123,7 @@ struct Columns {
     }
     return i < next ? i + width : next;
   }
-  inline __attribute__((always_inline)) void end(const Corner<G, C>& corner, std::size_t i) const {
+  FOREFEEL_INLINE void end(const Corner<G, C>& corner, std::size_t i) const {
     for (; i < m; i += width) rows(corner, i);
     double* at[C];
     for (std::size_t j = 0; j < border; j += width) {

@@ -17,6 +17,6 @@ struct Loops {
                  const double* polynomial, const double* given, std::size_t given_stride, double* misfit);
 };
 
-const Loops& loops();  // those of approx_instruction_set()
+const Loops& loops();  // those of instruction_set_in_use()
 
 }  // namespace forefeel::exact

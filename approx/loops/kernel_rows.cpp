@@ -1,13 +1,14 @@
 // Compiled once per instruction set.
 #include "approx/loops/kernel_rows.hpp"
 
+#include "geometry/common/simd.hpp"
+
 namespace forefeel::FOREFEEL_ISA {
 namespace {
 
 template <int K>
-inline __attribute__((always_inline)) void values_of(std::size_t n, const double* __restrict px,
-                                                     const double* __restrict py, const double* __restrict pz,
-                                                     const double* a, double* __restrict out) {
+FOREFEEL_INLINE void values_of(std::size_t n, const double* __restrict px, const double* __restrict py,
+                               const double* __restrict pz, const double* a, double* __restrict out) {
   const double ax = a[0], ay = a[1], az = a[2];
   for (std::size_t i = 0; i < n; ++i) {
     const double dx = ax - px[i], dy = ay - py[i], dz = az - pz[i];
@@ -18,10 +19,9 @@ inline __attribute__((always_inline)) void values_of(std::size_t n, const double
 }
 
 template <int K>
-inline __attribute__((always_inline)) void hermite_of(std::size_t n, const double* __restrict px,
-                                                      const double* __restrict py,
-                                                      const double* __restrict pz, const double* a,
-                                                      double* __restrict out, std::size_t stride) {
+FOREFEEL_INLINE void hermite_of(std::size_t n, const double* __restrict px, const double* __restrict py,
+                                const double* __restrict pz, const double* a, double* __restrict out,
+                                std::size_t stride) {
   double* __restrict o0 = out;
   double* __restrict o1 = out + stride;
   double* __restrict o2 = out + 2 * stride;
@@ -52,11 +52,9 @@ inline __attribute__((always_inline)) void hermite_of(std::size_t n, const doubl
 }
 
 template <std::size_t Q>
-inline __attribute__((always_inline)) void project_of(std::size_t m, const double* __restrict l,
-                                                      const double* __restrict v, std::size_t stride,
-                                                      const double* la, const double* va,
-                                                      const double* __restrict weight,
-                                                      double* __restrict out) {
+FOREFEEL_INLINE void project_of(std::size_t m, const double* __restrict l, const double* __restrict v,
+                                std::size_t stride, const double* la, const double* va,
+                                const double* __restrict weight, double* __restrict out) {
   for (std::size_t i = 0; i < m; ++i) {
     double sum = out[i];
     for (std::size_t j = 0; j < Q; ++j) sum -= la[j] * v[j * stride + i] + va[j] * l[j * stride + i];

@@ -18,6 +18,6 @@ struct Loops {
                   const double* la, const double* va, const double* weight, double* out);
 };
 
-const Loops& loops();  // those of approx_instruction_set()
+const Loops& loops();  // those of instruction_set_in_use()
 
 }  // namespace forefeel::rows

@@ -53,6 +53,6 @@ struct Loops {
                   double farthest, const double base[3], double out[19]);
 };
 
-const Loops& loops();  // those of approx_instruction_set()
+const Loops& loops();  // those of instruction_set_in_use()
 
 }  // namespace forefeel::sums

@@ -8,7 +8,7 @@
 #include <immintrin.h>
 #endif
 
-#define FOREFEEL_INLINE static inline __attribute__((always_inline))
+#include "geometry/common/simd.hpp"
 
 namespace forefeel::FOREFEEL_ISA {
 namespace {

@@ -18,6 +18,6 @@ struct Loops {
                   double nearest, double depth, double out[3]);
 };
 
-const Loops& loops();  // those of approx_instruction_set()
+const Loops& loops();  // those of instruction_set_in_use()
 
 }  // namespace forefeel::view

@@ -14,7 +14,6 @@
 #include <nlohmann/json.hpp>
 #include <random>
 
-#include "approx/loops/instruction_set.hpp"
 #include "approx/methods/older_methods.hpp"
 #include "apps/bench/bench.hpp"
 #include "apps/bench/bench_approx_parts.hpp"
@@ -26,6 +25,7 @@
 #include "apps/picture/plot.hpp"
 #include "apps/scene/scene.hpp"
 #include "geometry/common/error.hpp"
+#include "geometry/common/instruction_set.hpp"
 #include "geometry/common/output_file.hpp"
 #include "geometry/common/quantiles.hpp"
 #include "geometry/common/result_folder.hpp"
@@ -268,7 +268,7 @@ int bench_approx(const Globals& globals, const std::string& scene, const std::st
     for (const std::string& note : bench.notes) warn(globals, note);
     if (bench.rows.empty()) warn(globals, "no row could be measured: too few states");
   }
-  document["instruction_set"] = name(approx_instruction_set());
+  document["instruction_set"] = name(instruction_set_in_use());
   document["provenance"] = provenance("");
   if (globals.json) print_json(document);
   return document["rows"].empty() ? 1 : 0;

@@ -5,10 +5,10 @@
 #include <cmath>
 #include <nlohmann/json.hpp>
 
-#include "approx/loops/instruction_set.hpp"
 #include "apps/bench/bench_approx_parts.hpp"
 #include "apps/bench/bench_row.hpp"
 #include "apps/console/json.hpp"
+#include "geometry/common/instruction_set.hpp"
 
 namespace forefeel::bench {
 namespace {
@@ -86,7 +86,7 @@ Json methods_json(const Case& taken, const std::vector<Measured>& table) {
 void print_tables(const Globals& globals, const Case& taken, std::size_t known,
                   const std::vector<Comparison>& rows, const std::vector<Measured>& table) {
   say(globals, fmt::format("{}: {} states, {} instructions, one thread; medians\n", taken.name, known,
-                           name(approx_instruction_set())));
+                           name(instruction_set_in_use())));
   say(globals, fmt::format("{:18} {:>4} {:>3} {:>10} {:>26} {:>10} {:>7} {:>9} {:>9} {:>8}", "", "n", "k",
                            "ours us", "baseline", "us", "ratio", "error p50", "p95", "by refit"));
   for (const Comparison& row : rows) say(globals, row_line(row));

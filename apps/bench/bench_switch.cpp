@@ -20,7 +20,6 @@
 #include <deque>
 #include <nlohmann/json.hpp>
 
-#include "approx/loops/instruction_set.hpp"
 #include "approx/switch/force_switch.hpp"
 #include "apps/bench/bench.hpp"
 #include "apps/bench/bench_row.hpp"
@@ -29,6 +28,7 @@
 #include "apps/console/json.hpp"
 #include "apps/console/provenance.hpp"
 #include "apps/scene/laboratory.hpp"
+#include "geometry/common/instruction_set.hpp"
 #include "geometry/common/quantiles.hpp"
 #include "scheduling/motion/random.hpp"
 
@@ -313,7 +313,7 @@ int bench_switch(const Globals& globals, const std::string& scene) {
     }
   }
   document["model"] = fmt::format("r3, force, {} random states each", states_per_model);
-  document["instruction_set"] = name(approx_instruction_set());
+  document["instruction_set"] = name(instruction_set_in_use());
   document["provenance"] = provenance(laboratory.scene().source.hash);
   if (globals.json) print_json(document);
   for (const std::string& line : lines) say(globals, line);

@@ -1,6 +1,8 @@
 // Eigen's SimplicialLDLT, compiled once per instruction set. The macro gives each copy its own names, so that
 // the linker cannot mix them.
-#define Eigen FOREFEEL_EIGEN_LDLT
+#define FOREFEEL_PASTED(a, b) a##b
+#define FOREFEEL_EIGEN(isa) FOREFEEL_PASTED(EigenLdlt_, isa)
+#define Eigen FOREFEEL_EIGEN(FOREFEEL_ISA)
 #include <Eigen/SparseCholesky>
 
 namespace forefeel {

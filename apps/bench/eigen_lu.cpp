@@ -1,5 +1,7 @@
 // Compiled once per instruction set; Eigen's namespace is renamed so that the linker cannot mix them.
-#define Eigen FOREFEEL_EIGEN_LU
+#define FOREFEEL_PASTED(a, b) a##b
+#define FOREFEEL_EIGEN(isa) FOREFEEL_PASTED(EigenLu_, isa)
+#define Eigen FOREFEEL_EIGEN(FOREFEEL_ISA)
 #include <Eigen/LU>
 
 namespace forefeel::FOREFEEL_ISA {

@@ -2,23 +2,15 @@
 
 #include <cmath>
 
-#include "approx/loops/instruction_set.hpp"
+#include "geometry/common/instruction_set.hpp"
 
 namespace forefeel {
 
-#define FOREFEEL_DECLARE_BASELINE(isa)                                                        \
-  namespace isa {                                                                             \
-  void* make_lu(long, bool);                                                                  \
-  void free_lu(void*);                                                                        \
-  double refit_lu(void*, long, const double*, const double*);                                 \
-  void scalar_sum(std::size_t, const double*, const double*, const double*, double*);         \
-  void scalar_hermite_sum(std::size_t, const double*, const double*, const double*, double*); \
-  }
-FOREFEEL_DECLARE_BASELINE(portable)
-#ifdef FOREFEEL_MULTIVERSION
-FOREFEEL_DECLARE_BASELINE(avx2)
-FOREFEEL_DECLARE_BASELINE(avx512)
-#endif
+FOREFEEL_IN_EACH_SET(void* make_lu(long, bool); void free_lu(void*);
+                     double refit_lu(void*, long, const double*, const double*);
+                     void scalar_sum(std::size_t, const double*, const double*, const double*, double*);
+                     void scalar_hermite_sum(std::size_t, const double*, const double*, const double*,
+                                             double*);)
 
 namespace {
 
@@ -30,20 +22,9 @@ struct Functions {
   void (*hermite_sum)(std::size_t, const double*, const double*, const double*, double*);
 };
 
-Functions choose() {
-#ifdef FOREFEEL_MULTIVERSION
-  if (approx_instruction_set() == InstructionSet::avx512)
-    return {avx512::make_lu, avx512::free_lu, avx512::refit_lu, avx512::scalar_sum,
-            avx512::scalar_hermite_sum};
-  if (approx_instruction_set() == InstructionSet::avx2)
-    return {avx2::make_lu, avx2::free_lu, avx2::refit_lu, avx2::scalar_sum, avx2::scalar_hermite_sum};
-#endif
-  return {portable::make_lu, portable::free_lu, portable::refit_lu, portable::scalar_sum,
-          portable::scalar_hermite_sum};
-}
-
 const Functions& functions() {
-  static const Functions chosen = choose();
+  static const Functions chosen{FOREFEEL_CHOSEN(make_lu), FOREFEEL_CHOSEN(free_lu), FOREFEEL_CHOSEN(refit_lu),
+                                FOREFEEL_CHOSEN(scalar_sum), FOREFEEL_CHOSEN(scalar_hermite_sum)};
   return chosen;
 }
 

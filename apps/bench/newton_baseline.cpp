@@ -8,6 +8,8 @@
 #include <limits>
 #include <string_view>
 
+#include "geometry/common/instruction_set.hpp"
+
 extern "C" {
 char* openblas_get_config() __attribute__((weak));
 char* openblas_get_corename() __attribute__((weak));
@@ -16,18 +18,8 @@ void openblas_set_num_threads(int) __attribute__((weak));
 
 namespace forefeel {
 
-#define FOREFEEL_DECLARE_LDLT(isa)                \
-  namespace isa {                                 \
-  void* make_ldlt(int, const int*, const int*);   \
-  void free_ldlt(void*);                          \
-  bool factor_ldlt(void*, const double*);         \
-  void solve_ldlt(void*, const double*, double*); \
-  }
-FOREFEEL_DECLARE_LDLT(portable)
-#ifdef FOREFEEL_MULTIVERSION
-FOREFEEL_DECLARE_LDLT(avx2)
-FOREFEEL_DECLARE_LDLT(avx512)
-#endif
+FOREFEEL_IN_EACH_SET(void* make_ldlt(int, const int*, const int*); void free_ldlt(void*);
+                     bool factor_ldlt(void*, const double*); void solve_ldlt(void*, const double*, double*);)
 
 namespace {
 
@@ -39,13 +31,8 @@ struct LdltFunctions {
 };
 
 LdltFunctions ldlt_functions() {
-#ifdef FOREFEEL_MULTIVERSION
-  const std::string_view isa = instruction_set();
-  if (isa == "AVX-512")
-    return {avx512::make_ldlt, avx512::free_ldlt, avx512::factor_ldlt, avx512::solve_ldlt};
-  if (isa == "AVX2") return {avx2::make_ldlt, avx2::free_ldlt, avx2::factor_ldlt, avx2::solve_ldlt};
-#endif
-  return {portable::make_ldlt, portable::free_ldlt, portable::factor_ldlt, portable::solve_ldlt};
+  return {FOREFEEL_CHOSEN(make_ldlt), FOREFEEL_CHOSEN(free_ldlt), FOREFEEL_CHOSEN(factor_ldlt),
+          FOREFEEL_CHOSEN(solve_ldlt)};
 }
 
 class EigenSolver : public SparseSolver {
@@ -145,13 +132,14 @@ std::string cholmod_blas() {
 
 const char* cholmod_blas_wanted() {
   if (!openblas_get_corename) return nullptr;
-  const std::string_view core = openblas_get_corename(), isa = instruction_set();
+  const std::string_view core = openblas_get_corename();
+  const InstructionSet isa = instruction_set_in_use();
   const auto is_one_of = [&](std::initializer_list<std::string_view> names) {
     return std::find(names.begin(), names.end(), core) != names.end();
   };
   const bool wide = is_one_of({"SkylakeX", "Cooperlake", "SapphireRapids"});
-  if (isa == "AVX-512") return wide ? nullptr : "SKYLAKEX";
-  if (isa == "AVX2") return wide || is_one_of({"Haswell", "Zen"}) ? nullptr : "HASWELL";
+  if (isa == InstructionSet::avx512) return wide ? nullptr : "SKYLAKEX";
+  if (isa == InstructionSet::avx2) return wide || is_one_of({"Haswell", "Zen"}) ? nullptr : "HASWELL";
   return nullptr;
 }
 

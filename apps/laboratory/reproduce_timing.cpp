@@ -23,7 +23,7 @@
 #include "apps/laboratory/reproduce.hpp"
 #include "apps/picture/figure.hpp"
 #include "apps/picture/plot.hpp"
-#include "approx/loops/instruction_set.hpp"
+#include "geometry/common/instruction_set.hpp"
 #include "geometry/common/quantiles.hpp"
 #include "scheduling/motion/random.hpp"
 
@@ -253,7 +253,7 @@ Figure picture(const std::vector<TimingRow>& rows) {
 
 std::string what_we_found(const std::vector<TimingRow>& rows) {
   std::string text =
-      fmt::format("On this machine, one thread, {} instructions: ", name(approx_instruction_set()));
+      fmt::format("On this machine, one thread, {} instructions: ", name(instruction_set_in_use()));
   for (const TimingRow& row : rows) {
     const double direct = median(row.direct);
     text += fmt::format(
@@ -305,7 +305,7 @@ Findings reproduce_timing(Laboratory& laboratory, const ReproduceOptions& option
 
   Findings findings;
   findings.summary["states"] = states.size();
-  findings.summary["instruction_set"] = name(approx_instruction_set());
+  findings.summary["instruction_set"] = name(instruction_set_in_use());
   findings.summary["rows"] = nlohmann::ordered_json::array();
   for (const TimingRow& row : rows) findings.summary["rows"].push_back(to_json(row));
   const std::string found = what_we_found(rows);

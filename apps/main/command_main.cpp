@@ -14,11 +14,11 @@
 #include <new>
 #include <string_view>
 
-#include "approx/loops/instruction_set.hpp"
 #include "apps/console/commands.hpp"
 #include "apps/console/interrupt.hpp"
 #include "apps/console/provenance.hpp"
 #include "geometry/common/error.hpp"
+#include "geometry/common/instruction_set.hpp"
 #include "scheduling/study/study_run.hpp"
 
 namespace forefeel {

@@ -5,7 +5,7 @@
 #include <span>
 #include <type_traits>
 
-#include "approx/loops/instruction_set.hpp"
+#include "geometry/common/instruction_set.hpp"
 
 namespace forefeel {
 namespace {
@@ -81,7 +81,7 @@ std::uint64_t digest(std::span<const char> bytes) {
 }  // namespace
 
 std::string inputs_made_by(std::string_view program) {
-  return fmt::format("{}, {}", program, name(approx_instruction_set()));
+  return fmt::format("{}, {}", program, name(instruction_set_in_use()));
 }
 
 void pack(Packer& out, const InputHeader& header) {

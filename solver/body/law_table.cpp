@@ -2,35 +2,18 @@
 
 #include <cstddef>
 
+#include "geometry/common/instruction_set.hpp"
 #include "solver/body/material.hpp"
 
 namespace forefeel {
 
 #define FOREFEEL_LAW_DECLARED(law) extern const LawEntry law;
 #define FOREFEEL_LAW_ADDRESS(law) &law,
-
-namespace portable {
-FOREFEEL_LAWS(FOREFEEL_LAW_DECLARED)
-static constexpr const LawEntry* entries[] = {FOREFEEL_LAWS(FOREFEEL_LAW_ADDRESS)};
-}  // namespace portable
-#ifdef FOREFEEL_MULTIVERSION
-namespace avx2 {
-FOREFEEL_LAWS(FOREFEEL_LAW_DECLARED)
-static constexpr const LawEntry* entries[] = {FOREFEEL_LAWS(FOREFEEL_LAW_ADDRESS)};
-}  // namespace avx2
-namespace avx512 {
-FOREFEEL_LAWS(FOREFEEL_LAW_DECLARED)
-static constexpr const LawEntry* entries[] = {FOREFEEL_LAWS(FOREFEEL_LAW_ADDRESS)};
-}  // namespace avx512
-#endif
+FOREFEEL_IN_EACH_SET(FOREFEEL_LAWS(FOREFEEL_LAW_DECLARED) static constexpr const LawEntry* entries[] = {
+                         FOREFEEL_LAWS(FOREFEEL_LAW_ADDRESS)};)
 
 const LawEntry& law_entry(Law law) {
-  const auto number = static_cast<std::size_t>(law);
-#ifdef FOREFEEL_MULTIVERSION
-  if (kernel_isa() == KernelIsa::avx512) return *avx512::entries[number];
-  if (kernel_isa() == KernelIsa::avx2) return *avx2::entries[number];
-#endif
-  return *portable::entries[number];
+  return *FOREFEEL_CHOSEN(entries)[static_cast<std::size_t>(law)];
 }
 
 const LawEntry& portable_law_entry(Law law) {

@@ -4,6 +4,7 @@
 // Everything is in an unnamed namespace on purpose: the kernels are compiled once per instruction set, and
 // the linker must not pick a function compiled for a newer one for general use. Include in kernel files only.
 
+#include "geometry/common/simd.hpp"
 #include "solver/kernels/kernels.hpp"
 
 namespace forefeel {
@@ -11,8 +12,6 @@ namespace {
 
 using Lanes = double __attribute__((vector_size(64)));
 using LaneBits = long long __attribute__((vector_size(64)));
-
-#define FOREFEEL_INLINE __attribute__((always_inline)) inline
 
 FOREFEEL_INLINE double least(double a, double b) {
   return b < a ? b : a;

@@ -115,9 +115,7 @@ struct FrontKernels {
   void (*add_lanes)(std::int64_t rows, const double* factor, const double* x, double* y);
 };
 
-enum class KernelIsa { portable, avx2, avx512 };
-KernelIsa kernel_isa();               // the best that this processor runs
-const FrontKernels& front_kernels();  // for kernel_isa()
-const char* instruction_set();        // its name
+const FrontKernels& front_kernels();  // for instruction_set_in_use()
+const char* instruction_set();        // its name: "portable", "AVX2", "AVX-512"
 
 }  // namespace forefeel
