@@ -7,6 +7,7 @@
 
 #include "geometry/common/instruction_set.hpp"
 #include "solver/body/law_table.hpp"
+#include "solver/body/material.hpp"
 #include "solver/kernels/kernels.hpp"
 
 using namespace forefeel;
