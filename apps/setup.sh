@@ -1,7 +1,7 @@
 #!/usr/bin/env bash
 # Installs the Debian 12 packages that are missing. Safe to repeat; needs root, or sudo, only when something is missing.
 #   setup.sh              packages to build and run forefeel
-#   setup.sh tests        also the tests' reference programs, the formatter, and tools to make a package
+#   setup.sh tests        also the tests' reference programs, clang, the formatter, and tools to make a package
 #   setup.sh sanitizers   also clang for the thread sanitizer
 #   setup.sh mpi          also Open MPI for workers in other processes
 #   setup.sh python       also what the Python module and its examples need
@@ -13,7 +13,7 @@ packages=(git g++ cmake ninja-build libeigen3-dev libfmt-dev libcgal-dev libboos
 case "${1:-}" in
   "") ;;
   tests) packages+=(python3 python3-numpy python3-scipy python3-pandas python3-matplotlib python3-vtk9 calculix-ccx python3-dolfinx
-                    clang-format-14 dpkg-dev file pybind11-dev python3-dev) ;;
+                    clang clang-format-14 libomp-dev dpkg-dev file pybind11-dev python3-dev) ;;
   sanitizers) packages+=(clang libomp-dev) ;;
   python) packages+=(pybind11-dev python3-dev python3-numpy python3-scipy python3-matplotlib) ;;
   mpi) packages+=(openmpi-bin libboost-mpi-dev libopenmpi-dev) ;;

@@ -118,8 +118,7 @@ std::vector<NodeIndex> read_contact(const SceneTable& table, const TetMesh& mesh
   if (!radius) return nodes;
   std::vector<NodeIndex> patch = nodes;
   for (const NodeIndex node : nodes) {
-    const std::vector<NodeIndex> near =
-        surface_nodes_within(mesh, mesh.nodes[static_cast<std::size_t>(node)], *radius);
+    const std::vector<NodeIndex> near = surface_nodes_within(mesh, mesh.nodes[node], *radius);
     patch.insert(patch.end(), near.begin(), near.end());
   }
   std::ranges::sort(patch);

@@ -77,14 +77,13 @@ void write_body(const fs::path& file, const ShownBody& body) {
   if (solid)
     for (Vec3& p : points) p -= body.rest;
   std::vector<int> role(points.size(), 0);
-  for (std::size_t i = 0; i < body.node.size(); ++i)
-    role[static_cast<std::size_t>(body.node[i])] = static_cast<int>(body.role[i]);
+  for (std::size_t i = 0; i < body.node.size(); ++i) role[body.node[i]] = static_cast<int>(body.role[i]);
   TextGrid grid(file, points.size(), solid ? body.mesh.tets.size() : body.triangles.size());
   grid.open("PointData");
   grid.array("UInt8", "role", role.size(), 1, [&](std::size_t i, int) { return role[i]; });
   for (const auto& [name, nodes] : body.mesh.groups) {
     std::vector<int> in(points.size(), 0);
-    for (const NodeIndex node : nodes) in[static_cast<std::size_t>(node)] = 1;
+    for (const NodeIndex node : nodes) in[node] = 1;
     grid.array("UInt8", "group_" + name, in.size(), 1, [&](std::size_t i, int) { return in[i]; });
   }
   grid.close("PointData");

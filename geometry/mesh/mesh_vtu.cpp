@@ -35,7 +35,7 @@ class VtuReader {
   }
 
  private:
-  // The tetrahedron of each cell of the piece; -1 for other cells.
+  // The tetrahedron of each cell of the piece; no_tet for other cells.
   std::vector<TetIndex> join(const VtkXmlPiece& piece) {
     const std::size_t n_points = in_.count(piece, "NumberOfPoints"),
                       n_cells = in_.count(piece, "NumberOfCells");
@@ -59,7 +59,7 @@ class VtuReader {
                                                            static_cast<std::int64_t>(n_points) - 1));
       node += first;
     }
-    std::vector<TetIndex> tet_of_cell(n_cells, -1);
+    std::vector<TetIndex> tet_of_cell(n_cells, no_tet);
     std::int64_t begin = 0;
     for (std::size_t i = 0; i < n_cells; begin = offsets[i], ++i) {
       if (offsets[i] < begin || offsets[i] > static_cast<std::int64_t>(connectivity.size()))
@@ -75,7 +75,7 @@ class VtuReader {
     return tet_of_cell;
   }
 
-  // tet_of_cell: -1 for cells that are not tetrahedra.
+  // tet_of_cell: no_tet for cells that are not tetrahedra.
   void take_labels(const VtkXmlPiece& piece, const std::vector<TetIndex>& tet_of_cell) {
     const auto section = piece.arrays.find("CellData");
     if (section == piece.arrays.end()) return;
@@ -93,7 +93,7 @@ class VtuReader {
         throw InputError({.file = in_.name()}, fmt::format("cell array {:.40} has {} values, expected {}",
                                                            name, values.size(), tet_of_cell.size()));
       for (std::size_t i = 0; i < values.size(); ++i)
-        if (tet_of_cell[i] >= 0) labels_[name].push_back({tet_of_cell[i], values[i]});
+        if (tet_of_cell[i] != no_tet) labels_[name].push_back({tet_of_cell[i], values[i]});
     }
   }
 
@@ -155,7 +155,7 @@ void put_masks(fmt::memory_buffer& text, const std::map<std::string, std::vector
                std::size_t n) {
   for (const auto& [name, members] : groups) {
     std::vector<int> in(n, 0);
-    for (const Index member : members) in[static_cast<std::size_t>(member)] = 1;
+    for (const Index member : members) in[member] = 1;
     put_array(text, "UInt8", name, n, [&](std::size_t i) { return in[i]; });
   }
 }

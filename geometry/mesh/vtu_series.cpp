@@ -68,11 +68,11 @@ std::string array(const char* type, const char* name, int width, std::size_t off
 VtuSeries::VtuSeries(const TetMesh& mesh, const std::vector<NodeIndex>& nodes, bool surface) {
   std::vector<std::int32_t> place(mesh.nodes.size(), -1), connectivity, offsets;
   for (std::size_t i = 0; i < nodes.size(); ++i) {
-    place[static_cast<std::size_t>(nodes[i])] = static_cast<std::int32_t>(i);
-    rest_.push_back(mesh.nodes[static_cast<std::size_t>(nodes[i])].cast<float>());
+    place[nodes[i]] = static_cast<std::int32_t>(i);
+    rest_.push_back(mesh.nodes[nodes[i]].cast<float>());
   }
   const auto add = [&](const auto& cell) {
-    for (const NodeIndex node : cell) connectivity.push_back(place[static_cast<std::size_t>(node)]);
+    for (const NodeIndex node : cell) connectivity.push_back(place[node]);
     offsets.push_back(static_cast<std::int32_t>(connectivity.size()));
   };
   if (surface)
@@ -96,8 +96,7 @@ VtuSeries::Array VtuSeries::pack(std::span<const char> bytes) {
 std::string VtuSeries::frame(double t, const Vec3& tip, std::span<const float> u) const {
   std::vector<float> points(3 * rest_.size());
   for (std::size_t i = 0; i < rest_.size(); ++i)
-    for (std::size_t c = 0; c < 3; ++c)
-      points[3 * i + c] = rest_[i][static_cast<Eigen::Index>(c)] + u[3 * i + c];
+    for (unsigned c = 0; c < 3; ++c) points[3 * i + c] = rest_[i][c] + u[3 * i + c];
   const std::string moved = packed({reinterpret_cast<const char*>(u.data()), u.size_bytes()});
   std::string text = fmt::format(
       "<?xml version=\"1.0\"?>\n<VTKFile type=\"UnstructuredGrid\" version=\"1.0\" byte_order=\"{}\" "

@@ -16,28 +16,26 @@ Triangle sorted(Triangle t) {
 }
 
 // Number of the region of each tetrahedron. A region is connected without crossing the surface.
-std::vector<int> regions_of(const TetMesh& mesh, const Surface& surface) {
+std::vector<TetIndex> regions_of(const TetMesh& mesh, const Surface& surface) {
   std::set<Triangle> walls;
   for (const Triangle& t : surface.triangles) walls.insert(sorted(t));
-  std::vector<std::pair<Triangle, int>> sides;
-  for (std::size_t t = 0; t < mesh.tets.size(); ++t)
+  std::vector<std::pair<Triangle, TetIndex>> sides;
+  for (TetIndex t = 0; t < mesh.tets.size(); ++t)
     for (std::size_t k = 0; k < 4; ++k) {
       const Tet& tet = mesh.tets[t];
-      sides.emplace_back(sorted({tet[(k + 1) % 4], tet[(k + 2) % 4], tet[(k + 3) % 4]}), static_cast<int>(t));
+      sides.emplace_back(sorted({tet[(k + 1) % 4], tet[(k + 2) % 4], tet[(k + 3) % 4]}), t);
     }
   std::ranges::sort(sides);
-  std::vector<int> parent(mesh.tets.size());
-  std::iota(parent.begin(), parent.end(), 0);
-  const auto root = [&](int i) {
-    while (parent[static_cast<std::size_t>(i)] != i)
-      i = parent[static_cast<std::size_t>(i)] =
-          parent[static_cast<std::size_t>(parent[static_cast<std::size_t>(i)])];
+  std::vector<TetIndex> parent(mesh.tets.size());
+  std::iota(parent.begin(), parent.end(), TetIndex{0});
+  const auto root = [&](TetIndex i) {
+    while (parent[i] != i) i = parent[i] = parent[parent[i]];
     return i;
   };
   for (std::size_t i = 0; i + 1 < sides.size(); ++i)
     if (sides[i].first == sides[i + 1].first && !walls.contains(sides[i].first))
-      parent[static_cast<std::size_t>(root(sides[i + 1].second))] = root(sides[i].second);
-  for (std::size_t t = 0; t < parent.size(); ++t) parent[t] = root(static_cast<int>(t));
+      parent[root(sides[i + 1].second)] = root(sides[i].second);
+  for (TetIndex t = 0; t < parent.size(); ++t) parent[t] = root(t);
   return parent;
 }
 
@@ -52,9 +50,7 @@ double solid_angle(const Vec3& q, const Vec3& a, const Vec3& b, const Vec3& c) {
 double winding_number(const Surface& surface, const Vec3& q) {
   double sum = 0;
   for (const auto& [a, b, c] : surface.triangles)
-    sum +=
-        solid_angle(q, surface.nodes[static_cast<std::size_t>(a)], surface.nodes[static_cast<std::size_t>(b)],
-                    surface.nodes[static_cast<std::size_t>(c)]);
+    sum += solid_angle(q, surface.nodes[a], surface.nodes[b], surface.nodes[c]);
   return sum;
 }
 
@@ -63,27 +59,27 @@ void compact(TetMesh& mesh, std::size_t keep) {
   std::vector<char> used(mesh.nodes.size(), 0);
   std::fill_n(used.begin(), std::min(keep, used.size()), char{1});
   for (const Tet& tet : mesh.tets)
-    for (const NodeIndex node : tet) used[static_cast<std::size_t>(node)] = 1;
-  std::vector<NodeIndex> number(mesh.nodes.size(), -1);
+    for (const NodeIndex node : tet) used[node] = 1;
+  std::vector<NodeIndex> number(mesh.nodes.size());
   NodeIndex next = 0;
   for (std::size_t i = 0; i < used.size(); ++i)
-    if (used[i]) mesh.nodes[static_cast<std::size_t>(next)] = mesh.nodes[i], number[i] = next++;
-  mesh.nodes.resize(static_cast<std::size_t>(next));
+    if (used[i]) mesh.nodes[next] = mesh.nodes[i], number[i] = next++;
+  mesh.nodes.resize(next);
   for (Tet& tet : mesh.tets)
-    for (NodeIndex& node : tet) node = number[static_cast<std::size_t>(node)];
+    for (NodeIndex& node : tet) node = number[node];
 }
 
 }  // namespace
 
 void drop_cavities(TetMesh& mesh, const Surface& surface) {
-  const std::vector<int> region = regions_of(mesh, surface);
+  const std::vector<TetIndex> region = regions_of(mesh, surface);
   std::vector<int> inside(mesh.tets.size(), -1);  // by region; -1: not yet known
   std::vector<Tet> kept;
   for (std::size_t t = 0; t < mesh.tets.size(); ++t) {
-    int& known = inside[static_cast<std::size_t>(region[t])];
+    int& known = inside[region[t]];
     if (known < 0) {
       Vec3 centre = Vec3::Zero();
-      for (const NodeIndex node : mesh.tets[t]) centre += mesh.nodes[static_cast<std::size_t>(node)] / 4;
+      for (const NodeIndex node : mesh.tets[t]) centre += mesh.nodes[node] / 4;
       known = winding_number(surface, centre) > 0.5;
     }
     if (known) kept.push_back(mesh.tets[t]);

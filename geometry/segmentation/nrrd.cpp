@@ -113,8 +113,8 @@ class NrrdReader {
     header.axes.setIdentity();
     if (values_.contains("space directions")) {
       const std::vector<double> m = numbers("space directions", 9);
-      for (int d = 0; d < 3; ++d)
-        for (int r = 0; r < 3; ++r) header.axes(r, d) = m[static_cast<std::size_t>(3 * d + r)];
+      for (unsigned d = 0; d < 3; ++d)
+        for (unsigned r = 0; r < 3; ++r) header.axes(r, d) = m[3 * d + r];
     } else if (values_.contains("spacings")) {
       const std::vector<double> s = numbers("spacings", 3);
       header.axes = Vec3(s[0], s[1], s[2]).asDiagonal();

@@ -40,7 +40,7 @@ void collect(std::string_view data, bool swap, LabelCollector& to) {
 
 std::size_t bytes_of(Scalar type) {
   constexpr std::array<std::size_t, 10> sizes{1, 1, 2, 2, 4, 4, 8, 8, 4, 8};
-  return sizes[static_cast<std::size_t>(type)];
+  return sizes.at(static_cast<std::size_t>(type));
 }
 
 std::size_t checked_voxels(const ImageHeader& header, const std::string& file, std::size_t bytes_each) {
