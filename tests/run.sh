@@ -1,5 +1,6 @@
 #!/usr/bin/env bash
-# Installs what is missing, checks the format, builds Release with all tests, and runs them all. Safe to repeat.
+# Installs what is missing, checks the format, builds Release with all tests, compiles every file with clang and all
+# warnings (preset develop), and runs all tests. Safe to repeat.
 set -euo pipefail
 cd "$(dirname "$0")/.."
 
@@ -8,4 +9,6 @@ bash apps/setup.sh tests
 git ls-files -z '*.cpp' '*.hpp' | xargs -0 clang-format-14 --dry-run --Werror
 cmake --preset release
 cmake --build --preset release
+cmake --preset develop
+cmake --build --preset develop --target forefeel_objects
 ctest --preset release --parallel "$(nproc)"

@@ -130,7 +130,7 @@ void ModelData::RbfSum::raw(const double y[3], double f[3], double j[9]) const n
 // the distance to the polytope.
 double ModelData::Hull::outside(const double y[3], double gradient[3]) const noexcept {
   double g[13], largest = 0;
-  for (int k = 0; k < 13; ++k) {
+  for (std::size_t k = 0; k < 13; ++k) {
     const double along = axes.d[k][0] * y[0] + axes.d[k][1] * y[1] + axes.d[k][2] * y[2];
     g[k] = along > high[k] ? along - high[k] : along < low[k] ? along - low[k] : 0;
     largest = std::max(largest, std::abs(g[k]));
@@ -154,7 +154,7 @@ void ModelData::Hull::set(const double* px, const double* py, const double* pz, 
                           double trusted) {
   sums::loops().supports(n, px, py, pz, axes.d, low.data(), high.data());
   double nearest = 1e300;
-  for (int k = 0; k < 13; ++k) nearest = std::min({nearest, high[k], -low[k]});
+  for (std::size_t k = 0; k < 13; ++k) nearest = std::min({nearest, high[k], -low[k]});
   const double radius = nearest + trusted / 1.4;  // 13^(1/8) < 1.4
   inner_squared = radius > 0 ? radius * radius : -1;
 }

@@ -38,7 +38,9 @@ const Tetrahedron tetrahedron;
 }  // namespace
 
 std::array<double, 3> anchor(std::size_t j) {
-  if (j < 4) return {tetrahedron.corners(0, j), tetrahedron.corners(1, j), tetrahedron.corners(2, j)};
+  const auto node = static_cast<Eigen::Index>(j);
+  if (j < 4)
+    return {tetrahedron.corners(0, node), tetrahedron.corners(1, node), tetrahedron.corners(2, node)};
   const auto [a, b] = tetrahedron.edges[j - 4];
   const Eigen::Vector3d middle = 0.5 * (tetrahedron.corners.col(a) + tetrahedron.corners.col(b));
   return {middle[0], middle[1], middle[2]};
@@ -64,10 +66,11 @@ void lagrange(int degree, const double y[3], double* l, double* gradient) {
     l[j] = t[j] * (2 * t[j] - 1);
     for (int d = 0; d < 3; ++d) gradient[3 * j + d] = (4 * t[j] - 1) * b(j, d + 1);
   }
-  for (int e = 0; e < 6; ++e) {
+  for (unsigned e = 0; e < 6; ++e) {
     const auto [i, k] = tetrahedron.edges[e];
     l[4 + e] = 4 * t[i] * t[k];
-    for (int d = 0; d < 3; ++d) gradient[3 * (4 + e) + d] = 4 * (b(i, d + 1) * t[k] + t[i] * b(k, d + 1));
+    for (unsigned d = 0; d < 3; ++d)
+      gradient[3 * (4 + e) + d] = 4 * (b(i, d + 1) * t[k] + t[i] * b(k, d + 1));
   }
 }
 
@@ -96,7 +99,7 @@ void to_monomials(int degree, const double* values, double* monomials) {
     if (degree == 2) add_product(j, j, 2 * values[j]);
   }
   if (degree == 2)
-    for (int e = 0; e < 6; ++e)
+    for (unsigned e = 0; e < 6; ++e)
       add_product(tetrahedron.edges[e][0], tetrahedron.edges[e][1], 4 * values[4 + e]);
 }
 

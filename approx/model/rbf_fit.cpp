@@ -170,13 +170,13 @@ void RbfFit::append_panel(std::size_t first_slot, std::size_t count) {
       rows::loops().project(rows_.terms, all, rows_.lagrange.data(), rows_.dual.data(), rows_.stride, la, va,
                             rows_.weight.data(), line);
       line[row] += ridge(slot, t);
-      for (int c = 0; c < 3; ++c)
+      for (unsigned c = 0; c < 3; ++c)
         right[rows_.terms + c] =
             t == 0 ? sample.force[c] : -sample.stiffness(c, Eigen::Index(t) - 1) * frame_.scale;
       for (std::size_t j = rows_.terms + 3; j < DenseFactor::border; ++j) right[j] = 0;
       if (t > 0 && !set_.slot[slot].has_stiffness) {
         skip |= 1u << (s * b + t);
-        for (int c = 0; c < 3; ++c) right[rows_.terms + c] = 0;
+        for (unsigned c = 0; c < 3; ++c) right[rows_.terms + c] = 0;
       }
     }
   }
@@ -240,7 +240,7 @@ void RbfFit::factorise(std::span<const Sample> samples) {
     for (std::size_t k = 0; k < rows_.terms; ++k) {
       const auto &a = frame_.anchors[j], &b = frame_.anchors[k];
       double r2 = 0;
-      for (int d = 0; d < 3; ++d) r2 += (a[d] - b[d]) * (a[d] - b[d]);
+      for (std::size_t d = 0; d < 3; ++d) r2 += (a[d] - b[d]) * (a[d] - b[d]);
       frame_.anchor_products[j * max_terms + k] = power(r2, level_.power);
     }
   append(samples);

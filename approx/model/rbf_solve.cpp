@@ -58,7 +58,7 @@ bool RbfFit::write_sum(ModelData& out) {
     to[0] = set_.px[s];
     to[stride] = set_.py[s];
     to[2 * stride] = set_.pz[s];
-    for (int c = 0; c < 3; ++c) {
+    for (std::size_t c = 0; c < 3; ++c) {
       const double* lambda = rows_.orthogonal.data() + (rows_.terms + c) * rows_.stride + s * b;
       to[(3 + c) * stride] = rows_.sign * lambda[0];
       if (b == 4)

@@ -290,7 +290,7 @@ int bench_switch(const Globals& globals, const std::string& scene) {
   document["rows"] = nlohmann::ordered_json::array();
   bool good = true;
   std::vector<std::string> lines;
-  for (const std::size_t every : {10, 20, 50, 100}) {
+  for (const std::size_t every : {10u, 20u, 50u, 100u}) {
     progress.show(0.5 + 0.005 * static_cast<double>(every - 10), fmt::format("a model every {} ms", every));
     const Stream stream = make_stream(space, states, every, globals.seed);
     std::array<std::vector<double>, 3> costs;

@@ -151,14 +151,15 @@ BaselineNewton::BaselineNewton(std::shared_ptr<const Discretisation> discretisat
   pattern_.start.push_back(0);
   for (int i = 0; i < n; ++i)
     for (int a = 0; a < 3; ++a) {
-      for (std::int64_t s = d_->pattern.row_start[static_cast<std::size_t>(i)];
-           s < d_->pattern.row_start[static_cast<std::size_t>(i) + 1]; ++s) {
-        const int j = d_->pattern.column[static_cast<std::size_t>(s)];
-        if (j == n) continue;
-        for (int b = i == j ? a : 0; b < 3; ++b) {
+      const auto row = static_cast<std::size_t>(i);
+      std::int64_t s = d_->pattern.row_start[row];
+      for (const std::uint32_t column : d_->pattern.row(row)) {
+        const auto j = static_cast<int>(column);
+        for (int b = i == j ? a : 0; b < 3 && j < n; ++b) {
           pattern_.row.push_back(3 * j + b);
           source_.push_back(9 * s + 3 * a + b);
         }
+        ++s;
       }
       pattern_.start.push_back(static_cast<int>(pattern_.row.size()));
     }

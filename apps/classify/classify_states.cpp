@@ -56,11 +56,10 @@ void take_scene(const ClassifyArguments& arguments, const std::string& where, co
   // HIP coordinates are relative to the rest position of the contact.
   Vec3 contact = Vec3::Zero();
   for (const NodeIndex node : scene.body->contact)
-    contact += scene.body->mesh.nodes[static_cast<std::size_t>(node)] / double(scene.body->contact.size());
+    contact += scene.body->mesh.nodes[node] / double(scene.body->contact.size());
   for (const Triangle& t : boundary_triangles(scene.body->mesh)) {
     std::array<Vec3, 3> corners;
-    for (std::size_t i = 0; i < 3; ++i)
-      corners[i] = scene.body->mesh.nodes[static_cast<std::size_t>(t[i])] - contact;
+    for (std::size_t i = 0; i < 3; ++i) corners[i] = scene.body->mesh.nodes[t[i]] - contact;
     result.body.push_back(corners);
   }
 }

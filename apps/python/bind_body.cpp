@@ -70,7 +70,9 @@ py::array_t<std::int32_t> tets_of(const TetMesh& mesh) {
 }
 
 py::array_t<std::int32_t> indices(const std::vector<NodeIndex>& nodes) {
-  return py::array_t<std::int32_t>(static_cast<py::ssize_t>(nodes.size()), nodes.data());
+  py::array_t<std::int32_t> array(static_cast<py::ssize_t>(nodes.size()));
+  std::ranges::copy(nodes, array.mutable_data());
+  return array;
 }
 
 // As `forefeel solve`: each state on the reference branch, and whether another path ends elsewhere.

@@ -17,11 +17,13 @@
 namespace forefeel {
 namespace {
 
-int serve(std::optional<MpiGroup>& group, const RankedCommand& command) {
+// The end of MPI waits for all ranks; if one is gone, this rank ends by itself after a while.
+int serve(std::optional<MpiGroup>& group, const RankedCommand& command, double patience) {
   const ServedRank end = serve_rank(group->transport(), command.load, command.load_at_once);
-  if (end == ServedRank::done) return 0;
-  if (end == ServedRank::busy) group.reset();  // ends MPI properly; the solving thread is never joined
-  std::_Exit(end == ServedRank::busy ? 0 : 1);
+  if (end == ServedRank::orphaned) std::_Exit(1);
+  group->end_within(patience + 5, [] { std::_Exit(0); });
+  if (end == ServedRank::busy) std::_Exit(0);  // the solving thread is never joined
+  return 0;
 }
 
 // MPI cannot end properly while a rank hangs. Without a code, an error still has to be reported.
@@ -49,7 +51,7 @@ int run_ranked(const Globals& globals, const MpiArguments& arguments, const Rank
   if (!MpiGroup::built())
     throw InputError("--mpi", "this build has no MPI, expected one made after `bash apps/setup.sh mpi`");
   std::optional<MpiGroup> group(std::in_place);
-  if (group->rank() > 0) return serve(group, command);
+  if (group->rank() > 0) return serve(group, command, arguments.patience);
   RankPool pool(group->transport(), arguments.patience);
   std::exception_ptr failure;
   int code = 1;

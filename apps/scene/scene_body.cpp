@@ -218,7 +218,7 @@ std::vector<NodeIndex> read_nodes(const SceneTable& table, const SceneRows<NodeS
   std::vector<NodeIndex> patch = set.nodes;
   for (const NodeIndex node : set.nodes) {
     const std::vector<NodeIndex> near =
-        surface_nodes_within(mesh, mesh.nodes[static_cast<std::size_t>(node)], *set.radius);
+        surface_nodes_within(mesh, mesh.nodes[node], *set.radius);
     patch.insert(patch.end(), near.begin(), near.end());
   }
   std::ranges::sort(patch);
@@ -293,7 +293,7 @@ Vec3 inward_direction(const Body& body) {
   Vec3 patch = Vec3::Zero(), around = Vec3::Zero();
   for (const Triangle& triangle : boundary_triangles(body.mesh)) {
     const auto corner = [&](int i) -> const Vec3& {
-      return body.mesh.nodes[static_cast<std::size_t>(triangle[static_cast<std::size_t>(i)])];
+      return body.mesh.nodes[static_cast<std::size_t>(triangle[i])];
     };
     const Vec3 normal = (corner(1) - corner(0)).cross(corner(2) - corner(0));
     const int corners = touched(triangle[0]) + touched(triangle[1]) + touched(triangle[2]);

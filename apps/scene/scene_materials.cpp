@@ -125,7 +125,7 @@ void assign_materials(const std::vector<MaterialTable>& tables, Body& body,
     }
     const std::vector<TetIndex>& tets = tets_of(table, body.mesh);
     for (const TetIndex tet : tets) {
-      const MaterialTable*& its = of[static_cast<std::size_t>(tet)];
+      const MaterialTable*& its = of[tet];
       if (its)
         throw table.table.wrong(
             "group", fmt::format("a group apart from '{}': tetrahedron {} is in both", its->group, tet));

@@ -33,7 +33,7 @@ Surface surface_of(const ShapeLog& log) {
   for (const NodeIndex node : nodes) {
     s.place.push_back(
         static_cast<std::size_t>(std::ranges::lower_bound(log.nodes(), node) - log.nodes().begin()));
-    const Vec3 at = mesh.nodes[static_cast<std::size_t>(node)] - box.centre();
+    const Vec3 at = mesh.nodes[node] - box.centre();
     s.rest.insert(s.rest.end(), {at[0], at[1], at[2]});
   }
   for (const Triangle& triangle : boundary_triangles(mesh))
@@ -47,7 +47,7 @@ Surface surface_of(const ShapeLog& log) {
 std::pair<double, double> view_of(const ShapeLog& log) {
   const Body& body = log.body();
   Vec3 contact = Vec3::Zero();
-  for (const NodeIndex node : body.contact) contact += body.mesh.nodes[static_cast<std::size_t>(node)];
+  for (const NodeIndex node : body.contact) contact += body.mesh.nodes[node];
   const Vec3 out = contact / static_cast<double>(body.contact.size()) - bounding_box(body.mesh).centre();
   const double azimuth = std::hypot(out[0], out[1]) > 1e-3 * out.norm() ? std::atan2(out[1], out[0]) : -1.0;
   const double elevation = out.norm() > 0 ? std::asin(std::clamp(out[2] / out.norm(), -1.0, 1.0)) : 0;

@@ -9,21 +9,19 @@
 namespace forefeel {
 namespace {
 
-// Position of each node of the mesh in the surface; -1 inside.
-std::vector<std::int32_t> places(const ShownBody& body, std::size_t mesh_nodes) {
-  std::vector<std::int32_t> place(mesh_nodes, -1);
-  for (std::size_t i = 0; i < body.node.size(); ++i)
-    place[static_cast<std::size_t>(body.node[i])] = static_cast<std::int32_t>(i);
+// Position of each node of the mesh in the surface; no_node inside.
+std::vector<NodeIndex> places(const ShownBody& body, std::size_t mesh_nodes) {
+  std::vector<NodeIndex> place(mesh_nodes, no_node);
+  for (std::size_t i = 0; i < body.node.size(); ++i) place[body.node[i]] = static_cast<NodeIndex>(i);
   return place;
 }
 
 void take_groups(ShownBody& body) {
-  const std::vector<std::int32_t> place = places(body, body.mesh.nodes.size());
+  const std::vector<NodeIndex> place = places(body, body.mesh.nodes.size());
   for (const auto& [name, nodes] : body.mesh.groups) {
     ShownGroup group{.name = name, .nodes = {}};
     for (const NodeIndex node : nodes)
-      if (const std::int32_t at = place[static_cast<std::size_t>(node)]; at >= 0)
-        group.nodes.push_back(static_cast<std::uint32_t>(at));
+      if (const NodeIndex at = place[node]; at != no_node) group.nodes.push_back(at);
     std::ranges::sort(group.nodes);
     if (!group.nodes.empty()) body.groups.push_back(std::move(group));
   }
@@ -37,11 +35,11 @@ ShownBody surface_of(const TetMesh& mesh) {
   ShownBody body;
   body.mesh = mesh;
   body.node = surface_nodes(mesh);
-  for (const NodeIndex node : body.node) body.nodes.push_back(mesh.nodes[static_cast<std::size_t>(node)]);
-  const std::vector<std::int32_t> place = places(body, mesh.nodes.size());
+  for (const NodeIndex node : body.node) body.nodes.push_back(mesh.nodes[node]);
+  const std::vector<NodeIndex> place = places(body, mesh.nodes.size());
   for (const Triangle& t : boundary_triangles(mesh)) {
     Triangle own{};
-    for (std::size_t i = 0; i < 3; ++i) own[i] = place[static_cast<std::size_t>(t[i])];
+    for (std::size_t i = 0; i < 3; ++i) own[i] = place[t[i]];
     body.triangles.push_back(own);
   }
   body.role.assign(body.nodes.size(), Role::free);
@@ -60,16 +58,14 @@ ShownBody shown_body(const TetMesh& mesh) {
 ShownBody shown_body(const Body& body) {
   ShownBody shown = surface_of(body.mesh);
   take_regions(body, shown);
-  const std::vector<std::int32_t> place = places(shown, body.mesh.nodes.size());
+  const std::vector<NodeIndex> place = places(shown, body.mesh.nodes.size());
   const auto mark = [&](const std::vector<NodeIndex>& nodes, Role role) {
     for (const NodeIndex node : nodes)
-      if (const std::int32_t at = place[static_cast<std::size_t>(node)]; at >= 0)
-        shown.role[static_cast<std::size_t>(at)] = role;
+      if (const NodeIndex at = place[node]; at != no_node) shown.role[at] = role;
   };
   mark(body.clamp, Role::clamp);
   mark(body.contact, Role::contact);
-  for (const NodeIndex node : body.contact)
-    shown.rest += body.mesh.nodes[static_cast<std::size_t>(node)] / double(body.contact.size());
+  for (const NodeIndex node : body.contact) shown.rest += body.mesh.nodes[node] / double(body.contact.size());
   for (Vec3& node : shown.nodes) node -= shown.rest;
   for (Vec3& node : shown.regions.inside.nodes) node -= shown.rest;
   shown.outward = -inward_direction(body);

@@ -26,40 +26,39 @@ std::array<Triangle, 4> faces_of(const Tet& t) {
   return {{{t[0], t[2], t[1]}, {t[0], t[1], t[3]}, {t[1], t[2], t[3]}, {t[0], t[3], t[2]}}};
 }
 
-// The tetrahedra at each face.
+// The tetrahedra at each face; the second may be no_tet.
 std::map<Face, std::array<TetIndex, 2>> sides_of(const TetMesh& mesh) {
   std::map<Face, std::array<TetIndex, 2>> sides;
-  for (std::size_t t = 0; t < mesh.tets.size(); ++t)
+  for (TetIndex t = 0; t < mesh.tets.size(); ++t)
     for (const Triangle& face : faces_of(mesh.tets[t])) {
-      const auto [found, fresh] =
-          sides.try_emplace(sorted(face), std::array{static_cast<TetIndex>(t), TetIndex{-1}});
-      if (!fresh) found->second[1] = static_cast<TetIndex>(t);
+      const auto [found, fresh] = sides.try_emplace(sorted(face), std::array{t, no_tet});
+      if (!fresh) found->second[1] = t;
     }
   return sides;
 }
 
 // Where two regions touch, the one of fewer elements owns the faces: a tumour is seen in its own colour.
 void take_interface(const TetMesh& mesh, const RegionOf& of, ShownInterface& inside) {
-  std::vector<std::int32_t> place(mesh.nodes.size(), -1);
+  std::vector<NodeIndex> place(mesh.nodes.size(), no_node);
   std::array<std::size_t, 256> elements{};
   for (const std::uint8_t region : of) ++elements[region];
   const auto is_inner = [&](std::uint8_t mine, std::uint8_t theirs) {
     return std::pair(elements[mine], mine) < std::pair(elements[theirs], theirs);
   };
   const auto sides = sides_of(mesh);
-  for (std::size_t t = 0; t < mesh.tets.size(); ++t)
+  for (TetIndex t = 0; t < mesh.tets.size(); ++t)
     for (const Triangle& face : faces_of(mesh.tets[t])) {
       const auto [a, b] = sides.at(sorted(face));
-      const auto other = static_cast<std::size_t>(a) == t ? b : a;
-      if (other < 0) continue;
-      const std::uint8_t mine = of[t], theirs = of[static_cast<std::size_t>(other)];
+      const TetIndex other = a == t ? b : a;
+      if (other == no_tet) continue;
+      const std::uint8_t mine = of[t], theirs = of[other];
       if (mine == 0 || mine == theirs || (theirs > 0 && !is_inner(mine, theirs))) continue;
       Triangle own{};
       for (std::size_t i = 0; i < 3; ++i) {
-        std::int32_t& at = place[static_cast<std::size_t>(face[i])];
-        if (at < 0) {
-          at = static_cast<std::int32_t>(inside.nodes.size());
-          inside.nodes.push_back(mesh.nodes[static_cast<std::size_t>(face[i])]);
+        NodeIndex& at = place[face[i]];
+        if (at == no_node) {
+          at = static_cast<NodeIndex>(inside.nodes.size());
+          inside.nodes.push_back(mesh.nodes[face[i]]);
         }
         own[i] = at;
       }
@@ -76,7 +75,7 @@ void take(const TetMesh& mesh, const RegionOf& of, ShownBody& shown) {
   const auto sides = sides_of(mesh);
   for (const Triangle& face : shown.triangles) {
     Face own{};
-    for (std::size_t i = 0; i < 3; ++i) own[i] = shown.node[static_cast<std::size_t>(face[i])];
+    for (std::size_t i = 0; i < 3; ++i) own[i] = shown.node[face[i]];
     shown.regions.of_triangle.push_back(of[static_cast<std::size_t>(sides.at(sorted(own))[0])]);
   }
   take_interface(mesh, of, shown.regions.inside);
@@ -86,7 +85,7 @@ void take(const TetMesh& mesh, const RegionOf& of, ShownBody& shown) {
 std::size_t mark(const std::vector<TetIndex>& tets, std::size_t region, RegionOf& of) {
   std::size_t taken = 0;
   for (const TetIndex t : tets) {
-    std::uint8_t& its = of[static_cast<std::size_t>(t)];
+    std::uint8_t& its = of[t];
     if (its > 0) continue;
     its = static_cast<std::uint8_t>(region + 1);
     ++taken;

@@ -66,8 +66,7 @@ Json box_json(const Box& box) {
 
 Json corners_of(const std::vector<Triangle>& triangles) {
   std::vector<std::uint32_t> corners;
-  for (const Triangle& t : triangles)
-    for (const NodeIndex node : t) corners.push_back(static_cast<std::uint32_t>(node));
+  for (const Triangle& t : triangles) corners.insert(corners.end(), t.begin(), t.end());
   return packed("u32", corners);
 }
 

@@ -30,7 +30,7 @@ void write_body(const fs::path& file, const ShownBody& body) {
   grid.array<std::uint8_t>("role", 1, role);
   for (const auto& [name, nodes] : body.mesh.groups) {
     std::vector<std::uint8_t> in(points.size(), 0);
-    for (const NodeIndex node : nodes) in[static_cast<std::size_t>(node)] = 1;
+    for (const NodeIndex node : nodes) in[node] = 1;
     grid.array<std::uint8_t>("group_" + name, 1, in);
   }
   if (solid && !body.regions.all.empty()) {

@@ -103,7 +103,7 @@ Coarse coarse_surface(const ShownBody& body, const Box& extent) {
       cell[axis] = static_cast<int>(std::floor(body.nodes[i][static_cast<Eigen::Index>(axis)] / cube));
     const auto [found, fresh] = place.try_emplace(cell, static_cast<NodeIndex>(coarse.nodes.size()));
     if (fresh) coarse.nodes.emplace_back(Vec3::Zero()), coarse.role.push_back(Role::free), count.push_back(0);
-    const auto to = static_cast<std::size_t>(found->second);
+    const NodeIndex to = found->second;
     joined[i] = found->second;
     coarse.nodes[to] += body.nodes[i];
     coarse.role[to] = std::max(coarse.role[to], body.role[i]);
@@ -112,8 +112,7 @@ Coarse coarse_surface(const ShownBody& body, const Box& extent) {
   for (std::size_t i = 0; i < coarse.nodes.size(); ++i) coarse.nodes[i] /= count[i];
   for (std::size_t k = 0; k < body.triangles.size(); ++k) {
     const Triangle& t = body.triangles[k];
-    const Triangle own{joined[static_cast<std::size_t>(t[0])], joined[static_cast<std::size_t>(t[1])],
-                       joined[static_cast<std::size_t>(t[2])]};
+    const Triangle own{joined[t[0]], joined[t[1]], joined[t[2]]};
     if (own[0] == own[1] || own[1] == own[2] || own[0] == own[2]) continue;
     coarse.triangles.push_back(own);
     if (!body.regions.of_triangle.empty()) coarse.region.push_back(body.regions.of_triangle[k]);
@@ -131,8 +130,8 @@ void add_body(const ShownBody& body, const Box& extent, const Eye& eye, double o
     Role role = Role::contact;
     bool clamped = true;
     for (std::size_t i = 0; i < 3; ++i) {
-      p[i] = coarse.nodes[static_cast<std::size_t>(t[i])];
-      const Role own = coarse.role[static_cast<std::size_t>(t[i])];
+      p[i] = coarse.nodes[t[i]];
+      const Role own = coarse.role[t[i]];
       if (own != Role::contact) role = Role::free;
       clamped = clamped && own == Role::clamp;
     }
@@ -165,7 +164,7 @@ void add_inside(const ShownInterface& inside, const Eye& eye, Depths& shapes) {
   const Vec3 lamp = (eye.towards() + Vec3(0.2, -0.1, 0.5)).normalized();
   for (std::size_t k = 0; k < inside.triangles.size(); ++k) {
     std::array<Vec3, 3> p;
-    for (std::size_t i = 0; i < 3; ++i) p[i] = inside.nodes[static_cast<std::size_t>(inside.triangles[k][i])];
+    for (std::size_t i = 0; i < 3; ++i) p[i] = inside.nodes[inside.triangles[k][i]];
     const Vec3 normal = (p[1] - p[0]).cross(p[2] - p[0]).normalized();
     const std::string colour =
         shaded(colour_of(palette_in_use(), inside.region[k]), 0.55 + 0.45 * std::abs(normal.dot(lamp)));

@@ -87,7 +87,7 @@ std::vector<int> volume_tags(const TetMesh& mesh, int first_tag, int rest) {
   int tag = first_tag;
   for (const auto& [name, tets] : mesh.element_groups) {
     for (const TetIndex tet : tets)
-      if (int& its = tags[static_cast<std::size_t>(tet)]; its == rest) its = tag;
+      if (int& its = tags[tet]; its == rest) its = tag;
     ++tag;
   }
   return tags;

@@ -119,7 +119,7 @@ class GmshReader {
 
   bool covers_all(const std::vector<NodeIndex>& nodes) const {
     std::vector<char> there(mesh_.nodes.size(), 0);
-    for (const NodeIndex node : nodes) there[static_cast<std::size_t>(node)] = 1;
+    for (const NodeIndex node : nodes) there[node] = 1;
     return std::ranges::all_of(there, [](char c) { return c != 0; });
   }
 

@@ -13,18 +13,18 @@ namespace forefeel {
 namespace {
 
 // Number of integers in a line of the section, reference included; 0: unknown section.
-int integers_per_line(const std::string& keyword) {
-  static const std::map<std::string, int> known{{"edges", 3},
-                                                {"triangles", 4},
-                                                {"quadrilaterals", 5},
-                                                {"tetrahedra", 5},
-                                                {"corners", 1},
-                                                {"ridges", 1},
-                                                {"requiredvertices", 1},
-                                                {"requirededges", 1},
-                                                {"requiredtriangles", 1},
-                                                {"requiredquadrilaterals", 1},
-                                                {"requiredtetrahedra", 1}};
+unsigned integers_per_line(const std::string& keyword) {
+  static const std::map<std::string, unsigned> known{{"edges", 3},
+                                                     {"triangles", 4},
+                                                     {"quadrilaterals", 5},
+                                                     {"tetrahedra", 5},
+                                                     {"corners", 1},
+                                                     {"ridges", 1},
+                                                     {"requiredvertices", 1},
+                                                     {"requirededges", 1},
+                                                     {"requiredtriangles", 1},
+                                                     {"requiredquadrilaterals", 1},
+                                                     {"requiredtetrahedra", 1}};
   const auto found = known.find(keyword);
   return found == known.end() ? 0 : found->second;
 }
@@ -59,7 +59,7 @@ class MeditReader {
         in_.integer("dimension 3", 3, 3);
       else if (keyword == "vertices")
         read_vertices();
-      else if (const int n = integers_per_line(keyword); n > 0)
+      else if (const unsigned n = integers_per_line(keyword); n > 0)
         read_elements(keyword, n);
       else if (const int m = reals_per_line(keyword); m > 0)
         skip_reals(m);
@@ -94,16 +94,16 @@ class MeditReader {
     }
   }
 
-  void read_elements(const std::string& keyword, int n_integers) {
-    const std::size_t n = in_.count("a number of entries", static_cast<std::size_t>(2 * n_integers));
+  void read_elements(const std::string& keyword, unsigned n_integers) {
+    const std::size_t n = in_.count("a number of entries", 2 * n_integers);
     const bool tetrahedra = keyword == "tetrahedra", nodes = n_integers > 1;
     seen_tetrahedra_ = seen_tetrahedra_ || tetrahedra;
     for (std::size_t i = 0; i < n; ++i) {
       Tet element{};
-      for (int k = 0; k < n_integers - (nodes ? 1 : 0); ++k) {
+      for (unsigned k = 0; k < n_integers - (nodes ? 1 : 0); ++k) {
         const auto node = in_.integer("a vertex number", 1, 0x7fffffff) - 1;
         if (nodes) greatest_ = std::max(greatest_, node);
-        if (k < 4) element[static_cast<std::size_t>(k)] = static_cast<NodeIndex>(node);
+        if (k < 4) element[k] = static_cast<NodeIndex>(node);
       }
       if (tetrahedra) mesh_.tets.push_back(element);
       const std::int64_t reference = nodes ? in_.integer("a reference") : 0;

@@ -42,7 +42,7 @@ TetMesh read_vtk_legacy(Scanner in) {
     throw InputError({.file = where},
                      fmt::format("{} cells, but {} cell types", cells.size(), file.types.size()));
   TetMesh mesh{.nodes = file.points, .tets = {}, .groups = {}};
-  std::vector<TetIndex> tet_of_cell(cells.size(), -1);
+  std::vector<TetIndex> tet_of_cell(cells.size(), no_tet);
   for (std::size_t i = 0; i < cells.size(); ++i) {
     const std::size_t before = mesh.tets.size();
     add_vtk_cell(
@@ -54,7 +54,7 @@ TetMesh read_vtk_legacy(Scanner in) {
   for (const auto& [name, values] : file.cell_arrays) {
     std::vector<CellLabel> labels;
     for (std::size_t i = 0; i < std::min(values.size(), tet_of_cell.size()); ++i)
-      if (tet_of_cell[i] >= 0) labels.push_back({tet_of_cell[i], values[i]});
+      if (tet_of_cell[i] != no_tet) labels.push_back({tet_of_cell[i], values[i]});
     add_label_groups(mesh, name, labels);
   }
   return mesh;

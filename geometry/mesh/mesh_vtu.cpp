@@ -32,7 +32,7 @@ class VtuReader {
   }
 
  private:
-  // The tetrahedron of each cell of the piece; -1 for other cells.
+  // The tetrahedron of each cell of the piece; no_tet for other cells.
   std::vector<TetIndex> join(const VtkXmlPiece& piece) {
     const std::size_t n_points = in_.count(piece, "NumberOfPoints"),
                       n_cells = in_.count(piece, "NumberOfCells");
@@ -56,7 +56,7 @@ class VtuReader {
                                                            static_cast<std::int64_t>(n_points) - 1));
       node += first;
     }
-    std::vector<TetIndex> tet_of_cell(n_cells, -1);
+    std::vector<TetIndex> tet_of_cell(n_cells, no_tet);
     std::int64_t begin = 0;
     for (std::size_t i = 0; i < n_cells; begin = offsets[i], ++i) {
       if (offsets[i] < begin || offsets[i] > static_cast<std::int64_t>(connectivity.size()))
@@ -72,7 +72,7 @@ class VtuReader {
     return tet_of_cell;
   }
 
-  // tet_of_cell: -1 for cells that are not tetrahedra.
+  // tet_of_cell: no_tet for cells that are not tetrahedra.
   void take_labels(const VtkXmlPiece& piece, const std::vector<TetIndex>& tet_of_cell) {
     const auto section = piece.arrays.find("CellData");
     if (section == piece.arrays.end()) return;
@@ -90,7 +90,7 @@ class VtuReader {
         throw InputError({.file = in_.name()}, fmt::format("cell array {:.40} has {} values, expected {}",
                                                            name, values.size(), tet_of_cell.size()));
       for (std::size_t i = 0; i < values.size(); ++i)
-        if (tet_of_cell[i] >= 0) labels_[name].push_back({tet_of_cell[i], values[i]});
+        if (tet_of_cell[i] != no_tet) labels_[name].push_back({tet_of_cell[i], values[i]});
     }
   }
 
@@ -123,7 +123,7 @@ template <class Index>
 void put_masks(VtuWriter& out, const std::map<std::string, std::vector<Index>>& groups, std::size_t n) {
   for (const auto& [name, members] : groups) {
     std::vector<std::uint8_t> in(n, 0);
-    for (const Index member : members) in[static_cast<std::size_t>(member)] = 1;
+    for (const Index member : members) in[member] = 1;
     out.array<std::uint8_t>(name, 1, in);
   }
 }

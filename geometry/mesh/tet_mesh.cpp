@@ -16,7 +16,7 @@ namespace {
 
 // Faces of a positively oriented tetrahedron, each counter-clockwise seen from outside; face i is opposite
 // node i.
-constexpr int faces[4][3] = {{1, 2, 3}, {0, 3, 2}, {0, 1, 3}, {0, 2, 1}};
+constexpr unsigned faces[4][3] = {{1, 2, 3}, {0, 3, 2}, {0, 1, 3}, {0, 2, 1}};
 
 struct Face {
   Triangle sorted;  // key
@@ -31,7 +31,7 @@ std::vector<Face> sorted_faces(const TetMesh& mesh) {
   for (std::uint32_t t = 0; t < mesh.tets.size(); ++t)
     for (std::uint8_t side = 0; side < 4; ++side) {
       Triangle f;
-      for (int k = 0; k < 3; ++k) f[k] = mesh.tets[t][faces[side][k]];
+      for (unsigned k = 0; k < 3; ++k) f[k] = mesh.tets[t][faces[side][k]];
       bool even = true;
       if (f[0] > f[1]) std::swap(f[0], f[1]), even = !even;
       if (f[1] > f[2]) std::swap(f[1], f[2]), even = !even;
@@ -73,10 +73,10 @@ void check_indices(const TetMesh& mesh, const std::string& where) {
                        fmt::format("node {} (from 0) has a coordinate that is not finite", i));
   for (std::size_t t = 0; t < mesh.tets.size(); ++t)
     for (const NodeIndex node : mesh.tets[t])
-      if (node < 0 || node >= n)
-        throw InputError(
-            {.file = where},
-            fmt::format("tetrahedron {} (from 0) names node {}, expected 0 to {}", t, node, n - 1));
+      if (node >= n)
+        throw InputError({.file = where},
+                         fmt::format("tetrahedron {} (from 0) names node {}, expected 0 to {}", t,
+                                     std::int32_t(node), n - 1));
 }
 
 // In a conforming mesh every inner face is seen once from each side.
@@ -220,7 +220,7 @@ std::vector<NodeIndex> nodes_below(const TetMesh& mesh, Axis axis, double share)
 }
 
 NodeIndex nearest_surface_node(const TetMesh& mesh, const Vec3& point) {
-  NodeIndex best = -1;
+  NodeIndex best = 0;
   double least = std::numeric_limits<double>::infinity();
   for (const NodeIndex node : surface_nodes(mesh)) {
     const double distance = (mesh.nodes[node] - point).squaredNorm();

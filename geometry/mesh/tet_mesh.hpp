@@ -12,8 +12,10 @@
 
 namespace forefeel {
 
-using NodeIndex = std::int32_t;
-using TetIndex = std::int32_t;  // position in TetMesh::tets
+using NodeIndex = std::uint32_t;
+using TetIndex = std::uint32_t;  // position in TetMesh::tets
+constexpr NodeIndex no_node = ~NodeIndex{0};
+constexpr TetIndex no_tet = ~TetIndex{0};
 using Tet = std::array<NodeIndex, 4>;
 using Triangle = std::array<NodeIndex, 3>;  // counter-clockwise seen from outside
 

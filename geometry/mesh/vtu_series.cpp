@@ -16,11 +16,11 @@ namespace forefeel {
 VtuSeries::VtuSeries(const TetMesh& mesh, const std::vector<NodeIndex>& nodes, bool surface) {
   std::vector<std::int32_t> place(mesh.nodes.size(), -1), connectivity, offsets;
   for (std::size_t i = 0; i < nodes.size(); ++i) {
-    place[static_cast<std::size_t>(nodes[i])] = static_cast<std::int32_t>(i);
-    rest_.push_back(mesh.nodes[static_cast<std::size_t>(nodes[i])].cast<float>());
+    place[nodes[i]] = static_cast<std::int32_t>(i);
+    rest_.push_back(mesh.nodes[nodes[i]].cast<float>());
   }
   const auto add = [&](const auto& cell) {
-    for (const NodeIndex node : cell) connectivity.push_back(place[static_cast<std::size_t>(node)]);
+    for (const NodeIndex node : cell) connectivity.push_back(place[node]);
     offsets.push_back(static_cast<std::int32_t>(connectivity.size()));
   };
   if (surface)

@@ -123,24 +123,26 @@ Surface smooth_surface(std::string_view name, int n) {
 // A regular box mesh: cells cut into six tetrahedra along their diagonal (Kuhn), conforming as it stands.
 TetMesh box_mesh(const Box& box, const std::array<int, 3>& cells) {
   TetMesh mesh;
-  const auto at = [&](int i, int j, int k) { return (k * (cells[1] + 1) + j) * (cells[0] + 1) + i; };
+  const auto at = [&](int i, int j, int k) {
+    return static_cast<NodeIndex>((k * (cells[1] + 1) + j) * (cells[0] + 1) + i);
+  };
   for (int k = 0; k <= cells[2]; ++k)
     for (int j = 0; j <= cells[1]; ++j)
       for (int i = 0; i <= cells[0]; ++i)
         mesh.nodes.emplace_back(
             box.low +
             Vec3(double(i) / cells[0], double(j) / cells[1], double(k) / cells[2]).cwiseProduct(box.size()));
-  constexpr int orders[6][3] = {{0, 1, 2}, {1, 2, 0}, {2, 0, 1},
-                                {0, 2, 1}, {2, 1, 0}, {1, 0, 2}};  // first three even
+  constexpr unsigned orders[6][3] = {{0, 1, 2}, {1, 2, 0}, {2, 0, 1},
+                                     {0, 2, 1}, {2, 1, 0}, {1, 0, 2}};  // first three even
   for (int k = 0; k < cells[2]; ++k)
     for (int j = 0; j < cells[1]; ++j)
       for (int i = 0; i < cells[0]; ++i)
         for (int o = 0; o < 6; ++o) {
           std::array<int, 3> corner{i, j, k};
           Tet tet{at(i, j, k), 0, 0, 0};
-          for (int s = 0; s < 3; ++s) {
-            ++corner[static_cast<std::size_t>(orders[o][s])];
-            tet[static_cast<std::size_t>(s) + 1] = at(corner[0], corner[1], corner[2]);
+          for (unsigned s = 0; s < 3; ++s) {
+            ++corner[orders[o][s]];
+            tet[s + 1] = at(corner[0], corner[1], corner[2]);
           }
           if (o >= 3) std::swap(tet[2], tet[3]);
           mesh.tets.push_back(tet);

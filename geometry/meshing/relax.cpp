@@ -115,17 +115,17 @@ Surface geodesic_sphere(int n) {
   const Icosahedron base;
   Surface result;
   // Points of the subdivided faces, merged along edges by their weights on the icosahedron's nodes.
-  std::map<std::array<std::pair<int, int>, 3>, NodeIndex> known;
+  std::map<std::array<std::pair<NodeIndex, int>, 3>, NodeIndex> known;
   const auto point = [&](const Triangle& face, int i, int j) {
-    std::array<std::pair<int, int>, 3> key{{{face[0], n - i - j}, {face[1], i}, {face[2], j}}};
+    std::array<std::pair<NodeIndex, int>, 3> key{{{face[0], n - i - j}, {face[1], i}, {face[2], j}}};
     for (auto& [node, weight] : key)
-      if (weight == 0) node = -1;
+      if (weight == 0) node = 0;
     std::ranges::sort(key);
     const auto [at, is_new] = known.emplace(key, static_cast<NodeIndex>(result.nodes.size()));
     if (is_new) {
       Vec3 sum = Vec3::Zero();
       for (const auto& [node, weight] : key)
-        if (weight > 0) sum += weight * base.nodes[static_cast<std::size_t>(node)];
+        if (weight > 0) sum += weight * base.nodes[node];
       result.nodes.push_back(sum / std::sqrt(sum.dot(sum)));
     }
     return at->second;

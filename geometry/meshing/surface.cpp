@@ -6,14 +6,14 @@ namespace forefeel {
 
 Surface boundary_surface(const TetMesh& mesh) {
   Surface result;
-  std::vector<NodeIndex> number(mesh.nodes.size(), -1);
+  std::vector<NodeIndex> number(mesh.nodes.size());
   for (const NodeIndex node : surface_nodes(mesh)) {
-    number[static_cast<std::size_t>(node)] = static_cast<NodeIndex>(result.nodes.size());
-    result.nodes.push_back(mesh.nodes[static_cast<std::size_t>(node)]);
+    number[node] = static_cast<NodeIndex>(result.nodes.size());
+    result.nodes.push_back(mesh.nodes[node]);
   }
   result.triangles = boundary_triangles(mesh);
   for (Triangle& triangle : result.triangles)
-    for (NodeIndex& node : triangle) node = number[static_cast<std::size_t>(node)];
+    for (NodeIndex& node : triangle) node = number[node];
   return result;
 }
 

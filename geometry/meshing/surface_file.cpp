@@ -30,8 +30,8 @@ void read_obj_corner(Scanner& in, SurfaceBuilder& out, std::string_view corner) 
 Vec3 read_obj_vertex(Scanner& in, const std::vector<std::string_view>& word) {
   Vec3 node;
   if (word.size() < 4) in.fail(fmt::format("a vertex with {} coordinates, expected 3", word.size() - 1));
-  for (std::size_t k = 0; k < 3; ++k)
-    if (!parse_real(word[k + 1], node[static_cast<Eigen::Index>(k)]))
+  for (unsigned k = 0; k < 3; ++k)
+    if (!parse_real(word[k + 1], node[k]))
       in.fail(fmt::format("'{:.40}' is not a number, expected a coordinate", word[k + 1]));
   return node;
 }
@@ -177,7 +177,7 @@ void weld(Surface& surface) {
     if (first[i] == i) kept.push_back(nodes[i]);
   }
   for (Triangle& triangle : surface.triangles)
-    for (NodeIndex& node : triangle) node = number[static_cast<std::size_t>(node)];
+    for (NodeIndex& node : triangle) node = number[node];
   surface.nodes = std::move(kept);
 }
 

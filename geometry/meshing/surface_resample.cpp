@@ -48,9 +48,7 @@ double one_sided_distance(const Surface& from, const Surface& to, double step) {
   tree.build();
   double largest = 0;
   for (const auto& [ia, ib, ic] : from.triangles) {
-    const Vec3 &a = from.nodes[static_cast<std::size_t>(ia)],
-               u = from.nodes[static_cast<std::size_t>(ib)] - a,
-               v = from.nodes[static_cast<std::size_t>(ic)] - a;
+    const Vec3 &a = from.nodes[ia], u = from.nodes[ib] - a, v = from.nodes[ic] - a;
     const double longest = std::max({u.norm(), v.norm(), (u - v).norm()});
     const int n = std::clamp(static_cast<int>(std::ceil(longest / step)), 1, 200);
     for (int i = 0; i <= n; ++i)
@@ -67,11 +65,8 @@ double one_sided_distance(const Surface& from, const Surface& to, double step) {
 double surface_area(const Surface& surface) {
   double sum = 0;
   for (const auto& [a, b, c] : surface.triangles) {
-    const Vec3& origin = surface.nodes[static_cast<std::size_t>(a)];
-    sum += (surface.nodes[static_cast<std::size_t>(b)] - origin)
-               .cross(surface.nodes[static_cast<std::size_t>(c)] - origin)
-               .norm() /
-           2;
+    const Vec3& origin = surface.nodes[a];
+    sum += (surface.nodes[b] - origin).cross(surface.nodes[c] - origin).norm() / 2;
   }
   return sum;
 }

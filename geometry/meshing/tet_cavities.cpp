@@ -48,9 +48,7 @@ double solid_angle(const Vec3& q, const Vec3& a, const Vec3& b, const Vec3& c) {
 double winding_number(const Surface& surface, const Vec3& q) {
   double sum = 0;
   for (const auto& [a, b, c] : surface.triangles)
-    sum +=
-        solid_angle(q, surface.nodes[static_cast<std::size_t>(a)], surface.nodes[static_cast<std::size_t>(b)],
-                    surface.nodes[static_cast<std::size_t>(c)]);
+    sum += solid_angle(q, surface.nodes[a], surface.nodes[b], surface.nodes[c]);
   return sum;
 }
 
@@ -64,7 +62,7 @@ void drop_cavities(TetMesh& mesh, const Surface& surface) {
     int& known = inside[region[t]];
     if (known < 0) {
       Vec3 centre = Vec3::Zero();
-      for (const NodeIndex node : mesh.tets[t]) centre += mesh.nodes[static_cast<std::size_t>(node)] / 4;
+      for (const NodeIndex node : mesh.tets[t]) centre += mesh.nodes[node] / 4;
       known = winding_number(surface, centre) > 0.5;
     }
     if (known) kept.push_back(mesh.tets[t]);

@@ -41,7 +41,7 @@ void load(tetgenio& in, const Surface& surface, double scale) {
   in.numberofpoints = static_cast<int>(surface.nodes.size());
   in.pointlist = new REAL[3 * surface.nodes.size()];
   for (std::size_t i = 0; i < surface.nodes.size(); ++i)
-    for (int k = 0; k < 3; ++k) in.pointlist[3 * i + k] = scale * surface.nodes[i][k];
+    for (unsigned k = 0; k < 3; ++k) in.pointlist[3 * i + k] = scale * surface.nodes[i][k];
   in.numberoffacets = static_cast<int>(surface.triangles.size());
   in.facetlist = new tetgenio::facet[surface.triangles.size()];
   for (std::size_t i = 0; i < surface.triangles.size(); ++i) {
@@ -52,8 +52,8 @@ void load(tetgenio& in, const Surface& surface, double scale) {
     tetgenio::polygon& polygon = facet.polygonlist[0];
     tetgenio::init(&polygon);
     polygon.numberofvertices = 3;
-    polygon.vertexlist =
-        new int[3]{surface.triangles[i][0], surface.triangles[i][1], surface.triangles[i][2]};
+    polygon.vertexlist = new int[3];
+    std::ranges::copy(surface.triangles[i], polygon.vertexlist);
   }
 }
 
@@ -120,7 +120,7 @@ std::optional<TetMesh> unpack(const std::string& data, double scale) {
   std::memcpy(mesh.tets.data(), data.data() + sizeof counts + 24 * points, 16 * tets);
   for (const Tet& tet : mesh.tets)
     for (const NodeIndex node : tet)
-      if (node < 0 || static_cast<std::size_t>(node) >= points) return std::nullopt;
+      if (node >= points) return std::nullopt;
   for (Vec3& node : mesh.nodes) node /= scale;
   for (std::size_t t = 0; t < tets; ++t)  // TetGen's own orientation is the opposite of ours
     if (tet_volume(mesh, t) < 0) std::swap(mesh.tets[t][2], mesh.tets[t][3]);

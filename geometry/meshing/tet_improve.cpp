@@ -71,22 +71,21 @@ class Improver {
   }
 
  private:
-  const Vec3& at(NodeIndex i) const { return mesh_.nodes[static_cast<std::size_t>(i)]; }
+  const Vec3& at(NodeIndex i) const { return mesh_.nodes[i]; }
   double shape_of(const Tet& t) const { return shape(at(t[0]), at(t[1]), at(t[2]), at(t[3])); }
 
   struct Side {
     Key key;
-    int tet, side;
+    TetIndex tet;
+    unsigned side;
   };
   std::vector<Side> sides() const {
     std::vector<Side> result;
     result.reserve(4 * mesh_.tets.size());
-    for (std::size_t t = 0; t < mesh_.tets.size(); ++t)
-      for (int side = 0; side < 4; ++side) {
+    for (TetIndex t = 0; t < mesh_.tets.size(); ++t)
+      for (unsigned side = 0; side < 4; ++side) {
         const Tet& tet = mesh_.tets[t];
-        result.push_back({face_key(tet[std::size_t(faces[side][0])], tet[std::size_t(faces[side][1])],
-                                   tet[std::size_t(faces[side][2])]),
-                          static_cast<int>(t), side});
+        result.push_back({face_key(tet[faces[side][0]], tet[faces[side][1]], tet[faces[side][2]]), t, side});
       }
     std::ranges::sort(
         result, [](const Side& a, const Side& b) { return a.key != b.key ? a.key < b.key : a.tet < b.tet; });
@@ -98,17 +97,16 @@ class Improver {
   // removed.
   bool peel() {
     const std::vector<Side> all = sides();
-    std::vector<std::vector<int>> outer(mesh_.tets.size());
+    std::vector<std::vector<unsigned>> outer(mesh_.tets.size());
     std::vector<Key> surface_edges;
     for (std::size_t i = 0; i < all.size(); ++i) {
       const bool twin =
           (i > 0 && all[i - 1].key == all[i].key) || (i + 1 < all.size() && all[i + 1].key == all[i].key);
       if (twin) continue;
-      outer[std::size_t(all[i].tet)].push_back(all[i].side);
-      const Tet& tet = mesh_.tets[std::size_t(all[i].tet)];
+      outer[all[i].tet].push_back(all[i].side);
+      const Tet& tet = mesh_.tets[all[i].tet];
       for (int k = 0; k < 3; ++k)
-        surface_edges.push_back(edge_key(tet[std::size_t(faces[all[i].side][k])],
-                                         tet[std::size_t(faces[all[i].side][(k + 1) % 3])]));
+        surface_edges.push_back(edge_key(tet[faces[all[i].side][k]], tet[faces[all[i].side][(k + 1) % 3]]));
     }
     std::ranges::sort(surface_edges);
     const double limit = std::sin(peel_below_deg * std::numbers::pi / 180);
@@ -117,15 +115,14 @@ class Improver {
     for (std::size_t t = 0; t < mesh_.tets.size(); ++t) {
       if (outer[t].size() < 2 || outer[t].size() > 3) continue;
       const Tet& tet = mesh_.tets[t];
-      if (shape_of(tet) > limit ||
-          std::ranges::any_of(tet, [&](NodeIndex node) { return busy[std::size_t(node)] != 0; }))
+      if (shape_of(tet) > limit || std::ranges::any_of(tet, [&](NodeIndex node) { return busy[node] != 0; }))
         continue;
       // Two faces i and j: their common edge joins the other nodes, the new edge joins nodes i and j.
-      const NodeIndex i = tet[std::size_t(outer[t][0])], j = tet[std::size_t(outer[t][1])];
+      const NodeIndex i = tet[outer[t][0]], j = tet[outer[t][1]];
       if (outer[t].size() == 2 && std::ranges::binary_search(surface_edges, edge_key(i, j))) continue;
       if (!low(tet, outer[t])) continue;
       gone[t] = 1, any = true;
-      for (const NodeIndex node : tet) busy[std::size_t(node)] = 1;
+      for (const NodeIndex node : tet) busy[node] = 1;
     }
     if (any) erase(gone);
     return any;
@@ -133,13 +130,11 @@ class Improver {
 
   // Whether removing this tetrahedron hardly moves the surface: its faces on the surface have nearly one
   // normal (otherwise it is a real edge or tip of the body), and its height is small.
-  bool low(const Tet& tet, const std::vector<int>& on_surface) const {
+  bool low(const Tet& tet, const std::vector<unsigned>& on_surface) const {
     std::vector<Vec3> normals;
-    for (const int side : on_surface) {
-      const Vec3& a = at(tet[std::size_t(faces[side][0])]);
-      normals.push_back((at(tet[std::size_t(faces[side][1])]) - a)
-                            .cross(at(tet[std::size_t(faces[side][2])]) - a)
-                            .normalized());
+    for (const unsigned side : on_surface) {
+      const Vec3& a = at(tet[faces[side][0]]);
+      normals.push_back((at(tet[faces[side][1]]) - a).cross(at(tet[faces[side][2]]) - a).normalized());
     }
     for (std::size_t k = 1; k < normals.size(); ++k)
       if (normals[0].dot(normals[k]) < 0.5) return false;
@@ -150,17 +145,15 @@ class Improver {
     const double six_volume = a.cross(b).dot(c);
     double height = 0;
     if (on_surface.size() == 2) {  // distance between the old and the new edge
-      const NodeIndex i = tet[std::size_t(on_surface[0])], j = tet[std::size_t(on_surface[1])];
+      const NodeIndex i = tet[on_surface[0]], j = tet[on_surface[1]];
       NodeIndex other[2]{}, n = 0;
       for (const NodeIndex node : tet)
         if (node != i && node != j) other[n++] = node;
       height = six_volume / (at(i) - at(j)).cross(at(other[0]) - at(other[1])).norm();
     } else {  // height of the tip over the inner face
-      const int inside = 6 - on_surface[0] - on_surface[1] - on_surface[2];
-      const Vec3& p = at(tet[std::size_t(faces[inside][0])]);
-      height = six_volume / (at(tet[std::size_t(faces[inside][1])]) - p)
-                                .cross(at(tet[std::size_t(faces[inside][2])]) - p)
-                                .norm();
+      const unsigned inside = 6 - on_surface[0] - on_surface[1] - on_surface[2];
+      const Vec3& p = at(tet[faces[inside][0]]);
+      height = six_volume / (at(tet[faces[inside][1]]) - p).cross(at(tet[faces[inside][2]]) - p).norm();
     }
     return height < 0.1 * shortest;
   }
@@ -179,12 +172,12 @@ class Improver {
     std::vector<Tet> added;
     for (std::size_t i = 0; i + 1 < all.size(); ++i) {
       if (all[i].key != all[i + 1].key) continue;
-      const auto s = std::size_t(all[i].tet), t = std::size_t(all[i + 1].tet);
+      const TetIndex s = all[i].tet, t = all[i + 1].tet;
       if (touched[s] || touched[t]) continue;
       const Tet one = mesh_.tets[s], two = mesh_.tets[t];
-      const NodeIndex top = two[std::size_t(all[i + 1].side)], bottom = one[std::size_t(all[i].side)];
-      const int* f = faces[all[i].side];  // outward from `one`, so towards top
-      const NodeIndex a = one[std::size_t(f[0])], b = one[std::size_t(f[1])], c = one[std::size_t(f[2])];
+      const NodeIndex top = two[all[i + 1].side], bottom = one[all[i].side];
+      const unsigned* f = faces[all[i].side];  // outward from `one`, so towards top
+      const NodeIndex a = one[f[0]], b = one[f[1]], c = one[f[2]];
       const double before = std::min(shape_of(one), shape_of(two));
       const std::array<Tet, 3> flipped{Tet{a, b, top, bottom}, Tet{b, c, top, bottom},
                                        Tet{c, a, top, bottom}};
@@ -208,11 +201,11 @@ class Improver {
   // Removes an inner edge with n tetrahedra around it: the ring of n nodes is triangulated, two tetrahedra
   // for each triangle (3-2 for n = 3, 4-4 for n = 4, and so on).
   void flip_edges() {
-    std::unordered_map<Key, std::vector<int>> around;
-    for (std::size_t t = 0; t < mesh_.tets.size(); ++t)
+    std::unordered_map<Key, std::vector<TetIndex>> around;
+    for (TetIndex t = 0; t < mesh_.tets.size(); ++t)
       for (std::size_t i = 0; i < 4; ++i)
         for (std::size_t j = i + 1; j < 4; ++j)
-          around[edge_key(mesh_.tets[t][i], mesh_.tets[t][j])].push_back(static_cast<int>(t));
+          around[edge_key(mesh_.tets[t][i], mesh_.tets[t][j])].push_back(t);
     std::vector<Key> order;
     order.reserve(around.size());
     for (const auto& [key, tets] : around)
@@ -220,14 +213,14 @@ class Improver {
     std::ranges::sort(order);  // the map's own order differs between libraries
     std::vector<char> touched(mesh_.tets.size(), 0), gone(mesh_.tets.size(), 0);
     for (const Key key : order) {
-      const std::vector<int>& tets = around[key];
-      if (std::ranges::any_of(tets, [&](int t) { return touched[std::size_t(t)] != 0; })) continue;
+      const std::vector<TetIndex>& tets = around[key];
+      if (std::ranges::any_of(tets, [&](TetIndex t) { return touched[t] != 0; })) continue;
       if (std::optional<std::vector<Tet>> better = remove_edge(
               static_cast<NodeIndex>(key >> 32), static_cast<NodeIndex>(key & 0xffffffff), tets)) {
-        for (const int t : tets) touched[std::size_t(t)] = 1, gone[std::size_t(t)] = 1;
+        for (const TetIndex t : tets) touched[t] = 1, gone[t] = 1;
         for (std::size_t k = 0; k < better->size(); ++k) {
           if (k < tets.size())
-            mesh_.tets[std::size_t(tets[k])] = (*better)[k], gone[std::size_t(tets[k])] = 0;
+            mesh_.tets[tets[k]] = (*better)[k], gone[tets[k]] = 0;
           else
             extra_.push_back((*better)[k]);
         }
@@ -239,11 +232,11 @@ class Improver {
   }
 
   // The nodes around edge (p, q) in order; empty where the ring is open (the edge lies on the surface).
-  std::vector<NodeIndex> ring(NodeIndex p, NodeIndex q, const std::vector<int>& tets) const {
+  std::vector<NodeIndex> ring(NodeIndex p, NodeIndex q, const std::vector<TetIndex>& tets) const {
     std::vector<std::pair<NodeIndex, NodeIndex>> links;
-    for (const int t : tets) {
+    for (const TetIndex t : tets) {
       NodeIndex other[2]{}, n = 0;
-      for (const NodeIndex node : mesh_.tets[std::size_t(t)])
+      for (const NodeIndex node : mesh_.tets[t])
         if (node != p && node != q) other[n++] = node;
       links.emplace_back(other[0], other[1]);
     }
@@ -264,12 +257,13 @@ class Improver {
     return result;
   }
 
-  std::optional<std::vector<Tet>> remove_edge(NodeIndex p, NodeIndex q, const std::vector<int>& tets) const {
+  std::optional<std::vector<Tet>> remove_edge(NodeIndex p, NodeIndex q,
+                                              const std::vector<TetIndex>& tets) const {
     const std::vector<NodeIndex> nodes = ring(p, q, tets);
     const std::size_t n = nodes.size();
     if (n < 3) return std::nullopt;
     double before = 1;
-    for (const int t : tets) before = std::min(before, shape_of(mesh_.tets[std::size_t(t)]));
+    for (const TetIndex t : tets) before = std::min(before, shape_of(mesh_.tets[t]));
     if (before > 0.5) return std::nullopt;                                    // 30 degrees: good enough
     const bool upward = shape(at(nodes[0]), at(nodes[1]), at(p), at(q)) > 0;  // ring turns about p -> q
     const auto pair_of = [&](std::size_t i, std::size_t k, std::size_t j) {
@@ -309,20 +303,20 @@ class Improver {
   // until nothing helps. Nodes of the surface move only next to very bad tetrahedra, by a few hundredths of
   // an edge.
   void smooth() {
-    std::vector<std::vector<int>> star(mesh_.nodes.size());
-    for (std::size_t t = 0; t < mesh_.tets.size(); ++t)
-      for (const NodeIndex node : mesh_.tets[t]) star[std::size_t(node)].push_back(static_cast<int>(t));
+    std::vector<std::vector<TetIndex>> star(mesh_.nodes.size());
+    for (TetIndex t = 0; t < mesh_.tets.size(); ++t)
+      for (const NodeIndex node : mesh_.tets[t]) star[node].push_back(t);
     for (std::size_t i = 0; i < mesh_.nodes.size(); ++i)
       if (!star[i].empty()) move(i, star[i], i < options_.fixed_nodes);
   }
 
-  double worst_around(const std::vector<int>& star) const {
+  double worst_around(const std::vector<TetIndex>& star) const {
     double least = 1;
-    for (const int t : star) least = std::min(least, shape_of(mesh_.tets[std::size_t(t)]));
+    for (const TetIndex t : star) least = std::min(least, shape_of(mesh_.tets[t]));
     return least;
   }
 
-  bool attempt(std::size_t i, const std::vector<int>& star, const Vec3& target, double& value) {
+  bool attempt(std::size_t i, const std::vector<TetIndex>& star, const Vec3& target, double& value) {
     const Vec3 old = mesh_.nodes[i];
     mesh_.nodes[i] = target;
     const double now = worst_around(star);
@@ -331,13 +325,13 @@ class Improver {
     return false;
   }
 
-  void move(std::size_t i, const std::vector<int>& star, bool on_surface) {
+  void move(std::size_t i, const std::vector<TetIndex>& star, bool on_surface) {
     double value = worst_around(star);
     if (value > (on_surface ? 0.17 : 0.5)) return;  // sines of 10 and 30 degrees
     double longest = 0;
     Vec3 mean = Vec3::Zero();
-    for (const int t : star)
-      for (const NodeIndex node : mesh_.tets[std::size_t(t)]) {
+    for (const TetIndex t : star)
+      for (const NodeIndex node : mesh_.tets[t]) {
         longest = std::max(longest, (at(node) - mesh_.nodes[i]).norm());
         mean += (at(node) - mesh_.nodes[i]) / (3.0 * static_cast<double>(star.size()));
       }
@@ -365,14 +359,14 @@ void drop_unused_nodes(TetMesh& mesh, std::size_t keep) {
   std::vector<char> used(mesh.nodes.size(), 0);
   std::fill_n(used.begin(), std::min(keep, used.size()), char{1});
   for (const Tet& tet : mesh.tets)
-    for (const NodeIndex node : tet) used[static_cast<std::size_t>(node)] = 1;
+    for (const NodeIndex node : tet) used[node] = 1;
   std::vector<NodeIndex> number(mesh.nodes.size(), -1);
   NodeIndex next = 0;
   for (std::size_t i = 0; i < used.size(); ++i)
-    if (used[i]) mesh.nodes[static_cast<std::size_t>(next)] = mesh.nodes[i], number[i] = next++;
+    if (used[i]) mesh.nodes[next] = mesh.nodes[i], number[i] = next++;
   mesh.nodes.resize(static_cast<std::size_t>(next));
   for (Tet& tet : mesh.tets)
-    for (NodeIndex& node : tet) node = number[static_cast<std::size_t>(node)];
+    for (NodeIndex& node : tet) node = number[node];
 }
 
 }  // namespace forefeel

@@ -38,18 +38,17 @@ int LabelDomain::at(const Vec3& x) const {
   const Vec3 index = to_index_ * (x - volume_.origin);
   std::array<std::int64_t, 3> base;
   Vec3 share;
-  for (std::size_t d = 0; d < 3; ++d) {
-    const double q = index[static_cast<Eigen::Index>(d)], floor = std::floor(q);
+  for (unsigned d = 0; d < 3; ++d) {
+    const double q = index[d], floor = std::floor(q);
     if (!(q > static_cast<double>(low_[d] - 1) && q < static_cast<double>(high_[d] + 1))) return 0;
     base[d] = static_cast<std::int64_t>(floor);
-    share[static_cast<Eigen::Index>(d)] = q - floor;
+    share[d] = q - floor;
   }
   std::array<int, 8> corner;
   bool same = true;
-  for (int c = 0; c < 8; ++c) {
-    corner[static_cast<std::size_t>(c)] =
-        voxel(base[0] + (c & 1), base[1] + (c >> 1 & 1), base[2] + (c >> 2));
-    same = same && corner[static_cast<std::size_t>(c)] == corner[0];
+  for (unsigned c = 0; c < 8; ++c) {
+    corner[c] = voxel(base[0] + (c & 1), base[1] + (c >> 1 & 1), base[2] + (c >> 2));
+    same = same && corner[c] == corner[0];
   }
   if (same) return corner[0];
   std::array<double, 8> weight{};  // of the label of corner c, at its first corner
@@ -68,8 +67,8 @@ Box LabelDomain::box() const {
   Box box;
   for (int c = 0; c < 8; ++c) {
     Vec3 index;
-    for (std::size_t d = 0; d < 3; ++d)
-      index[static_cast<Eigen::Index>(d)] = static_cast<double>((c >> d & 1) ? high_[d] + 1 : low_[d] - 1);
+    for (unsigned d = 0; d < 3; ++d)
+      index[d] = static_cast<double>((c >> d & 1) ? high_[d] + 1 : low_[d] - 1);
     const Vec3 x = volume_.position(index);
     box.low = c == 0 ? x : box.low.cwiseMin(x).eval();
     box.high = c == 0 ? x : box.high.cwiseMax(x).eval();
@@ -121,15 +120,14 @@ void LabelDomain::find_parts() {
 }
 
 std::vector<LabelDomain::Part> LabelDomain::seeded() const {
-  std::vector<std::size_t> largest(subdomain_.size() + 2, 0);
+  std::map<int, std::size_t> largest;  // by subdomain
   for (const Part& part : parts_) {
-    std::size_t& its = largest[static_cast<std::size_t>(part.subdomain)];
+    std::size_t& its = largest[part.subdomain];
     its = std::max(its, part.voxels);
   }
   std::vector<Part> result;
   for (const Part& part : parts_)
-    if (part.voxels >= std::min(smallest_seeded, largest[static_cast<std::size_t>(part.subdomain)]))
-      result.push_back(part);
+    if (part.voxels >= std::min(smallest_seeded, largest.at(part.subdomain))) result.push_back(part);
   return result;
 }
 
@@ -165,10 +163,10 @@ std::vector<std::array<Vec3, 2>> LabelDomain::across_interfaces(double apart) co
   for (std::int64_t k = low_[2]; k <= high_[2]; ++k)
     for (std::int64_t j = low_[1]; j <= high_[1]; ++j)
       for (std::int64_t i = low_[0]; i <= high_[0]; ++i)
-        for (int side = 0; side < 6 && voxel(i, j, k) != 0; ++side) {
+        for (unsigned side = 0; side < 6 && voxel(i, j, k) != 0; ++side) {
           const std::array<std::int64_t, 3> at{i, j, k};
           std::array<std::int64_t, 3> to = at, cell;
-          to[static_cast<std::size_t>(side / 2)] += side % 2 ? 1 : -1;
+          to[side / 2] += side % 2 ? 1 : -1;
           if (voxel(to[0], to[1], to[2]) == voxel(i, j, k)) continue;
           const auto centre = [&](const std::array<std::int64_t, 3>& v) {
             return volume_.position(
@@ -176,8 +174,8 @@ std::vector<std::array<Vec3, 2>> LabelDomain::across_interfaces(double apart) co
           };
           const Vec3 from = centre(at), beyond = centre(to);
           const Placed place{0.5 * (from + beyond), inward(at, (from - beyond).normalized())};
-          for (std::size_t d = 0; d < 3; ++d)
-            cell[d] = static_cast<std::int64_t>(std::floor(place.at[static_cast<Eigen::Index>(d)] / apart));
+          for (unsigned d = 0; d < 3; ++d)
+            cell[d] = static_cast<std::int64_t>(std::floor(place.at[d] / apart));
           if (!is_free(place, cell)) continue;
           grid[cell].push_back(place);
           pairs.push_back({from, beyond});

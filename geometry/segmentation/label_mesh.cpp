@@ -55,8 +55,8 @@ std::vector<LabelRegion> wanted_regions(const LabelVolume& volume, const LabelMe
 std::vector<int> subdomains(const LabelVolume& volume, const std::vector<LabelRegion>& regions) {
   std::vector<int> result(volume.values.size(), 0);
   for (std::size_t r = 0; r < regions.size(); ++r)
-    result[static_cast<std::size_t>(std::ranges::lower_bound(volume.values, regions[r].label) -
-                                    volume.values.begin())] = static_cast<int>(r) + 1;
+    *(result.begin() + (std::ranges::lower_bound(volume.values, regions[r].label) - volume.values.begin())) =
+        static_cast<int>(r) + 1;
   return result;
 }
 

@@ -142,14 +142,14 @@ LabelledTets tets_of(const Complex& complex) {
   std::unordered_map<const void*, NodeIndex> number;
   for (auto cell = complex.cells_in_complex_begin(); cell != complex.cells_in_complex_end(); ++cell) {
     Tet tet{};
-    for (int i = 0; i < 4; ++i) {
-      const auto vertex = cell->vertex(i);
+    for (unsigned i = 0; i < 4; ++i) {
+      const auto vertex = cell->vertex(static_cast<int>(i));
       const auto [at, is_new] = number.emplace(&*vertex, static_cast<NodeIndex>(result.nodes.size()));
       if (is_new) {
         const auto& p = vertex->point().point();
         result.nodes.emplace_back(p.x(), p.y(), p.z());
       }
-      tet[static_cast<std::size_t>(i)] = at->second;
+      tet[i] = at->second;
     }
     result.tets.push_back(tet);
     result.subdomain.push_back(complex.subdomain_index(cell));

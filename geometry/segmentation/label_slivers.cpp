@@ -25,11 +25,11 @@ std::vector<char> on_interfaces(const LabelledTets& mesh, const TetMesh& body) {
   std::vector<char> result(mesh.nodes.size(), 0);
   for (std::size_t t = 0; t < mesh.tets.size(); ++t)
     for (const NodeIndex node : mesh.tets[t]) {
-      int& its = of[static_cast<std::size_t>(node)];
-      if (its != 0 && its != mesh.subdomain[t]) result[static_cast<std::size_t>(node)] = 1;
+      int& its = of[node];
+      if (its != 0 && its != mesh.subdomain[t]) result[node] = 1;
       its = mesh.subdomain[t];
     }
-  for (const NodeIndex node : surface_nodes(body)) result[static_cast<std::size_t>(node)] = 1;
+  for (const NodeIndex node : surface_nodes(body)) result[node] = 1;
   return result;
 }
 
@@ -54,14 +54,12 @@ void mend_slivers(LabelledTets& mesh) {
     for (std::size_t i = 0; i < fixed.size(); ++i)
       if (fixed[i] == kind)
         number[i] = static_cast<NodeIndex>(order.size()), order.push_back(static_cast<NodeIndex>(i));
-  for (std::size_t i = 0; i < order.size(); ++i)
-    body.nodes[i] = mesh.nodes[static_cast<std::size_t>(order[i])];
+  for (std::size_t i = 0; i < order.size(); ++i) body.nodes[i] = mesh.nodes[order[i]];
   for (Tet& tet : body.tets)
-    for (NodeIndex& node : tet) node = number[static_cast<std::size_t>(node)];
+    for (NodeIndex& node : tet) node = number[node];
   improve_shapes(
       body, {.fixed_nodes = static_cast<std::size_t>(std::ranges::count(fixed, char{1})), .flips = false});
-  for (std::size_t i = 0; i < order.size(); ++i)
-    mesh.nodes[static_cast<std::size_t>(order[i])] = body.nodes[i];
+  for (std::size_t i = 0; i < order.size(); ++i) mesh.nodes[order[i]] = body.nodes[i];
 }
 
 }  // namespace forefeel

@@ -88,12 +88,11 @@ class VtiReader {
     const std::vector<double> origin = numbers("Origin", {0, 0, 0}), spacing = numbers("Spacing", {1, 1, 1}),
                               turn = numbers("Direction", {1, 0, 0, 0, 1, 0, 0, 0, 1});
     Vec3 first;
-    for (int d = 0; d < 3; ++d) {
-      const auto k = static_cast<std::size_t>(d);
-      header_.size[k] = whole_[2 * k + 1] - whole_[2 * k] + (cells ? 0 : 1);
-      header_.origin[d] = origin[k];
-      for (int r = 0; r < 3; ++r) header_.axes(r, d) = spacing[k] * turn[static_cast<std::size_t>(3 * r + d)];
-      first[d] = static_cast<double>(whole_[2 * k]) + (cells ? 0.5 : 0.0);
+    for (unsigned d = 0; d < 3; ++d) {
+      header_.size[d] = whole_[2 * d + 1] - whole_[2 * d] + (cells ? 0 : 1);
+      header_.origin[d] = origin[d];
+      for (unsigned r = 0; r < 3; ++r) header_.axes(r, d) = spacing[d] * turn[3 * r + d];
+      first[d] = static_cast<double>(whole_[2 * d]) + (cells ? 0.5 : 0.0);
     }
     header_.origin += header_.axes * first;
   }

@@ -166,7 +166,7 @@ AutoSpacingTrial try_spacing(const std::shared_ptr<const Body>& body, const Auto
   }
   trial.share_bound = share_bound(trial.above, trial.safe, options.confidence);
   std::ranges::sort(errors);
-  trial.p95 = errors[static_cast<std::size_t>(std::floor(0.95 * static_cast<double>(errors.size() - 1)))];
+  trial.p95 = errors[std::floor(0.95 * static_cast<double>(errors.size() - 1))];
   trial.max = errors.back();
   return trial;
 }

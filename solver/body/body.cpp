@@ -5,6 +5,7 @@
 
 #include <algorithm>
 #include <cmath>
+#include <set>
 
 #include "geometry/common/error.hpp"
 #include "solver/body/law_table.hpp"
@@ -22,7 +23,7 @@ bool has_rest(const Body& body) {
 void check_nodes(const std::vector<NodeIndex>& nodes, const TetMesh& mesh, const InputPlace& where) {
   if (nodes.empty()) throw InputError(where, "no node is in it, expected at least one");
   for (const NodeIndex node : nodes) {
-    if (node < 0 || static_cast<std::size_t>(node) >= mesh.nodes.size())
+    if (node >= mesh.nodes.size())
       throw InputError(where,
                        fmt::format("node {} is out of range, expected 0 to {}", node, mesh.nodes.size() - 1));
   }
@@ -48,10 +49,10 @@ void check_regions(const Body& body, const std::string& file) {
     const InputPlace where{.file = file, .key = key_of(region)};
     if (region.tets.empty()) throw InputError(where, "no tetrahedron is in it, expected at least one");
     for (const TetIndex tet : region.tets) {
-      if (tet < 0 || static_cast<std::size_t>(tet) >= owner.size())
+      if (tet >= owner.size())
         throw InputError(
             where, fmt::format("tetrahedron {} is out of range, expected 0 to {}", tet, owner.size() - 1));
-      const MaterialRegion*& its = owner[static_cast<std::size_t>(tet)];
+      const MaterialRegion*& its = owner[tet];
       if (its)
         throw InputError(where, fmt::format("tetrahedron {} is in '{}' too, expected one material for each",
                                             tet, its->name));
@@ -64,20 +65,18 @@ void check_regions(const Body& body, const std::string& file) {
 
 void check_parts(const Body& body, const std::string& file) {
   const std::vector<int> part = components(body.mesh);
-  int parts = 0;
-  for (const int p : part) parts = std::max(parts, p + 1);
-  std::vector<char> clamped(static_cast<std::size_t>(parts), 0);
+  const int parts = std::ranges::max(part) + 1;
+  std::set<int> clamped;
   for (const NodeIndex node : body.clamp)
-    if (part[static_cast<std::size_t>(node)] >= 0)
-      clamped[static_cast<std::size_t>(part[static_cast<std::size_t>(node)])] = 1;
-  const auto loose = std::count(clamped.begin(), clamped.end(), 0);
+    if (part[node] >= 0) clamped.insert(part[node]);
+  const int loose = parts - static_cast<int>(clamped.size());
   if (loose > 0)
     throw InputError({.file = file, .key = "clamp"},
                      fmt::format("{} of the {} connected parts of the mesh {} no clamped node, "
                                  "expected one in each",
                                  loose, parts, loose == 1 ? "has" : "have"));
   for (const NodeIndex node : body.contact)
-    if (part[static_cast<std::size_t>(node)] < 0)
+    if (part[node] < 0)
       throw InputError({.file = file, .key = "contact"},
                        fmt::format("node {} belongs to no tetrahedron", node));
 }
@@ -97,7 +96,7 @@ namespace {
 void check_held(const Body& body, const std::string& file) {
   std::vector<Vec3> held;
   for (const auto* nodes : {&body.clamp, &body.contact})
-    for (const NodeIndex node : *nodes) held.push_back(body.mesh.nodes[static_cast<std::size_t>(node)]);
+    for (const NodeIndex node : *nodes) held.push_back(body.mesh.nodes[node]);
   const auto further = [&](const Vec3& a, const Vec3& b) {
     return (a - held[0]).norm() < (b - held[0]).norm();
   };
@@ -118,9 +117,9 @@ std::vector<std::string> check(const Body& body, const std::string& file) {
   check_nodes(body.clamp, body.mesh, {.file = file, .key = "clamp"});
   check_nodes(body.contact, body.mesh, {.file = file, .key = "contact"});
   std::vector<char> clamped(body.mesh.nodes.size(), 0);
-  for (const NodeIndex node : body.clamp) clamped[static_cast<std::size_t>(node)] = 1;
+  for (const NodeIndex node : body.clamp) clamped[node] = 1;
   for (const NodeIndex node : body.contact)
-    if (clamped[static_cast<std::size_t>(node)])
+    if (clamped[node])
       throw InputError({.file = file, .key = "contact"},
                        fmt::format("node {} is clamped, expected a node that can move", node));
   check_parts(body, file);
@@ -146,7 +145,7 @@ std::vector<std::string> check(const Body& body, const std::string& file) {
 std::vector<MaterialPart> material_parts(const Body& body) {
   std::vector<const Material*> of(body.mesh.tets.size(), &body.material);
   for (const MaterialRegion& region : body.regions)
-    for (const TetIndex tet : region.tets) of[static_cast<std::size_t>(tet)] = &region.material;
+    for (const TetIndex tet : region.tets) of[tet] = &region.material;
   std::vector<MaterialPart> parts;
   for (std::size_t tet = 0; tet < of.size(); ++tet) {
     auto part = std::ranges::find(parts, *of[tet], &MaterialPart::material);

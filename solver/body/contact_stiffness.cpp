@@ -20,7 +20,7 @@ Patch contact_patch(const Body& body) {
     const auto touched = std::ranges::count_if(
         triangle, [&](NodeIndex node) { return std::ranges::binary_search(body.contact, node); });
     if (touched == 0) continue;
-    const auto corner = [&](std::size_t i) { return body.mesh.nodes[static_cast<std::size_t>(triangle[i])]; };
+    const auto corner = [&](std::size_t i) { return body.mesh.nodes[triangle[i]]; };
     const Vec3 area = 0.5 * (corner(1) - corner(0)).cross(corner(2) - corner(0));
     const double tributary = static_cast<double>(touched) / 3;
     patch.area += 0.5 * (tributary + (touched == 3 ? 1 : 0)) * area.norm();
@@ -43,13 +43,12 @@ std::optional<Material> patch_material(const Body& body) {
   std::vector<char> near(mesh.nodes.size(), 0);
   for (std::size_t node = 0; node < near.size(); ++node)
     near[node] = std::ranges::any_of(body.contact, [&](NodeIndex touched) {
-      return (mesh.nodes[node] - mesh.nodes[static_cast<std::size_t>(touched)]).norm() <= reach;
+      return (mesh.nodes[node] - mesh.nodes[touched]).norm() <= reach;
     });
   std::optional<Material> found;
   for (const MaterialPart& part : material_parts(body)) {
     const bool at_patch = std::ranges::any_of(part.tets, [&](TetIndex tet) {
-      return std::ranges::any_of(mesh.tets[static_cast<std::size_t>(tet)],
-                                 [&](NodeIndex node) { return near[static_cast<std::size_t>(node)] != 0; });
+      return std::ranges::any_of(mesh.tets[tet], [&](NodeIndex node) { return near[node] != 0; });
     });
     if (!at_patch) continue;
     if (found) return {};

@@ -17,8 +17,7 @@ class Middles {
     const auto [at, fresh] = nodes_.emplace(std::array{std::min(a, b), std::max(a, b)},
                                             static_cast<NodeIndex>(mesh_.nodes.size()));
     if (fresh) {
-      const Vec3 middle =
-          0.5 * (mesh_.nodes[static_cast<std::size_t>(a)] + mesh_.nodes[static_cast<std::size_t>(b)]);
+      const Vec3 middle = 0.5 * (mesh_.nodes[a] + mesh_.nodes[b]);
       mesh_.nodes.push_back(middle);
     }
     return at->second;

@@ -11,13 +11,12 @@ constexpr double most_steps = 5000;
 
 }  // namespace
 
-void detail::predict(const Discretisation& d, const LocalField& field, const Vec3& move, const Vec3& x,
-                     std::vector<double>& u) {
+void detail::predict(const LocalField& field, const Vec3& move, const Vec3& x, std::vector<double>& u) {
   u.resize(field.u.size());
   const double *va = field.tangent.data(), *vb = va + u.size(), *vc = vb + u.size();
   for (std::size_t i = 0; i < u.size(); ++i)
     u[i] = field.u[i] + va[i] * move[0] + vb[i] * move[1] + vc[i] * move[2];
-  for (int i = 0; i < 3; ++i) u[static_cast<std::size_t>(3 * d.free_nodes + i)] = x[i];
+  std::copy_n(x.data(), 3, u.end() - 6);  // the contact; the clamp is last
 }
 
 Continuation::Continuation(std::shared_ptr<const Discretisation> discretisation, Precision precision)
@@ -68,8 +67,8 @@ NewtonReport Continuation::step_to(const Vec3& x, double tolerance, int max_iter
     report.status = SolveStatus::diverged;
     return report;
   }
-  detail::predict(*d_, field_, move, x, trial_);
-  detail::predict(*d_, field_, 0.5 * move, 0.5 * (x + at_), half_);
+  detail::predict(field_, move, x, trial_);
+  detail::predict(field_, 0.5 * move, 0.5 * (x + at_), half_);
   report = correct_trial(x, tolerance, max_iterations, stop, keep_factor);
   if (report.status != SolveStatus::converged) return report;
   // half_ + V_b move / 2 - u_b

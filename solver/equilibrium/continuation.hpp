@@ -75,8 +75,7 @@ class Continuation {
 
 namespace detail {
 // The prediction u + V move from the field's u and V, with the contact's rows set to x.
-void predict(const Discretisation& d, const LocalField& field, const Vec3& move, const Vec3& x,
-             std::vector<double>& u);
+void predict(const LocalField& field, const Vec3& move, const Vec3& x, std::vector<double>& u);
 }  // namespace detail
 
 }  // namespace forefeel

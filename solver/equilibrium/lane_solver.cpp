@@ -16,8 +16,8 @@ constexpr int most_stale = 2;          // steps without progress
 constexpr int factor_life = 7;         // iterations before a new factor is made
 constexpr double worth_a_factor = 30;  // residual over tolerance
 
-double& lane(std::vector<double>& v, std::size_t row, int l) {
-  return v[row * lane_count + static_cast<std::size_t>(l)];
+double& lane(std::vector<double>& v, std::size_t row, std::size_t l) {
+  return v[row * lane_count + l];
 }
 
 }  // namespace
@@ -32,16 +32,14 @@ LaneSolver::LaneSolver(std::shared_ptr<const Discretisation> discretisation)
 
 void LaneSolver::load(const std::vector<LocalField*>& fields) {
   const std::size_t rows = size_ / lane_count;
-  for (int l = 0; l < lane_count; ++l) {
-    // idle lanes repeat the first state
-    const LocalField& f =
-        *fields[static_cast<std::size_t>(l) < fields.size() ? static_cast<std::size_t>(l) : 0];
+  for (std::size_t l = 0; l < lane_count; ++l) {
+    const LocalField& f = *fields[l < fields.size() ? l : 0];  // idle lanes repeat the first state
     for (std::size_t i = 0; i < rows; ++i) {
       lane(u_, i, l) = f.u[i];
     }
     for (std::size_t c = 0; c < 3; ++c)
       for (std::size_t i = 0; i < rows; ++i)
-        tangent_[c * size_ + i * lane_count + static_cast<std::size_t>(l)] = f.tangent[c * rows + i];
+        tangent_[c * size_ + i * lane_count + l] = f.tangent[c * rows + i];
   }
 }
 
@@ -62,34 +60,31 @@ void LaneSolver::remember(int known, const LaneMask& moved) {
 void LaneSolver::mix(int pairs, const LaneMask& active) {
   const FrontKernels& k = front_kernels();
   const auto rows = static_cast<std::int64_t>(3 * d_->free_nodes);
-  const int known = std::min(pairs, static_cast<int>(depth_));
+  const std::size_t known = std::min(static_cast<std::size_t>(pairs), depth_);
   std::array<std::array<double, lane_count>, depth_ * depth_> gram{};
   std::array<std::array<double, lane_count>, depth_> right{}, weight{};
-  for (int i = 0; i < known; ++i) {
-    const double* si = step_change(static_cast<std::size_t>(i));
-    k.dot_lanes(rows, si, step_.data(), right[static_cast<std::size_t>(i)].data());
-    for (int j = 0; j <= i; ++j)
-      k.dot_lanes(rows, si, step_change(static_cast<std::size_t>(j)),
-                  gram[static_cast<std::size_t>(i * depth_ + j)].data());
+  for (std::size_t i = 0; i < known; ++i) {
+    const double* si = step_change(i);
+    k.dot_lanes(rows, si, step_.data(), right[i].data());
+    for (std::size_t j = 0; j <= i; ++j) k.dot_lanes(rows, si, step_change(j), gram[i * depth_ + j].data());
   }
   for (std::size_t l = 0; l < lane_count; ++l) {
     if (known == 0 || active[l] == 0) continue;
     Eigen::Matrix<double, depth_, depth_> a = Eigen::Matrix<double, depth_, depth_>::Identity();
     Eigen::Matrix<double, depth_, 1> b = Eigen::Matrix<double, depth_, 1>::Zero();
-    for (int i = 0; i < known; ++i) {
-      b[i] = right[static_cast<std::size_t>(i)][l];
-      for (int j = 0; j <= i; ++j) a(i, j) = a(j, i) = gram[static_cast<std::size_t>(i * depth_ + j)][l];
+    for (unsigned i = 0; i < known; ++i) {
+      b[i] = right[i][l];
+      for (unsigned j = 0; j <= i; ++j) a(i, j) = a(j, i) = gram[i * depth_ + j][l];
       a(i, i) *= 1 + 1e-10;
       if (!(a(i, i) > 0)) a(i, i) = 1;
     }
     const Eigen::Matrix<double, depth_, 1> g = a.ldlt().solve(b);
     if (!g.allFinite() || g.cwiseAbs().maxCoeff() > 10) continue;
-    for (int i = 0; i < known; ++i) weight[static_cast<std::size_t>(i)][l] = -g[i];
+    for (unsigned i = 0; i < known; ++i) weight[i][l] = -g[i];
   }
-  for (int i = 0; i < known; ++i) {
-    const auto at = static_cast<std::size_t>(i);
-    k.add_lanes(rows, weight[at].data(), move(at), step_.data());
-    k.add_lanes(rows, weight[at].data(), step_change(at), step_.data());
+  for (std::size_t i = 0; i < known; ++i) {
+    k.add_lanes(rows, weight[i].data(), move(i), step_.data());
+    k.add_lanes(rows, weight[i].data(), step_change(i), step_.data());
   }
 }
 
@@ -107,8 +102,7 @@ void LaneSolver::judge(int count, double tolerance, int iteration, LaneProgress&
     if (!open) continue;
     LaneResult& result = results[l];
     Vec3 force;
-    for (int i = 0; i < 3; ++i)
-      force[i] = -lane(residual_, static_cast<std::size_t>(rows + i), static_cast<int>(l));
+    for (int i = 0; i < 3; ++i) force[i] = -lane(residual_, static_cast<std::size_t>(rows + i), l);
     const double residual = std::sqrt(squares[l]) / std::max(force.norm(), d_->force_floor);
     const bool finite = std::isfinite(energy[l]) && std::isfinite(residual);
     const bool progress = at.iterations[l] == 0 || residual <= tolerance || residual < 0.9 * at.best[l] ||
@@ -138,7 +132,7 @@ void LaneSolver::judge(int count, double tolerance, int iteration, LaneProgress&
       if (result.converged) continue;
     }
     if (given_up) {  // finite values, so that the other lanes are not slowed down
-      for (std::size_t i = 0; i < size_ / lane_count; ++i) lane(u_, i, static_cast<int>(l)) = 0;
+      for (std::size_t i = 0; i < size_ / lane_count; ++i) lane(u_, i, l) = 0;
       continue;
     }
     (good ? at.active : at.retreat)[l] = 1;
@@ -162,7 +156,7 @@ bool LaneSolver::iterate(const Factorisation& factor, NewtonSolver* newton, int 
   const FrontKernels& k = front_kernels();
   const auto rows = static_cast<std::int64_t>(3 * d_->free_nodes);
   LaneProgress at;
-  for (int l = 0; l < count; ++l) at.active[static_cast<std::size_t>(l)] = 1;
+  std::fill_n(at.active.begin(), count, 1.0);
   at.best.fill(std::numeric_limits<double>::infinity());
   at.least_energy = at.best;
   bool mixing = false, previous = false;
@@ -231,8 +225,7 @@ std::array<double, lane_count> LaneSolver::residuals(const std::vector<LocalFiel
   front_kernels().dot_lanes(rows, residual_.data(), residual_.data(), found.data());
   for (std::size_t l = 0; l < lane_count; ++l) {
     Vec3 force;
-    for (int i = 0; i < 3; ++i)
-      force[i] = lane(residual_, static_cast<std::size_t>(rows + i), static_cast<int>(l));
+    for (int i = 0; i < 3; ++i) force[i] = lane(residual_, static_cast<std::size_t>(rows + i), l);
     const double residual = std::sqrt(found[l]) / std::max(force.norm(), d_->force_floor);
     found[l] = std::isfinite(energy[l]) && std::isfinite(residual) ? residual
                                                                    : std::numeric_limits<double>::infinity();
@@ -249,15 +242,15 @@ void LaneSolver::solve(const Factorisation& factor, std::vector<LocalField*>& fi
   if (!iterate(factor, newton, count, residual_tolerance, results)) return;
   finish(factor, count, rounds, results);
   const std::size_t rows = size_ / lane_count;
-  for (int l = 0; l < count; ++l) {
-    if (!results[static_cast<std::size_t>(l)].converged) continue;
-    LocalField& f = *fields[static_cast<std::size_t>(l)];
+  for (std::size_t l = 0; l < fields.size(); ++l) {
+    if (!results[l].converged) continue;
+    LocalField& f = *fields[l];
     for (std::size_t i = 0; i < rows; ++i) {
       f.u[i] = lane(u_, i, l);
     }
     for (std::size_t c = 0; c < 3; ++c)
       for (std::size_t i = 0; i < rows; ++i)
-        f.tangent[c * rows + i] = tangent_[c * size_ + i * lane_count + static_cast<std::size_t>(l)];
+        f.tangent[c * rows + i] = tangent_[c * size_ + i * lane_count + l];
   }
 }
 
@@ -268,10 +261,10 @@ bool detail::condense_alone(NewtonSolver& newton, LocalField& field, LaneResult&
   std::vector<double> gradient(field.u.size(), 0.0);
   d.elements.gradient(field.u.data(), gradient.data());
   const auto contact = static_cast<std::size_t>(3 * d.free_nodes);
-  for (std::size_t c = 0; c < 3; ++c) {
+  for (unsigned c = 0; c < 3; ++c) {
     double force = -gradient[contact + c];
     for (std::size_t i = 0; i < contact; ++i) force -= field.tangent[c * gradient.size() + i] * gradient[i];
-    result.force[static_cast<int>(c)] = force;
+    result.force[c] = force;
   }
   return true;
 }

@@ -57,11 +57,11 @@ void LaneSolver::finish(const Factorisation& factor, int count, int rounds,
     before = square;
   }
   LaneMask dot{};
-  for (std::size_t c = 0; c < 3; ++c) {
+  for (unsigned c = 0; c < 3; ++c) {
     k.add_lanes(stride / lane_count, one.data(), &z[c * size_], &tangent_[c * size_]);
     k.dot_lanes(rows, &tangent_[c * size_], residual_.data(), dot.data());
     for (std::size_t l = 0; l < static_cast<std::size_t>(count); ++l)
-      if (results[l].stiffness_settled) results[l].force[static_cast<int>(c)] -= dot[l];
+      if (results[l].stiffness_settled) results[l].force[c] -= dot[l];
   }
 }
 
@@ -73,20 +73,17 @@ bool LaneSolver::condense_lanes(const double* z, int count, std::array<LaneResul
   const auto rows = static_cast<std::int64_t>(3 * d_->free_nodes);
   std::array<Mat3, lane_count> plain, gain;
   LaneMask dot{};
-  for (std::size_t a = 0; a < 3; ++a)
-    for (std::size_t b = a; b < 3; ++b) {
-      const auto row = static_cast<int>(a), column = static_cast<int>(b);
+  for (unsigned a = 0; a < 3; ++a)
+    for (unsigned b = a; b < 3; ++b) {
       const double* y = &product_[b * size_];
       k.dot_lanes(rows, &tangent_[a * size_], y, dot.data());
       for (std::size_t l = 0; l < lane_count; ++l)
-        plain[l](row, column) = plain[l](column, row) =
-            dot[l] + y[(static_cast<std::size_t>(rows) + a) * lane_count + l];
+        plain[l](a, b) = plain[l](b, a) = dot[l] + y[(static_cast<std::size_t>(rows) + a) * lane_count + l];
       k.dot_lanes(rows, &product_[a * size_], &z[b * size_], dot.data());
-      for (std::size_t l = 0; l < lane_count; ++l) gain[l](row, column) = gain[l](column, row) = -dot[l];
+      for (std::size_t l = 0; l < lane_count; ++l) gain[l](a, b) = gain[l](b, a) = -dot[l];
     }
-  for (std::size_t c = 0; c < 3; ++c)
-    for (std::size_t l = 0; l < lane_count; ++l)
-      square[c][l] = gain[l](static_cast<int>(c), static_cast<int>(c));
+  for (unsigned c = 0; c < 3; ++c)
+    for (std::size_t l = 0; l < lane_count; ++l) square[c][l] = gain[l](c, c);
   bool settled = true;
   for (std::size_t l = 0; l < static_cast<std::size_t>(count); ++l) {
     LaneResult& result = results[l];

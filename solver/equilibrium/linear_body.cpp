@@ -24,7 +24,7 @@ State LinearBody::state(const Vec3& x, LocalField& field) const {
   field.u.assign(static_cast<std::size_t>(d_.local_size()), 0.0);
   field.tangent = tangent_;
   const LocalField rest = field;
-  detail::predict(d_, rest, x, x, field.u);
+  detail::predict(rest, x, x, field.u);
   std::vector<double> gradient(field.u.size(), 0.0);
   s.solve.min_jacobian = d_.elements.gradient(field.u.data(), gradient.data()).min_jacobian;
   double squares = 0;

@@ -78,7 +78,7 @@ double uncertainty_of(const std::vector<MeshStudyRow>& rows, const Rates& rates,
     const std::array steps{last_step(others, 0), last_step(others, 1)};
     largest = std::max(largest, std::abs(fit(others, at, steps).force - force));
   };
-  for (const std::size_t k : {0, 1}) {
+  for (const std::size_t k : {0u, 1u}) {
     const std::size_t count = only(rows, k).size();
     if (count == 0) continue;
     if (count < rows.size()) compare_with(only(rows, k), rates);

@@ -29,7 +29,7 @@ void NewtonSolver::evaluate(const std::vector<double>& u, NewtonReport& report) 
   const FieldSummary field = d_->elements.gradient(u.data(), trial_gradient_.data());
   report.energy = field.energy;
   report.min_jacobian = field.min_jacobian;
-  const double* contact = &trial_gradient_[static_cast<std::size_t>(3 * d_->free_nodes)];
+  const double* contact = trial_gradient_.data() + 3 * d_->free_nodes;
   report.force = -Vec3(contact[0], contact[1], contact[2]);
   report.residual =
       norm(trial_gradient_.data(), 3 * d_->free_nodes) / std::max(report.force.norm(), d_->force_floor);
@@ -59,15 +59,13 @@ bool NewtonSolver::factorise_shifted(const std::vector<double>& u) {
 
 // Moves u along step_, a direction of descent. False if no length of the step helps.
 bool NewtonSolver::line_search(std::vector<double>& u, NewtonReport& report) {
-  const std::int64_t n = 3 * d_->free_nodes;
+  const auto rows = static_cast<std::size_t>(3 * d_->free_nodes);
   double slope = 0;
-  for (std::int64_t i = 0; i < n; ++i)
-    slope += gradient_[static_cast<std::size_t>(i)] * step_[static_cast<std::size_t>(i)];
+  for (std::size_t i = 0; i < rows; ++i) slope += gradient_[i] * step_[i];
   double length = 1;
   for (int halvings = 0; halvings < 30; ++halvings, length *= 0.5) {
     trial_ = u;
-    for (std::int64_t i = 0; i < n; ++i)
-      trial_[static_cast<std::size_t>(i)] += length * step_[static_cast<std::size_t>(i)];
+    for (std::size_t i = 0; i < rows; ++i) trial_[i] += length * step_[i];
     NewtonReport next;
     evaluate(trial_, next);
     const bool finite = std::isfinite(next.energy) && std::isfinite(next.residual);
@@ -123,8 +121,7 @@ NewtonReport NewtonSolver::solve(std::vector<double>& u, double tolerance, int m
       return report;
     }
     ++report.iterations;
-    for (std::int64_t i = 0; i < n; ++i)
-      step_[static_cast<std::size_t>(i)] = -gradient_[static_cast<std::size_t>(i)];
+    for (std::size_t i = 0; i < static_cast<std::size_t>(n); ++i) step_[i] = -gradient_[i];
     factor_.solve(step_.data());
     const double moved = norm(step_.data(), n), all = norm(u.data(), n + 3);
     const bool fresh = !keep;

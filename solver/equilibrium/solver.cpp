@@ -81,7 +81,7 @@ struct Solver::Impl {
     std::array<LocalField, lane_count> fields;
     std::vector<LocalField*> pointers;
     for (std::size_t i = 0; i < count; ++i) {
-      detail::predict(*d, path.field(), xs[i] - path.at(), xs[i], fields[i].u);
+      detail::predict(path.field(), xs[i] - path.at(), xs[i], fields[i].u);
       fields[i].tangent = path.field().tangent;
       pointers.push_back(&fields[i]);
     }

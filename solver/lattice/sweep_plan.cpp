@@ -14,8 +14,8 @@ namespace {
 using CellAround = std::array<std::pair<int, int>, 3>;
 std::optional<CellAround> cell_around(const CoarsePlanes& planes, const Vec3& q) {
   CellAround cell;
-  for (std::size_t axis = 0; axis < 3; ++axis) {
-    const auto found = planes.around(axis, q[static_cast<int>(axis)]);
+  for (unsigned axis = 0; axis < 3; ++axis) {
+    const auto found = planes.around(axis, q[axis]);
     if (!found) return std::nullopt;
     cell[axis] = *found;
   }
@@ -110,8 +110,7 @@ std::optional<LatticeIndex> beyond(const CoarsePlanes& planes, const LatticeInde
 
 LatticeIndex fine_index(const Vec3& x, double spacing) {
   LatticeIndex k{};
-  for (std::size_t i = 0; i < 3; ++i)
-    k[i] = static_cast<int>(std::lround(x[static_cast<Eigen::Index>(i)] / spacing));
+  for (unsigned i = 0; i < 3; ++i) k[i] = static_cast<int>(std::lround(x[i] / spacing));
   return k;
 }
 

@@ -35,12 +35,12 @@ std::vector<double> SweepWorker::extrapolated(const SweepNode& node, const Sweep
                                               const SweepNode* beyond) const {
   const Vec3 move = node.state.at - parent.state.at;
   std::vector<double> u;
-  detail::predict(*d_, parent.field, move, node.state.at, u);
+  detail::predict(parent.field, move, node.state.at, u);
   if (!beyond) return u;
   const double share = 0.5 * move.norm() / (parent.state.at - beyond->state.at).norm();
   const std::size_t size = u.size(), rows = static_cast<std::size_t>(3 * d_->free_nodes);
-  for (std::size_t c = 0; c < 3; ++c) {
-    const double along = share * move[static_cast<int>(c)];
+  for (unsigned c = 0; c < 3; ++c) {
+    const double along = share * move[c];
     if (along == 0) continue;
     add_scaled(parent.field.tangent.data() + c * size, along, u.data(), rows);
     add_scaled(beyond->field.tangent.data() + c * size, -along, u.data(), rows);
@@ -71,7 +71,7 @@ std::optional<std::vector<double>> SweepWorker::predict_mixed(const SweepNode& n
         add_scaled(known->field.tangent.data() + r * size,
                    sign * options_.spacing * (node.index[r] - corner[r]) / axes, u.data(), size);
   }
-  for (int i = 0; i < 3; ++i) u[static_cast<std::size_t>(3 * d_->free_nodes + i)] = node.state.at[i];
+  std::copy_n(node.state.at.data(), 3, u.end() - 6);  // the contact; the clamp is last
   return u;
 }
 
@@ -85,8 +85,10 @@ void SweepWorker::predict_coarse(SweepNode& node, const std::vector<const SweepN
   std::vector<LocalField*> fields;
   for (LocalField& guess : guesses) fields.push_back(&guess);
   const std::array<double, lane_count> residual = lanes_.residuals(fields);
-  const auto best = std::min_element(residual.begin(), residual.begin() + fields.size());
-  node.field.u = std::move(guesses[static_cast<std::size_t>(best - residual.begin())].u);
+  std::size_t best = 0;
+  for (std::size_t i = 1; i < fields.size(); ++i)
+    if (residual[i] < residual[best]) best = i;
+  node.field.u = std::move(guesses[best].u);
 }
 
 // u = mean of u_c + V_c (x - x_c)/2 over the corners; along an axis j between two corners the tangent is the
@@ -107,8 +109,8 @@ bool SweepWorker::predict_hermite(SweepNode& node, const std::vector<const Sweep
   f.tangent.assign(3 * size, 0.0);
   for (const SweepNode* corner : corners) {
     Vec3 move = node.state.at - corner->state.at, slope, keep;
-    for (int j = 0; j < 3; ++j) {
-      const bool mid = between[static_cast<std::size_t>(j)];
+    for (unsigned j = 0; j < 3; ++j) {
+      const bool mid = between[j];
       if (!mid) move[j] = 0;
       // the state lies at +h along j from this corner: the corner is on the low side
       slope[j] = mid ? (move[j] > 0 ? -1.5 : 1.5) / h * share : 0.0;
@@ -124,10 +126,9 @@ void SweepWorker::predict_fine(SweepNode& node, const std::vector<const SweepNod
   if (!predict_hermite(node, corners)) {
     const SweepNode& corner = *corners.front();
     node.field.tangent = corner.field.tangent;
-    detail::predict(*d_, corner.field, node.state.at - corner.state.at, node.state.at, node.field.u);
+    detail::predict(corner.field, node.state.at - corner.state.at, node.state.at, node.field.u);
   }
-  for (int i = 0; i < 3; ++i)
-    node.field.u[static_cast<std::size_t>(3 * d_->free_nodes + i)] = node.state.at[i];
+  std::copy_n(node.state.at.data(), 3, node.field.u.end() - 6);
 }
 
 }  // namespace forefeel

@@ -41,21 +41,21 @@ std::optional<double> SweepWorker::predict_between(const SweepNode& node, const 
   std::array<std::pair<int, int>, 3> cell;
   Vec3 share;
   double least = std::numeric_limits<double>::infinity();
-  for (std::size_t axis = 0; axis < 3; ++axis) {
-    const double q = x[static_cast<int>(axis)] / spacing;
+  for (unsigned axis = 0; axis < 3; ++axis) {
+    const double q = x[axis] / spacing;
     const auto found = options_.planes.around(axis, q);
     if (!found) return std::nullopt;
     cell[axis] = *found;
     const int width = cell[axis].second - cell[axis].first;
-    share[static_cast<int>(axis)] = width > 0 ? (q - cell[axis].first) / width : 0.0;
+    share[axis] = width > 0 ? (q - cell[axis].first) / width : 0.0;
   }
   for (int corner = 0; corner < 8; ++corner) {
     LatticeIndex c{};
     double weight = 1;
-    for (std::size_t axis = 0; axis < 3; ++axis) {
+    for (unsigned axis = 0; axis < 3; ++axis) {
       const bool high = ((corner >> axis) & 1) != 0;
       c[axis] = high ? cell[axis].second : cell[axis].first;
-      weight *= high ? share[static_cast<int>(axis)] : 1 - share[static_cast<int>(axis)];
+      weight *= high ? share[axis] : 1 - share[axis];
     }
     if (weight == 0) continue;
     if ((spacing * Vec3(c[0], c[1], c[2]) - node.state.at).norm() < 1e-6 * spacing)
@@ -69,7 +69,7 @@ std::optional<double> SweepWorker::predict_between(const SweepNode& node, const 
       field.u[i] += weight * (u[i] + half[0] * v[i] + half[1] * v[size + i] + half[2] * v[2 * size + i]);
     for (std::size_t i = 0; i < 3 * size; ++i) field.tangent[i] += weight * v[i];
   }
-  for (int i = 0; i < 3; ++i) field.u[static_cast<std::size_t>(3 * d_->free_nodes + i)] = x[i];
+  std::copy_n(x.data(), 3, field.u.end() - 6);  // the contact; the clamp is last
   return least;
 }
 
@@ -137,8 +137,7 @@ double SweepWorker::misfit(const LocalField& from, const LocalField& to, const V
   double largest = 0;
   for (std::size_t i = 0; i < rows; ++i) {
     double left = to.u[i] - from.u[i];
-    for (std::size_t c = 0; c < 3; ++c)
-      left -= 0.5 * move[static_cast<int>(c)] * (va[c * size + i] + vb[c * size + i]);
+    for (unsigned c = 0; c < 3; ++c) left -= 0.5 * move[c] * (va[c * size + i] + vb[c * size + i]);
     largest = std::max(largest, std::abs(left));
   }
   return largest;

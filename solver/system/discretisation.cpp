@@ -12,21 +12,19 @@
 namespace forefeel {
 namespace {
 
-constexpr std::array<std::array<int, 2>, 6> tet_edges{{{0, 1}, {0, 2}, {0, 3}, {1, 2}, {1, 3}, {2, 3}}};
+constexpr std::array<std::array<unsigned, 2>, 6> tet_edges{{{0, 1}, {0, 2}, {0, 3}, {1, 2}, {1, 3}, {2, 3}}};
 
 // Nodes of each element: the corners, then (quadratic) the midpoints of the edges.
-std::vector<std::int32_t> connect(const Body& body, std::vector<std::array<NodeIndex, 2>>& edges) {
+std::vector<NodeIndex> connect(const Body& body, std::vector<std::array<NodeIndex, 2>>& edges) {
   const bool quadratic = body.element == Element::quadratic;
-  std::vector<std::int32_t> nodes;
-  std::map<std::array<NodeIndex, 2>, std::int32_t> known;
+  std::vector<NodeIndex> nodes;
+  std::map<std::array<NodeIndex, 2>, NodeIndex> known;
   for (const Tet& tet : body.mesh.tets) {
     nodes.insert(nodes.end(), tet.begin(), tet.end());
     if (!quadratic) continue;
     for (const auto& [a, b] : tet_edges) {
-      const std::array<NodeIndex, 2> edge{
-          std::min(tet[static_cast<std::size_t>(a)], tet[static_cast<std::size_t>(b)]),
-          std::max(tet[static_cast<std::size_t>(a)], tet[static_cast<std::size_t>(b)])};
-      const auto fresh = static_cast<std::int32_t>(body.mesh.nodes.size() + edges.size());
+      const std::array<NodeIndex, 2> edge{std::min(tet[a], tet[b]), std::max(tet[a], tet[b])};
+      const auto fresh = static_cast<NodeIndex>(body.mesh.nodes.size() + edges.size());
       const auto [at, added] = known.emplace(edge, fresh);
       if (added) edges.push_back(edge);
       nodes.push_back(at->second);
@@ -38,80 +36,72 @@ std::vector<std::int32_t> connect(const Body& body, std::vector<std::array<NodeI
 // The nodes of a set, and the mid-edge nodes between two of them.
 std::vector<char> members(const std::vector<NodeIndex>& set, const Discretisation& d) {
   std::vector<char> in(static_cast<std::size_t>(d.nodes), 0);
-  for (const NodeIndex node : set) in[static_cast<std::size_t>(node)] = 1;
+  for (const NodeIndex node : set) in[node] = 1;
   const std::size_t first = in.size() - d.edges.size();
-  for (std::size_t e = 0; e < d.edges.size(); ++e)
-    in[first + e] =
-        in[static_cast<std::size_t>(d.edges[e][0])] && in[static_cast<std::size_t>(d.edges[e][1])];
+  for (std::size_t e = 0; e < d.edges.size(); ++e) in[first + e] = in[d.edges[e][0]] && in[d.edges[e][1]];
   return in;
 }
 
-void number_nodes(const Body& body, const std::vector<std::int32_t>& elements, Discretisation& d) {
+void number_nodes(const Body& body, const std::vector<NodeIndex>& elements, Discretisation& d) {
   const std::vector<char> clamped = members(body.clamp, d), touched = members(body.contact, d);
   const std::size_t per_element = static_cast<std::size_t>(d.elements.nodes_per_element);
   std::vector<char> used(clamped.size(), 0);
-  for (const std::int32_t node : elements) used[static_cast<std::size_t>(node)] = 1;
-  std::vector<std::int32_t> number(clamped.size(), -1);
+  for (const NodeIndex node : elements) used[node] = 1;
+  constexpr std::uint32_t none = ~std::uint32_t{0};  // of a node that is not free
+  std::vector<std::uint32_t> number(clamped.size(), none);
   std::vector<Vec3> positions;
   for (std::size_t node = 0; node < number.size(); ++node) {
     if (!used[node] || clamped[node] || touched[node]) continue;
-    number[node] = static_cast<std::int32_t>(positions.size());
+    number[node] = static_cast<std::uint32_t>(positions.size());
     const std::size_t corners = body.mesh.nodes.size();
-    positions.push_back(
-        node < corners ? body.mesh.nodes[node]
-                       : Vec3(0.5 * (body.mesh.nodes[static_cast<std::size_t>(d.edges[node - corners][0])] +
-                                     body.mesh.nodes[static_cast<std::size_t>(d.edges[node - corners][1])])));
+    positions.push_back(node < corners ? body.mesh.nodes[node]
+                                       : Vec3(0.5 * (body.mesh.nodes[d.edges[node - corners][0]] +
+                                                     body.mesh.nodes[d.edges[node - corners][1]])));
   }
-  std::vector<std::vector<std::int32_t>> adjacency(positions.size());
+  std::vector<std::vector<std::uint32_t>> adjacency(positions.size());
   for (std::size_t first = 0; first < elements.size(); first += per_element)
     for (std::size_t a = 0; a < per_element; ++a)
       for (std::size_t b = 0; b < per_element; ++b) {
-        const std::int32_t i = number[static_cast<std::size_t>(elements[first + a])];
-        const std::int32_t j = number[static_cast<std::size_t>(elements[first + b])];
-        if (i >= 0 && j >= 0 && i != j) adjacency[static_cast<std::size_t>(i)].push_back(j);
+        const std::uint32_t i = number[elements[first + a]], j = number[elements[first + b]];
+        if (i != none && j != none && i != j) adjacency[i].push_back(j);
       }
   for (auto& list : adjacency) {
     std::sort(list.begin(), list.end());
     list.erase(std::unique(list.begin(), list.end()), list.end());
   }
-  const std::vector<std::int32_t> order = elimination_order(adjacency, positions);
+  const std::vector<std::uint32_t> order = elimination_order(adjacency, positions);
   std::vector<std::int32_t> rank(order.size());
-  for (std::size_t i = 0; i < order.size(); ++i)
-    rank[static_cast<std::size_t>(order[i])] = static_cast<std::int32_t>(i);
+  for (std::size_t i = 0; i < order.size(); ++i) rank[order[i]] = static_cast<std::int32_t>(i);
   d.free_nodes = static_cast<std::int64_t>(order.size());
   d.local.resize(number.size());
   for (std::size_t node = 0; node < number.size(); ++node) {
     d.local[node] = static_cast<std::int32_t>(d.free_nodes + 1);
-    if (number[node] >= 0) d.local[node] = rank[static_cast<std::size_t>(number[node])];
+    if (number[node] != none) d.local[node] = rank[number[node]];
     if (touched[node]) d.local[node] = static_cast<std::int32_t>(d.free_nodes);
   }
 }
 
 // Element e of the connectivity into one lane of one group.
-void fill_lane(const Body& body, const std::int32_t* nodes, std::size_t e, std::size_t at,
-               Discretisation& d) {
+void fill_lane(const Body& body, const NodeIndex* nodes, std::size_t e, std::size_t at, Discretisation& d) {
   ElementGroups& to = d.elements;
   const auto per_element = static_cast<std::size_t>(to.nodes_per_element);
   const std::size_t group = at / lane_count, lane = at % lane_count;
   for (std::size_t a = 0; a < per_element; ++a)
-    to.node[(group * per_element + a) * lane_count + lane] = d.local[static_cast<std::size_t>(nodes[a])];
+    to.node[(group * per_element + a) * lane_count + lane] = d.local[nodes[a]];
   const Tet& tet = body.mesh.tets[e];
   Mat3 sides;
-  for (int i = 0; i < 3; ++i)
-    sides.col(i) = body.mesh.nodes[static_cast<std::size_t>(tet[static_cast<std::size_t>(i + 1)])] -
-                   body.mesh.nodes[static_cast<std::size_t>(tet[0])];
+  for (unsigned i = 0; i < 3; ++i) sides.col(i) = body.mesh.nodes[tet[i + 1]] - body.mesh.nodes[tet[0]];
   const Mat3 inverse = sides.inverse();  // rows: gradients of barycentric coordinates 1 to 3
   Eigen::Matrix<double, 4, 3> gradients;
   gradients.row(0) = -inverse.colwise().sum();
   gradients.bottomRows<3>() = inverse;
-  for (int a = 0; a < 4; ++a)
-    for (int i = 0; i < 3; ++i)
-      to.gradient_of_node[(group * 12 + static_cast<std::size_t>(3 * a + i)) * lane_count + lane] =
-          gradients(a, i);
+  for (unsigned a = 0; a < 4; ++a)
+    for (unsigned i = 0; i < 3; ++i)
+      to.gradient_of_node[(group * 12 + 3 * a + i) * lane_count + lane] = gradients(a, i);
   to.volume[group * lane_count + lane] = sides.determinant() / 6;
 }
 
-void fill_groups(const Body& body, const std::vector<std::int32_t>& elements,
+void fill_groups(const Body& body, const std::vector<NodeIndex>& elements,
                  const std::vector<MaterialPart>& parts, Discretisation& d) {
   ElementGroups& to = d.elements;
   const auto per_element = static_cast<std::size_t>(to.nodes_per_element);
@@ -122,29 +112,25 @@ void fill_groups(const Body& body, const std::vector<std::int32_t>& elements,
   to.volume.assign(groups * lane_count, 0.0);
   for (std::size_t m = 0; m < parts.size(); ++m) {
     std::size_t at = static_cast<std::size_t>(to.materials[m].first) * lane_count;
-    for (const TetIndex tet : parts[m].tets) {
-      const auto e = static_cast<std::size_t>(tet);
-      fill_lane(body, &elements[e * per_element], e, at++, d);
-    }
+    for (const TetIndex tet : parts[m].tets) fill_lane(body, &elements[tet * per_element], tet, at++, d);
   }
 }
 
 void fill_pattern(Discretisation& d) {
   const std::size_t per_element = static_cast<std::size_t>(d.elements.nodes_per_element);
   const std::size_t groups = d.elements.count(), pairs = per_element * (per_element + 1) / 2;
-  const auto clamp = static_cast<std::int32_t>(d.free_nodes + 1);
-  std::vector<std::vector<std::int32_t>> rows(static_cast<std::size_t>(d.free_nodes + 1));
-  for (std::size_t i = 0; i < rows.size(); ++i) rows[i].push_back(static_cast<std::int32_t>(i));
+  const auto clamp = static_cast<std::uint32_t>(d.free_nodes + 1);
+  std::vector<std::vector<std::uint32_t>> rows(clamp);
+  for (std::uint32_t i = 0; i < clamp; ++i) rows[i].push_back(i);
   const auto at = [&](std::size_t group, std::size_t a, std::size_t lane) {
-    return d.elements.node[(group * per_element + a) * lane_count + lane];
+    return static_cast<std::uint32_t>(d.elements.node[(group * per_element + a) * lane_count + lane]);
   };
   for (std::size_t group = 0; group < groups; ++group)
     for (std::size_t lane = 0; lane < lane_count; ++lane)
       for (std::size_t b = 0; b < per_element; ++b)
         for (std::size_t a = 0; a <= b; ++a) {
-          const std::int32_t i = at(group, a, lane), j = at(group, b, lane);
-          if (i != clamp && j != clamp)
-            rows[static_cast<std::size_t>(std::min(i, j))].push_back(std::max(i, j));
+          const std::uint32_t i = at(group, a, lane), j = at(group, b, lane);
+          if (i != clamp && j != clamp) rows[std::min(i, j)].push_back(std::max(i, j));
         }
   d.pattern.row_start.assign(1, 0);
   for (auto& row : rows) {
@@ -159,14 +145,12 @@ void fill_pattern(Discretisation& d) {
     for (std::size_t lane = 0; lane < lane_count; ++lane)
       for (std::size_t b = 0; b < per_element; ++b)
         for (std::size_t a = 0; a <= b; ++a) {
-          const std::int32_t i = at(group, a, lane), j = at(group, b, lane);
+          const std::uint32_t i = at(group, a, lane), j = at(group, b, lane);
           if (i == clamp || j == clamp) continue;
-          const auto row = static_cast<std::size_t>(std::min(i, j));
-          const auto first = d.pattern.column.begin() + d.pattern.row_start[row];
-          const auto last = d.pattern.column.begin() + d.pattern.row_start[row + 1];
+          const auto row = d.pattern.row(std::min(i, j));
           const std::size_t slot = (group * pairs + b * (b + 1) / 2 + a) * lane_count + lane;
-          d.elements.block[slot] = static_cast<std::int32_t>(std::lower_bound(first, last, std::max(i, j)) -
-                                                             d.pattern.column.begin());
+          d.elements.block[slot] = static_cast<std::int32_t>(&*std::ranges::lower_bound(row, std::max(i, j)) -
+                                                             d.pattern.column.data());
           d.elements.block_kind[slot] = static_cast<std::int8_t>(a != b && i == j ? 2 : i > j ? 1 : 0);
         }
 }
@@ -192,7 +176,7 @@ Discretisation discretise(const Body& body) {
   Discretisation d;
   const std::vector<MaterialPart> parts = material_parts(body);
   d.elements = empty_groups(body, parts);
-  const std::vector<std::int32_t> elements = connect(body, d.edges);
+  const std::vector<NodeIndex> elements = connect(body, d.edges);
   d.nodes = static_cast<std::int64_t>(body.mesh.nodes.size() + d.edges.size());
   number_nodes(body, elements, d);
   fill_groups(body, elements, parts, d);

@@ -7,6 +7,7 @@
 #include <array>
 #include <cstdint>
 #include <memory>
+#include <span>
 #include <vector>
 
 #include "solver/body/body.hpp"
@@ -19,8 +20,11 @@ namespace forefeel {
 // clamp.
 struct BlockPattern {
   std::vector<std::int64_t> row_start;  // n + 2
-  std::vector<std::int32_t> column;
+  std::vector<std::uint32_t> column;
   std::int64_t size() const { return static_cast<std::int64_t>(column.size()); }
+  std::span<const std::uint32_t> row(std::size_t i) const {
+    return {column.begin() + row_start[i], column.begin() + row_start[i + 1]};
+  }
 };
 
 struct FactorLayout;  // factorisation.cpp

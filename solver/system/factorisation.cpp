@@ -10,8 +10,8 @@ namespace {
 
 // A supernode before layout: nodes first .. first + pivots - 1, which share the later nodes in `rest`.
 struct Supernode {
-  std::int32_t first = 0, pivots = 0;
-  std::vector<std::int32_t> rest;  // sorted; the contact, numbered n, is last where present
+  std::uint32_t first = 0, pivots = 0;
+  std::vector<std::uint32_t> rest;  // sorted; the contact, numbered n, is last where present
 };
 
 double elimination_flops(double pivots, double rest) {
@@ -27,23 +27,21 @@ double front_cost(const Supernode& s) {
 
 std::vector<Supernode> supernodes(const BlockPattern& pattern, std::int64_t free_nodes) {
   const auto n = static_cast<std::size_t>(free_nodes);
-  std::vector<std::vector<std::int32_t>> column(n), children(n);
+  std::vector<std::vector<std::uint32_t>> column(n), children(n);
   std::vector<std::size_t> mark(n + 1, n + 1);
   std::vector<Supernode> result;
-  for (std::size_t j = 0; j < n; ++j) {
-    const auto take = [&](std::int32_t i) {
-      if (static_cast<std::size_t>(i) <= j || mark[static_cast<std::size_t>(i)] == j) return;
-      mark[static_cast<std::size_t>(i)] = j;
+  for (std::uint32_t j = 0; j < n; ++j) {
+    const auto take = [&](std::uint32_t i) {
+      if (i <= j || mark[i] == j) return;
+      mark[i] = j;
       column[j].push_back(i);
     };
-    for (std::int64_t s = pattern.row_start[j]; s < pattern.row_start[j + 1]; ++s)
-      take(pattern.column[static_cast<std::size_t>(s)]);
-    for (const std::int32_t child : children[j])
-      for (const std::int32_t i : column[static_cast<std::size_t>(child)]) take(i);
+    for (const std::uint32_t i : pattern.row(j)) take(i);
+    for (const std::uint32_t child : children[j])
+      for (const std::uint32_t i : column[child]) take(i);
     std::sort(column[j].begin(), column[j].end());
-    if (!column[j].empty() && static_cast<std::size_t>(column[j][0]) < n)
-      children[static_cast<std::size_t>(column[j][0])].push_back(static_cast<std::int32_t>(j));
-    Supernode fresh{static_cast<std::int32_t>(j), 1, column[j]};
+    if (!column[j].empty() && column[j][0] < n) children[column[j][0]].push_back(j);
+    Supernode fresh{j, 1, column[j]};
     // Joins a supernode with the one before it while that is a child and the joint front is cheaper.
     while (!result.empty()) {
       const Supernode& last = result.back();
@@ -51,14 +49,13 @@ std::vector<Supernode> supernodes(const BlockPattern& pattern, std::int64_t free
           !last.rest.empty() && last.rest[0] >= fresh.first && last.rest[0] < fresh.first + fresh.pivots;
       if (!child) break;
       Supernode joint{last.first, last.pivots + fresh.pivots, fresh.rest};
-      const bool same = last.rest.size() == fresh.rest.size() + static_cast<std::size_t>(fresh.pivots);
+      const bool same = last.rest.size() == fresh.rest.size() + fresh.pivots;
       if (!same && front_cost(joint) > front_cost(last) + front_cost(fresh)) break;
       result.pop_back();
       fresh = std::move(joint);
     }
     result.push_back(std::move(fresh));
-    for (const std::int32_t child : children[j])
-      std::vector<std::int32_t>().swap(column[static_cast<std::size_t>(child)]);
+    for (const std::uint32_t child : children[j]) std::vector<std::uint32_t>().swap(column[child]);
   }
   return result;
 }
@@ -103,6 +100,11 @@ struct FactorLayout {
   }
 
  private:
+  const Front* parent_of(const Front& f) const { return f.parent < 0 ? nullptr : fronts.data() + f.parent; }
+  const Front& first_child_of(const Front& f) const {
+    return *(fronts.data() + *(children.data() + f.children));
+  }
+
   // Position of a node within a front: pivots first, then the rest.
   std::int32_t position(const Front& f, std::int32_t node) const {
     if (node < f.first + f.pivots) return node - f.first;
@@ -111,18 +113,17 @@ struct FactorLayout {
   }
 
   void place_fronts(const std::vector<Supernode>& supernode) {
-    std::vector<std::int32_t> owner(static_cast<std::size_t>(free_nodes));
+    std::vector<std::int32_t> owner;  // of the nodes in elimination order
     for (std::size_t s = 0; s < supernode.size(); ++s)
-      for (std::int32_t i = 0; i < supernode[s].pivots; ++i)
-        owner[static_cast<std::size_t>(supernode[s].first + i)] = static_cast<std::int32_t>(s);
+      owner.insert(owner.end(), supernode[s].pivots, static_cast<std::int32_t>(s));
     for (const Supernode& s : supernode) {
       Front f;
-      f.first = s.first;
-      f.pivots = s.pivots;
+      f.first = static_cast<std::int32_t>(s.first);
+      f.pivots = static_cast<std::int32_t>(s.pivots);
       f.rest = static_cast<std::int32_t>(s.rest.size());
       f.rows = static_cast<std::int64_t>(rows.size());
       rows.insert(rows.end(), s.rest.begin(), s.rest.end());
-      if (!s.rest.empty() && s.rest[0] < free_nodes) f.parent = owner[static_cast<std::size_t>(s.rest[0])];
+      if (!s.rest.empty() && s.rest[0] < owner.size()) f.parent = owner[s.rest[0]];
       f.ld = padded(3 * (f.pivots + f.rest), padding);
       f.panel = panel_size;
       panel_size += 3 * f.pivots * f.ld;
@@ -133,8 +134,7 @@ struct FactorLayout {
     }
     std::vector<std::vector<std::int32_t>> of(fronts.size());
     for (std::size_t s = 0; s < fronts.size(); ++s)
-      if (fronts[s].parent >= 0)
-        of[static_cast<std::size_t>(fronts[s].parent)].push_back(static_cast<std::int32_t>(s));
+      if (fronts[s].parent >= 0) (of.begin() + fronts[s].parent)->push_back(static_cast<std::int32_t>(s));
     for (std::size_t s = 0; s < fronts.size(); ++s) {
       fronts[s].children = static_cast<std::int64_t>(children.size());
       fronts[s].child_count = static_cast<std::int64_t>(of[s].size());
@@ -142,10 +142,11 @@ struct FactorLayout {
     }
     for (Front& f : fronts) {
       f.runs = static_cast<std::int64_t>(runs.size());
-      if (f.parent < 0) continue;
-      const Front& parent = fronts[static_cast<std::size_t>(f.parent)];
+      const Front* const parent = parent_of(f);
+      if (!parent) continue;
+      const std::int32_t* const rest = rows.data() + f.rows;
       for (std::int32_t i = 0; i < f.rest; ++i) {
-        const std::int32_t to = position(parent, rows[static_cast<std::size_t>(f.rows + i)]);
+        const std::int32_t to = position(*parent, rest[i]);
         const bool goes_on = f.run_count > 0 && runs.back().to + runs.back().length == to;
         if (goes_on)
           ++runs.back().length;
@@ -156,12 +157,13 @@ struct FactorLayout {
   }
 
   void place_blocks(const BlockPattern& pattern) {
-    place.resize(pattern.column.size());
+    place.reserve(pattern.column.size());
+    std::uint32_t i = 0;
     for (const Front& f : fronts)
-      for (std::int32_t i = f.first; i < f.first + f.pivots; ++i)
-        for (std::int64_t s = row_start[static_cast<std::size_t>(i)];
-             s < row_start[static_cast<std::size_t>(i) + 1]; ++s)
-          place[static_cast<std::size_t>(s)] = position(f, pattern.column[static_cast<std::size_t>(s)]);
+      for (std::int32_t pivot = 0; pivot < f.pivots; ++pivot, ++i)
+        for (const std::uint32_t j : pattern.row(i))
+          place.push_back(position(f, static_cast<std::int32_t>(j)));
+    place.resize(pattern.column.size());  // and the diagonal of the contact, which no front holds
   }
 
   // Two stacks, for fronts of even and odd depth: a front's update matrix is made on one stack while those of
@@ -169,16 +171,14 @@ struct FactorLayout {
   void place_stack() {
     std::vector<char> odd(fronts.size(), 0);
     for (std::size_t s = fronts.size(); s-- > 0;)
-      if (fronts[s].parent >= 0) odd[s] = !odd[static_cast<std::size_t>(fronts[s].parent)];
+      if (fronts[s].parent >= 0) odd[s] = *(odd.begin() + fronts[s].parent) == 0;
     std::int64_t top[2] = {0, 0}, size[2] = {0, 0};
     for (std::size_t s = 0; s < fronts.size(); ++s) {
       Front& f = fronts[s];
       const std::size_t mine = odd[s] != 0 ? 1 : 0;
       f.update = top[mine];
       size[mine] = std::max(size[mine], f.update + 3 * f.rest * f.update_ld);
-      if (f.child_count > 0)
-        top[1 - mine] =
-            fronts[static_cast<std::size_t>(children[static_cast<std::size_t>(f.children)])].update;
+      if (f.child_count > 0) top[1 - mine] = first_child_of(f).update;
       if (f.parent >= 0) top[mine] = f.update + 3 * f.rest * f.update_ld;
     }
     for (std::size_t s = 0; s < fronts.size(); ++s)

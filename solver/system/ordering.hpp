@@ -10,7 +10,7 @@
 namespace forefeel {
 
 // adjacency: sorted lists; positions [m] by node. Returns the order: order[i] is the node eliminated i-th.
-std::vector<std::int32_t> elimination_order(const std::vector<std::vector<std::int32_t>>& adjacency,
-                                            const std::vector<Vec3>& positions);
+std::vector<std::uint32_t> elimination_order(const std::vector<std::vector<std::uint32_t>>& adjacency,
+                                             const std::vector<Vec3>& positions);
 
 }  // namespace forefeel
