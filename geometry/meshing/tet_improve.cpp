@@ -15,7 +15,7 @@ namespace {
 constexpr int rounds = 4;
 constexpr double peel_below_deg =
     6;  // a flat tetrahedron on the surface is removed below this dihedral angle
-constexpr int faces[4][3] = {{1, 2, 3}, {0, 3, 2}, {0, 1, 3}, {0, 2, 1}};  // outward, opposite node i
+constexpr unsigned faces[4][3] = {{1, 2, 3}, {0, 3, 2}, {0, 1, 3}, {0, 2, 1}};  // outward, opposite node i
 
 // Least sine of a dihedral angle; negative for an inverted tetrahedron. The sine penalises angles near 0 and near 180
 // degrees alike and needs no trigonometry: sin = 3/2 V l / (A_i A_j), with l the edge that the two faces share.
