@@ -141,7 +141,7 @@ TEST_CASE("options of solving are reported as ignored where states arrive at giv
   said("session alone.toml --workers 3" + more + "run",
        {"--workers: without effect", "alone.toml:12: session.arrivals"});
   said("session others.toml --arrivals good.csv" + more + "run",
-       {"others.toml:12: session.workers, others.toml:13: session.preempt: without effect", "--arrivals"});
+       {"others.toml:13: session.preempt, others.toml:12: session.workers: without effect", "--arrivals"});
   const Workshop::Outcome plain =
       shop.forefeel(given + "plain --switch none --set session.update_travel=0.5");
   CHECK(plain.code == 0);
