@@ -34,8 +34,7 @@ void read_any_mesh(std::string_view input) {
   mesh_quality(mesh);
   for (const auto& [name, tets] : mesh.element_groups)
     for (const TetIndex tet : tets)
-      if (tet < 0 || static_cast<std::size_t>(tet) >= mesh.tets.size())
-        throw std::logic_error("a group names a tetrahedron that is not there");
+      if (tet >= mesh.tets.size()) throw std::logic_error("a group names a tetrahedron that is not there");
 }
 
 void read_any_surface(std::string_view input) {
@@ -43,8 +42,7 @@ void read_any_surface(std::string_view input) {
   const Surface surface = read_surface(file_of("surface" + std::string(named.extension), named.content));
   for (const Triangle& triangle : surface.triangles)
     for (const NodeIndex node : triangle)
-      if (node < 0 || static_cast<std::size_t>(node) >= surface.nodes.size())
-        throw std::logic_error("a triangle names a vertex that is not there");
+      if (node >= surface.nodes.size()) throw std::logic_error("a triangle names a vertex that is not there");
 }
 
 void read_any_labels(std::string_view input) {

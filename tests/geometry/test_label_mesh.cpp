@@ -157,7 +157,9 @@ TEST_CASE("flat tetrahedra are opened without a change of labels or neighbours")
   const int faces[6][4] = {{0, 1, 3, 2}, {4, 6, 7, 5}, {0, 4, 5, 1},
                            {2, 3, 7, 6}, {0, 2, 6, 4}, {1, 5, 7, 3}};
   for (const auto& [a, b, c, d] : faces) {
-    const auto node = [&](int corner) { return at(corner >> 2, corner >> 1 & 1, corner & 1); };
+    const auto node = [&](int corner) {
+      return static_cast<NodeIndex>(at(corner >> 2, corner >> 1 & 1, corner & 1));
+    };
     mesh.tets.push_back({node(a), node(b), node(c), inner}), mesh.subdomain.push_back(1);
     mesh.tets.push_back({node(a), node(c), node(d), inner}), mesh.subdomain.push_back(1);
   }

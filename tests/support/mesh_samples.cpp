@@ -56,7 +56,7 @@ std::string gmsh22(const TetMesh& m, bool binary, bool big = false) {
     for (const std::int32_t v : {4, static_cast<std::int32_t>(m.tets.size()), 2}) put(s, v, big);
     for (std::size_t t = 0; t < m.tets.size(); ++t) {
       for (const std::int32_t v : {static_cast<std::int32_t>(t) + 3, 1, 1}) put(s, v, big);
-      for (const NodeIndex n : m.tets[t]) put(s, std::int32_t{10 * n + 3}, big);
+      for (const NodeIndex n : m.tets[t]) put(s, static_cast<std::int32_t>(10 * n + 3), big);
     }
     s += "\n";
   } else {
@@ -141,7 +141,7 @@ std::string vtk(const TetMesh& m, bool binary, bool offsets) {
     s += fmt::format("\nCELLS {} {}\n", cells, 5 * cells);
     for (const Tet& tet : m.tets) {
       whole(std::int32_t{4});
-      for (const NodeIndex node : tet) whole(std::int32_t{node});
+      for (const NodeIndex node : tet) whole(static_cast<std::int32_t>(node));
     }
   }
   s += fmt::format("\nCELL_TYPES {}\n", cells);
@@ -256,8 +256,8 @@ static std::string polydata(const Surface& surface, bool binary, bool offsets) {
   s += fmt::format("\nPOLYGONS {} {}\n", faces, 4 * faces);
   for (const auto& [a, b, c] : surface.triangles) {
     if (!binary) s += fmt::format("3 {} {} {}\n", a, b, c);
-    for (const NodeIndex v : {3, a, b, c})
-      if (binary) put(s, std::int32_t{v}, true);
+    for (const NodeIndex v : {NodeIndex{3}, a, b, c})
+      if (binary) put(s, static_cast<std::int32_t>(v), true);
   }
   return s + fmt::format("\nCELL_DATA {}\nVECTORS normal float\n", faces) +
          (binary ? std::string(12 * faces, '\0') : [&] {
@@ -297,10 +297,12 @@ std::map<std::string, std::string> surface_files(const Surface& surface) {
   }
   put(stl_binary, static_cast<std::uint32_t>(surface.triangles.size()));
   for (const auto& [a, b, c] : surface.triangles) {
-    obj += fmt::format("f {}/1/1 {}//1 {}\n", a + 1, b + 1, c - static_cast<int>(surface.nodes.size()));
+    obj += fmt::format("f {}/1/1 {}//1 {}\n", a + 1, b + 1,
+                       static_cast<int>(c) - static_cast<int>(surface.nodes.size()));
     off += fmt::format("3 {} {} {} 0.1 0.2 0.3\n", a, b, c), ply_body += fmt::format("3 {} {} {}\n", a, b, c);
     put(ply_binary, std::uint8_t{3}), put(ply_big, std::uint8_t{3}, true);
-    for (const NodeIndex n : {a, b, c}) put(ply_binary, std::int32_t{n}), put(ply_big, std::int32_t{n}, true);
+    for (const NodeIndex n : {a, b, c})
+      put(ply_binary, static_cast<std::int32_t>(n)), put(ply_big, static_cast<std::int32_t>(n), true);
     stl += "facet normal 0 0 0\n outer loop\n";
     for (int k = 0; k < 3; ++k) put(stl_binary, 0.f);
     for (const NodeIndex n : {a, b, c}) {
