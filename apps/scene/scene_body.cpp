@@ -211,9 +211,12 @@ std::vector<NodeIndex> read_nodes(const SceneTable& table, const SceneRows<NodeS
   const std::vector<std::string> keys = rows.names();
   if (default_group && std::ranges::none_of(keys, [&](const std::string& key) { return table.has(key); }))
     return mesh.groups.at(default_group);
+  const std::vector<std::string> ways = rows.alternatives();
+  const bool named = std::ranges::any_of(ways, [&](const std::string& key) { return table.has(key); });
+  if (named) table.exactly_one_of(ways);
   NodeSet set{.mesh = &mesh, .nodes = {}, .radius = {}};
   rows.read(table, set);
-  table.exactly_one_of(rows.alternatives());
+  if (!named) table.exactly_one_of(ways);  // after what is wrong with other keys
   if (!set.radius) return set.nodes;
   std::vector<NodeIndex> patch = set.nodes;
   for (const NodeIndex node : set.nodes) {
