@@ -220,8 +220,7 @@ std::vector<NodeIndex> read_nodes(const SceneTable& table, const SceneRows<NodeS
   if (!set.radius) return set.nodes;
   std::vector<NodeIndex> patch = set.nodes;
   for (const NodeIndex node : set.nodes) {
-    const std::vector<NodeIndex> near =
-        surface_nodes_within(mesh, mesh.nodes[node], *set.radius);
+    const std::vector<NodeIndex> near = surface_nodes_within(mesh, mesh.nodes[node], *set.radius);
     patch.insert(patch.end(), near.begin(), near.end());
   }
   std::ranges::sort(patch);
@@ -295,9 +294,7 @@ Vec3 inward_direction(const Body& body) {
   const auto touched = [&](NodeIndex node) { return std::ranges::binary_search(body.contact, node) ? 1 : 0; };
   Vec3 patch = Vec3::Zero(), around = Vec3::Zero();
   for (const Triangle& triangle : boundary_triangles(body.mesh)) {
-    const auto corner = [&](int i) -> const Vec3& {
-      return body.mesh.nodes[static_cast<std::size_t>(triangle[i])];
-    };
+    const auto corner = [&](std::size_t i) -> const Vec3& { return body.mesh.nodes[triangle[i]]; };
     const Vec3 normal = (corner(1) - corner(0)).cross(corner(2) - corner(0));
     const int corners = touched(triangle[0]) + touched(triangle[1]) + touched(triangle[2]);
     if (corners == 3) patch += normal;

@@ -360,7 +360,7 @@ void drop_unused_nodes(TetMesh& mesh, std::size_t keep) {
   std::fill_n(used.begin(), std::min(keep, used.size()), char{1});
   for (const Tet& tet : mesh.tets)
     for (const NodeIndex node : tet) used[node] = 1;
-  std::vector<NodeIndex> number(mesh.nodes.size(), -1);
+  std::vector<NodeIndex> number(mesh.nodes.size(), no_node);
   NodeIndex next = 0;
   for (std::size_t i = 0; i < used.size(); ++i)
     if (used[i]) mesh.nodes[next] = mesh.nodes[i], number[i] = next++;
