@@ -4,8 +4,10 @@
 
 #include <cstddef>
 #include <string>
+#include <vector>
 
 #include "apps/console/console.hpp"
+#include "geometry/common/declared.hpp"
 
 namespace forefeel {
 
@@ -22,5 +24,13 @@ struct LoopBench {
   std::size_t states = 0;  // known at the start, at most; 0: the sessions begin as the scene says
 };
 int bench_loop(const Globals& globals, const std::string& scene, const LoopBench& bench);
+
+// The keys that they print with --json.
+DeclaredTable declared_bench_approx();
+DeclaredTable declared_bench_coverage();
+DeclaredTable declared_bench_solver();
+DeclaredTable declared_bench_switch();
+DeclaredTable declared_bench_loop();
+std::vector<DeclaredTable> declared_bench_json();  // of all
 
 }  // namespace forefeel

@@ -11,7 +11,6 @@
 #include <cmath>
 #include <filesystem>
 #include <map>
-#include <nlohmann/json.hpp>
 #include <random>
 
 #include "approx/methods/older_methods.hpp"
@@ -21,11 +20,9 @@
 #include "apps/bench/bench_row.hpp"
 #include "apps/console/console.hpp"
 #include "apps/console/json.hpp"
-#include "apps/console/provenance.hpp"
 #include "apps/picture/plot.hpp"
 #include "apps/scene/scene.hpp"
 #include "geometry/common/error.hpp"
-#include "geometry/common/instruction_set.hpp"
 #include "geometry/common/output_file.hpp"
 #include "geometry/common/quantiles.hpp"
 #include "geometry/common/result_folder.hpp"
@@ -35,7 +32,6 @@ namespace forefeel {
 namespace {
 
 using namespace bench;
-using Json = nlohmann::ordered_json;
 
 struct Kind {
   std::string name;
@@ -262,14 +258,10 @@ int bench_approx(const Globals& globals, const std::string& scene, const std::st
     bench.run();
     print_tables(globals, bench.the_case(), bench.known(), bench.rows, bench.table);
     if (!folder.empty()) write_folder(globals, folder, bench.the_case(), bench.table);
-    document["rows"] = rows_json(bench.the_case(), bench.rows);
-    document["methods"] = methods_json(bench.the_case(), bench.table);
-    document["notes"] = bench.notes;
+    document = document_of(bench.the_case(), bench.rows, bench.table, bench.notes);
     for (const std::string& note : bench.notes) warn(globals, note);
     if (bench.rows.empty()) warn(globals, "no row could be measured: too few states");
   }
-  document["instruction_set"] = name(instruction_set_in_use());
-  document["provenance"] = provenance("");
   if (globals.json) print_json(document);
   return document["rows"].empty() ? 1 : 0;
 }

@@ -62,11 +62,11 @@ struct Comparison {
   double by_refit = unknown;          // share of the updates that were made by a refit
 };
 
-// The tables as text (known: states of the lattice), and the JSON of `rows` and `methods`.
+// The tables as text (known: states of the lattice), and the document of --json.
 void print_tables(const Globals& globals, const Case& taken, std::size_t known,
                   const std::vector<Comparison>& rows, const std::vector<Measured>& table);
-nlohmann::ordered_json rows_json(const Case& taken, const std::vector<Comparison>& rows);
-nlohmann::ordered_json methods_json(const Case& taken, const std::vector<Measured>& table);
+nlohmann::ordered_json document_of(const Case& taken, const std::vector<Comparison>& rows,
+                                   const std::vector<Measured>& table, const std::vector<std::string>& notes);
 
 // Draws the Pareto front: no faster method has as small an error. Two panels: evaluation, and update with k =
 // 5 (or refit, for a method without updates).

@@ -3,8 +3,9 @@
 #include <fmt/format.h>
 
 #include <cmath>
-#include <nlohmann/json.hpp>
+#include <utility>
 
+#include "apps/bench/bench.hpp"
 #include "apps/bench/bench_approx_parts.hpp"
 #include "apps/bench/bench_row.hpp"
 #include "apps/console/json.hpp"
@@ -12,8 +13,6 @@
 
 namespace forefeel::bench {
 namespace {
-
-using Json = nlohmann::ordered_json;
 
 std::string short_number(double value, int width) {
   return std::isfinite(value) ? fmt::format("{:{}.3g}", value, width) : fmt::format("{:>{}}", "-", width);
@@ -40,47 +39,88 @@ std::string row_line(const Comparison& r) {
                      std::isfinite(r.by_refit) ? fmt::format("{:.0f} %", 100 * r.by_refit) : "-");
 }
 
-Json errors_json(const Errors& e) {
-  return forefeel::errors_json(e.p50, e.p95, e.max);
+std::vector<double> numbers(const Errors& e) {
+  return {e.p50, e.p95, e.max};
+}
+
+struct MethodRow {
+  const Case& taken;
+  const Measured& m;
+
+  Json updates() const {
+    Json all;
+    for (std::size_t t = 0; t < 3; ++t) all["k" + std::to_string(replacements[t])] = number(m.update[t]);
+    return all;
+  }
+  std::optional<Json> outside() const {
+    if (m.outside.empty()) return {};
+    Json all;
+    for (std::size_t p = 0; p < m.outside.size(); ++p)
+      put(all[fmt::format("mm{:.0f}", 1e3 * taken.outside[p].distance)], "p50,p95,max",
+          json_numbers(numbers(m.outside[p])));
+    return all;
+  }
+};
+
+const JsonKeys<Comparison>& comparison_keys() {
+  static const JsonKeys<Comparison> keys{
+      {"by_refit", "1", "share of the updates that were made anew", &Comparison::by_refit}};
+  return keys;
+}
+
+const JsonKeys<MethodRow>& method_keys() {
+  using R = MethodRow;
+  const auto count = [](std::optional<std::size_t> states) { return states ? Json(*states) : Json(); };
+  static const JsonKeys<R> keys{
+      {"method", "", "bench approx: one row a method and size", [](const R& r) { return r.m.method; }},
+      {"n", "", "number of centres", [](const R& r) { return r.m.n; }},
+      {"refit_us", "us", "time of a new model", [](const R& r) { return r.m.refit; }},
+      {"update_us.KEY", "us", "time to replace k states", &R::updates},
+      {"evaluate_us", "us", "time of a force", [](const R& r) { return r.m.evaluate; }},
+      {"error.p50,p95,max", "1", "inside the states",
+       [](const R& r) { return json_numbers(numbers(r.m.inside)); }},
+      {"outside.KEY.p50,p95,max", "1", "at this distance outside", &R::outside},
+      {"states_for_1_percent", "", "states that hold 1 %; null: more than were tried",
+       [=](const R& r) { return count(r.m.states_for_1); }},
+      {"states_for_7_percent", "", "that hold 7 %", [=](const R& r) { return count(r.m.states_for_7); }}};
+  return keys;
+}
+
+struct Results {
+  std::vector<MethodRow> methods;
+  const std::vector<std::string>& notes;
+};
+
+const JsonKeys<Results>& result_keys() {
+  static const JsonKeys<Results> keys{
+      json_list<Results, MethodRow>("methods", method_keys(), &Results::methods),
+      {"notes", "", "list of lines", [](const Results& r) { return r.notes; }}};
+  return keys;
 }
 
 }  // namespace
 
-Json rows_json(const Case& taken, const std::vector<Comparison>& rows) {
-  Json all = Json::array();
+Json document_of(const Case& taken, const std::vector<Comparison>& rows, const std::vector<Measured>& table,
+                 const std::vector<std::string>& notes) {
+  Json document{{"rows", Json::array()}};
   for (const Comparison& row : rows) {
     Json r = row_json({.name = row.name,
                        .baseline = row.baseline,
                        .ours_us = row.ours,
                        .baseline_us = row.theirs,
-                       .error = errors_json(row.error),
+                       .error = numbers(row.error),
                        .n = row.n,
                        .k = row.k},
                       {.scene = taken.name, .body = taken.body.get(), .tolerance = 1e-9});
-    r["by_refit"] = number(row.by_refit);
-    all.push_back(std::move(r));
+    add_to(r, comparison_keys(), row);
+    document["rows"].push_back(std::move(r));
   }
-  return all;
-}
-
-Json methods_json(const Case& taken, const std::vector<Measured>& table) {
-  Json all = Json::array();
-  for (const Measured& m : table) {
-    Json one;
-    one["method"] = m.method;
-    one["n"] = m.n;
-    one["refit_us"] = number(m.refit);
-    for (std::size_t t = 0; t < 3; ++t)
-      one["update_us"]["k" + std::to_string(replacements[t])] = number(m.update[t]);
-    one["evaluate_us"] = number(m.evaluate);
-    one["error"] = errors_json(m.inside);
-    for (std::size_t p = 0; p < m.outside.size(); ++p)
-      one["outside"][fmt::format("mm{:.0f}", 1e3 * taken.outside[p].distance)] = errors_json(m.outside[p]);
-    one["states_for_1_percent"] = m.states_for_1 ? Json(*m.states_for_1) : Json(nullptr);
-    one["states_for_7_percent"] = m.states_for_7 ? Json(*m.states_for_7) : Json(nullptr);
-    all.push_back(std::move(one));
-  }
-  return all;
+  Results results{{}, notes};
+  for (const Measured& m : table) results.methods.push_back({taken, m});
+  add_to(document, result_keys(), results);
+  add_to(document, instruction_set_keys(), {});
+  add_to(document, provenance_keys(), {});
+  return document;
 }
 
 void print_tables(const Globals& globals, const Case& taken, std::size_t known,
@@ -113,3 +153,13 @@ void print_tables(const Globals& globals, const Case& taken, std::size_t known,
 }
 
 }  // namespace forefeel::bench
+
+namespace forefeel {
+
+DeclaredTable declared_bench_approx() {
+  using namespace bench;
+  return bench_table("approx", {declared(instruction_set_keys()),
+                                below("rows[]", declared(comparison_keys())), declared(result_keys())});
+}
+
+}  // namespace forefeel

@@ -18,7 +18,6 @@
 #include "apps/bench/bench_row.hpp"
 #include "apps/console/console.hpp"
 #include "apps/console/json.hpp"
-#include "apps/console/provenance.hpp"
 #include "geometry/common/quantiles.hpp"
 #include "geometry/coverage/octree_index.hpp"
 #include "geometry/coverage/state_space.hpp"
@@ -89,7 +88,7 @@ std::vector<Vec3> make_path(const Field& field, std::size_t steps, double phase)
 // One query or insertion at a time; labels have no error.
 BenchRow coverage_row(std::string name, std::string baseline, double ours_us, double baseline_us,
                       std::size_t n) {
-  return {std::move(name), std::move(baseline), ours_us, baseline_us, errors_json(0, 0, 0), n, 1};
+  return {std::move(name), std::move(baseline), ours_us, baseline_us, {0, 0, 0}, n, 1};
 }
 
 struct Sums {  // results are summed so that the compiler does not remove the work
@@ -254,8 +253,7 @@ int bench_coverage(const Globals& globals) {
       }
     sum += bench.sum();
   }
-  nlohmann::ordered_json out;
-  out["rows"] = nlohmann::ordered_json::array();
+  Json out{{"rows", Json::array()}};
   say(globals, fmt::format("{:<24}{:<18}{:>9}{:>12}{:>14}{:>9}", "", "baseline", "n", "ours [us]",
                            "baseline [us]", "ratio"));
   for (const BenchRow& row : rows) {
@@ -264,10 +262,8 @@ int bench_coverage(const Globals& globals) {
                              row.ours_us, row.baseline_us, row.baseline_us / row.ours_us));
   }
   report_agreement(globals, out);
-  if (globals.json) {
-    out["provenance"] = provenance("");
-    print_json(out);
-  }
+  add_to(out, provenance_keys(), {});
+  if (globals.json) print_json(out);
   return std::isfinite(sum) ? 0 : 1;
 }
 

@@ -18,7 +18,6 @@
 #include <array>
 #include <cmath>
 #include <filesystem>
-#include <nlohmann/json.hpp>
 #include <stop_token>
 #include <thread>
 
@@ -26,7 +25,6 @@
 #include "apps/bench/bench_loop_parts.hpp"
 #include "apps/bench/bench_row.hpp"
 #include "apps/console/interrupt.hpp"
-#include "apps/console/json.hpp"
 #include "apps/console/provenance.hpp"
 #include "apps/scene/laboratory.hpp"
 #include "apps/scene/scene_session.hpp"
@@ -43,7 +41,6 @@ namespace forefeel {
 namespace {
 
 namespace fs = std::filesystem;
-using Json = nlohmann::ordered_json;
 
 constexpr double most_cost = 10;         // of a frame, p99 [us]
 constexpr double reference_step = 0.01;  // travel between samples of the error [m]
@@ -170,36 +167,28 @@ void run_block(const Setting& setting, Kind& kind, const ShowShare& show) {
 }
 
 Json timing_json(const std::vector<double>& values) {
-  Json object;
-  object["p50"] = number(quantile_of(values, 0.5));
-  object["p99"] = number(quantile_of(values, 0.99));
-  object["max"] = number(quantile_of(values, 1));
-  return object;
+  return json_numbers({quantile_of(values, 0.5), quantile_of(values, 0.99), quantile_of(values, 1)});
 }
 
-Json side_json(const LoopTimes& side) {
-  Json object;
-  object["frames"] = side.frames;
-  object["missed"] = side.missed;
-  object["lateness_us"] = timing_json(side.lateness);
-  object["cost_us"] = timing_json(side.cost);
-  return object;
+JsonKeys<LoopTimes> side_keys(const std::string& frames_mean) {
+  using L = LoopTimes;
+  return {{"frames,missed", "", frames_mean,
+           [](const L& l) {
+             return Json::array({l.frames, l.missed});
+           }},
+          {"lateness_us.p50,p99,max", "us", "of its wake-ups",
+           [](const L& l) { return timing_json(l.lateness); }},
+          {"cost_us.p50,p99,max", "us", "of its frames", [](const L& l) { return timing_json(l.cost); }}};
 }
 
 double from_deadline(const LoopTimes& side) {
   return quantile_of(side.lateness, 0.5) + quantile_of(side.cost, 0.5);
 }
 
-Json memory_json(const std::vector<MemoryCourse>& runs) {
-  std::vector<double> start, end, growth;
-  for (const MemoryCourse& run : runs) {
-    start.push_back(run.start()), end.push_back(run.end()), growth.push_back(run.growth());
-  }
-  Json object;
-  object["start"] = number(start.front());  // of the first run
-  object["end"] = number(end.back());       // of the last
-  object["growth_per_s"] = number(quantile_of(growth, 0.5));
-  return object;
+double memory_growth(const std::vector<MemoryCourse>& runs) {
+  std::vector<double> growth;
+  for (const MemoryCourse& run : runs) growth.push_back(run.growth());
+  return quantile_of(growth, 0.5);
 }
 
 Json row_of(const Laboratory& laboratory, const std::string& name, const std::string& baseline, double ours,
@@ -208,30 +197,64 @@ Json row_of(const Laboratory& laboratory, const std::string& name, const std::st
                    .baseline = baseline,
                    .ours_us = ours,
                    .baseline_us = theirs,
-                   .error = quantiles_json(kind.errors),
+                   .error = p50_p95_max(kind.errors),
                    .n = laboratory.scene().model.neighbours},
                   {.scene = laboratory.name(), .body = laboratory.scene().body.get()});
+}
+
+struct LoopRow {
+  const Kind& kind;
+  const ConfidenceInterval& difference;
+  int workers;
+};
+
+const JsonKeys<LoopRow>& loop_keys() {
+  using R = LoopRow;
+  static const JsonKeys<R> keys{
+      {"record", "", "bench loop: true: with the record of inputs", [](const R& r) { return r.kind.record; }},
+      {"seconds", "s", "time of the sessions", [](const R& r) { return r.kind.seconds; }},
+      json_object<R, LoopTimes>(
+          "loop", side_keys("frames of the session's loop, and those that missed their deadline"), "",
+          [](const R& r) { return &r.kind.loop; }),
+      json_object<R, LoopTimes>("bare", side_keys("the same of a bare loop at the same time"), "",
+                                [](const R& r) { return &r.kind.bare; }),
+      {"missed_difference.per_1000,low,high", "",
+       "missed frames of a thousand more than the bare loop, with a 95 % interval",
+       [](const R& r) {
+         return json_numbers({r.difference.mean, r.difference.low, r.difference.high});
+       }},
+      {"missed_difference.within_noise", "", "true: the interval contains zero",
+       [](const R& r) { return !r.difference.excludes_zero(); }},
+      {"realtime_priority", "", "true: the loops had it", [](const R& r) { return r.kind.realtime; }},
+      {"workers.count", "", "of the session", &R::workers},
+      {"workers.busy", "1", "share of their time",
+       [](const R& r) { return r.kind.busy / (r.kind.seconds * r.workers); }},
+      {"workers.load_solves", "", "solves that kept the machine busy",
+       [](const R& r) { return r.kind.load_solves; }},
+      {"processors_used", "", "on average", [](const R& r) { return r.kind.cpu / r.kind.seconds; }},
+      {"states.start,end", "", "known",
+       [](const R& r) {
+         return Json::array({r.kind.states_start, r.kind.states_end});
+       }},
+      {"memory.start,end", "bytes", "resident",  // of the first run, of the last
+       [](const R& r) {
+         return json_numbers({r.kind.memory.front().start(), r.kind.memory.back().end()});
+       }},
+      {"memory.growth_per_s", "bytes/s", "median of the runs",
+       [](const R& r) { return memory_growth(r.kind.memory); }}};
+  return keys;
+}
+
+const JsonKeys<bool>& verdict_keys() {
+  static const JsonKeys<bool> keys{{"good", "", "true: no fault was found", [](bool good) { return good; }}};
+  return keys;
 }
 
 Json loop_row(const Laboratory& laboratory, const Kind& kind, const ConfidenceInterval& difference,
               int workers) {
   Json row = row_of(laboratory, kind.record ? "loop, recording" : "loop", "bare loop",
                     from_deadline(kind.loop), from_deadline(kind.bare), kind);
-  row["record"] = kind.record;
-  row["seconds"] = number(kind.seconds);
-  row["loop"] = side_json(kind.loop);
-  row["bare"] = side_json(kind.bare);
-  row["missed_difference"] = {{"per_1000", number(difference.mean)},
-                              {"low", number(difference.low)},
-                              {"high", number(difference.high)},
-                              {"within_noise", !difference.excludes_zero()}};
-  row["realtime_priority"] = kind.realtime;
-  row["workers"] = {{"count", workers},
-                    {"busy", number(kind.busy / (kind.seconds * workers))},
-                    {"load_solves", kind.load_solves}};
-  row["processors_used"] = number(kind.cpu / kind.seconds);
-  row["states"] = {{"start", kind.states_start}, {"end", kind.states_end}};
-  row["memory"] = memory_json(kind.memory);
+  add_to(row, loop_keys(), {kind, difference, workers});
   return row;
 }
 
@@ -294,6 +317,10 @@ std::string verdict(const std::array<Kind, 2>& kinds, const std::array<Confidenc
 
 }  // namespace
 
+DeclaredTable declared_bench_loop() {
+  return bench_table("loop", {below("rows[]", declared(loop_keys())), declared(verdict_keys())});
+}
+
 int bench_loop(const Globals& globals, const std::string& scene, const LoopBench& bench) {
   if (bench.seconds / bench.blocks < 2)
     throw InputError("--seconds", fmt::format("gives blocks of {:g} s, expected at least 2 s in each of {}",
@@ -315,8 +342,7 @@ int bench_loop(const Globals& globals, const std::string& scene, const LoopBench
     run_block(setting, kinds[static_cast<std::size_t>((run + 1) / 2 % 2)],
               [&](double share, const std::string& text) { progress.show((run + share) / runs, text); });
   std::array<ConfidenceInterval, 2> differences{};
-  Json document;
-  document["rows"] = Json::array();
+  Json document{{"rows", Json::array()}};
   for (std::size_t i = 0; i < kinds.size(); ++i) {
     if (kinds[i].loop.frames == 0) continue;
     differences[i] = missed_difference(kinds[i].loop, kinds[i].bare, setting.options.clock.frame);
@@ -327,12 +353,13 @@ int bench_loop(const Globals& globals, const std::string& scene, const LoopBench
     document["rows"].push_back(
         row_of(laboratory, "frame, recording", "frame, session.record = false", with, without, kinds[1]));
   const std::string problem = verdict(kinds, differences);
-  document["good"] = problem.empty() && !watch.raised();
-  document["provenance"] = provenance(laboratory.scene().source.hash);
+  const bool good = problem.empty() && !watch.raised();
+  add_to(document, verdict_keys(), good);
+  add_to(document, provenance_keys(), {laboratory.scene().source.hash});
   if (globals.json) print_json(document);
   for (std::size_t i = 0; i < kinds.size(); ++i)
     if (kinds[i].loop.frames > 0) say(globals, in_words(kinds[i], differences[i]));
-  if (problem.empty() && !watch.raised()) return 0;
+  if (good) return 0;
   warn(globals, problem.empty() ? "interrupted: the rows hold what was measured until then" : problem);
   return 1;
 }

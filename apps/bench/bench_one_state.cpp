@@ -11,7 +11,6 @@
 #include <chrono>
 #include <cmath>
 #include <memory>
-#include <nlohmann/json.hpp>
 #include <optional>
 #include <string>
 #include <utility>
@@ -21,8 +20,6 @@
 #include "apps/bench/bench_row.hpp"
 #include "apps/bench/newton_baseline.hpp"
 #include "apps/console/console.hpp"
-#include "apps/console/json.hpp"
-#include "apps/console/provenance.hpp"
 #include "apps/scene/scene_body.hpp"
 #include "geometry/common/error.hpp"
 #include "solver/equilibrium/continuation.hpp"
@@ -143,27 +140,55 @@ std::vector<SolverRow> solve_alone(const Problem& problem, Progress& progress) {
   return rows;
 }
 
-nlohmann::ordered_json one_state_json(const Problem& problem, const SolverRow& row, const OneState& ours,
-                                      double apart) {
+struct OneStatePair {
+  const OneState &ours, &baseline;
+};
+
+// Both values of a number.
+template <class Value>
+auto both(Value OneState::*member, Value factor = 1) {
+  return [=](const OneStatePair& p) {
+    return Json::array({*json_value(factor * p.ours.*member), *json_value(factor * p.baseline.*member)});
+  };
+}
+
+const JsonKeys<OneStatePair>& one_state_keys() {
+  static const JsonKeys<OneStatePair> keys{
+      {"ours_bytes,baseline_bytes", "bytes", "with --states 1: memory of one state", both(&OneState::bytes)},
+      {"ours_analysis_us,baseline_analysis_us", "us", "with --states 1: symbolic analysis",
+       both(&OneState::analysis, 1e6)},
+      {"ours_iterations,baseline_iterations", "", "with --states 1: Newton iterations",
+       both(&OneState::iterations)}};
+  return keys;
+}
+
+Json one_state_json(const Problem& problem, const SolverRow& row, const OneState& ours, double apart) {
   const OneState& r = *row.result;
-  nlohmann::ordered_json json = row_json(
+  Json json = row_json(
       BenchRow{.name = "one state",
                .baseline = row.name,
                .ours_us = 1e6 * ours.solve,
                .baseline_us = 1e6 * r.solve,
-               .error = errors_json(apart, apart, apart),
+               .error = {apart, apart, apart},
                .n = 1},
       BenchSubject{.scene = problem.scene, .body = problem.body.get(), .tolerance = problem.tolerance});
-  json.update({{"ours_bytes", number(ours.bytes)},
-               {"baseline_bytes", number(r.bytes)},
-               {"ours_analysis_us", number(1e6 * ours.analysis)},
-               {"baseline_analysis_us", number(1e6 * r.analysis)},
-               {"ours_iterations", ours.iterations},
-               {"baseline_iterations", r.iterations}});
+  add_to(json, one_state_keys(), {ours, r});
   return json;
 }
 
 }  // namespace
+
+const JsonKeys<BenchEnd>& solver_machine_keys() {
+  static const JsonKeys<BenchEnd> keys{
+      JsonKey<BenchEnd>("blas", "", "library behind CHOLMOD", [](const BenchEnd&) { return cholmod_blas(); })
+          .last(),
+      instruction_set_key(instruction_set())};
+  return keys;
+}
+
+std::vector<Declared> declared_one_state() {
+  return below("rows[]", declared(one_state_keys()));
+}
 
 int bench_one_state(const Globals& globals, std::shared_ptr<const Body> body, double spacing,
                     const std::string& scene) {
@@ -177,7 +202,7 @@ int bench_one_state(const Globals& globals, std::shared_ptr<const Body> body, do
 
   const OneState& ours = *rows[0].result;
   const Vec3 force(ours.force[0], ours.force[1], ours.force[2]);
-  nlohmann::ordered_json document{{"rows", nlohmann::ordered_json::array()}};
+  Json document{{"rows", Json::array()}};
   say(globals, fmt::format("{}: {}, {} tetrahedra, {} free nodes, one state, one thread, {}; {}", scene,
                            name(body->material.law), body->mesh.tets.size(), problem.d->free_nodes,
                            instruction_set(), cholmod_blas()));
@@ -194,9 +219,8 @@ int bench_one_state(const Globals& globals, std::shared_ptr<const Body> body, do
     if (&row == &rows.front()) continue;
     document["rows"].push_back(one_state_json(problem, row, ours, apart));
   }
-  document["blas"] = cholmod_blas();
-  document["instruction_set"] = instruction_set();
-  document["provenance"] = provenance("");
+  add_to(document, solver_machine_keys(), {});
+  add_to(document, provenance_keys(), {});
   if (globals.json) print_json(document);
   return all ? 0 : 1;
 }

@@ -5,9 +5,10 @@
 #include <algorithm>
 #include <chrono>
 #include <cmath>
-#include <nlohmann/json.hpp>
 #include <random>
 
+#include "apps/bench/bench.hpp"
+#include "apps/bench/bench_row.hpp"
 #include "apps/console/console.hpp"
 #include "geometry/common/quantiles.hpp"
 #include "geometry/coverage/agreement.hpp"
@@ -100,7 +101,30 @@ RegionCost measure(const Situation& situation) {
   return {situation.name, median(look), median(whole), situation.known.size(), sum};
 }
 
+struct SetupAgreement {
+  std::string setup;
+  double width = 0, share = 0;
+  std::size_t states = 0;
+};
+
+using Agreements = std::vector<SetupAgreement>;
+
+const JsonKeys<Agreements>& agreement_keys() {
+  static const JsonKeys<Agreements> keys{json_list<Agreements, SetupAgreement>(
+      "agreement",
+      {{"setup", "", "bench coverage: arrangement of the states", &SetupAgreement::setup},
+       {"width", "m", "of its empty part", &SetupAgreement::width},
+       {"share", "1", "share of the volume where Delaunay and octree labels agree", &SetupAgreement::share},
+       {"states", "", "in it", &SetupAgreement::states}},
+      [](const Agreements& all) { return all; })};
+  return keys;
+}
+
 }  // namespace
+
+DeclaredTable declared_bench_coverage() {
+  return bench_table("coverage", {declared(agreement_keys())});
+}
 
 std::vector<RegionCost> bench_regions(std::size_t n, std::uint64_t seed) {
   std::vector<RegionCost> costs;
@@ -109,7 +133,7 @@ std::vector<RegionCost> bench_regions(std::size_t n, std::uint64_t seed) {
 }
 
 void report_agreement(const Globals& globals, nlohmann::ordered_json& out) {
-  out["agreement"] = nlohmann::ordered_json::array();
+  Agreements agreements;
   say(globals, "");
   say(globals,
       fmt::format("{:<10}{:>10}{:>12}   labels agree on this share of the volume, common blank left out",
@@ -125,10 +149,10 @@ void report_agreement(const Globals& globals, nlohmann::ordered_json& out) {
         octree.insert(space.insert(std::move(state)).id, at);
       }
       const Agreement agreement = compare_indexes(space, octree);
-      out["agreement"].push_back(
-          {{"setup", name}, {"width", width}, {"share", agreement.share}, {"states", setup.states.size()}});
+      agreements.push_back({name, width, agreement.share, setup.states.size()});
       say(globals, fmt::format("{:<10}{:>10.3g}{:>12.4f}", name, 1e3 * width, agreement.share));
     }
+  add_to(out, agreement_keys(), agreements);
 }
 
 }  // namespace forefeel

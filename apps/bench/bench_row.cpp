@@ -2,30 +2,79 @@
 
 #include <chrono>
 
-#include "apps/console/json.hpp"
+#include "apps/console/provenance.hpp"
+#include "geometry/common/instruction_set.hpp"
+#include "geometry/common/quantiles.hpp"
 #include "solver/body/law_table.hpp"
 
 namespace forefeel {
+namespace {
 
-nlohmann::ordered_json row_json(const BenchRow& row, const BenchSubject& subject) {
-  using Json = nlohmann::ordered_json;
-  return {{"name", row.name},
-          {"baseline", row.baseline},
-          {"ratio", number(row.baseline_us / row.ours_us)},
-          {"ours_us", number(row.ours_us)},
-          {"baseline_us", number(row.baseline_us)},
-          {"error", row.error},
-          {"n", row.n},
-          {"k", row.k ? Json(*row.k) : Json()},
-          {"scene", subject.scene},
-          {"law", subject.body ? Json(name(subject.body->material.law)) : Json()},
-          {"elements", subject.body ? Json(subject.body->mesh.tets.size()) : Json()},
-          {"threads", subject.threads},
-          {"tolerance", number(subject.tolerance)}};
+struct RowAndSubject {
+  const BenchRow& row;
+  const BenchSubject& subject;
+};
+
+const JsonKeys<RowAndSubject>& common_keys() {
+  using R = RowAndSubject;
+  const auto of_body = [](auto get) {
+    return [get](const R& r) { return r.subject.body ? Json(get(*r.subject.body)) : Json(); };
+  };
+  static const JsonKeys<R> keys{
+      {"name", "", "what is measured", [](const R& r) { return r.row.name; }},
+      {"baseline", "", "what it is compared with, in the same run",
+       [](const R& r) { return r.row.baseline; }},
+      {"ratio", "1", "time of the baseline over ours",
+       [](const R& r) { return r.row.baseline_us / r.row.ours_us; }},
+      {"ours_us", "us", "time of ours", [](const R& r) { return r.row.ours_us; }},
+      {"baseline_us", "us", "time of the baseline", [](const R& r) { return r.row.baseline_us; }},
+      {"error.p50,p95,max", "1", "relative error of ours, or difference of the forces",
+       [](const R& r) { return json_numbers(r.row.error); }},
+      {"n", "", "number of states or centres", [](const R& r) { return r.row.n; }},
+      {"k", "", "states replaced at once; null: none",
+       [](const R& r) { return r.row.k ? Json(*r.row.k) : Json(); }},
+      {"scene", "", "measured on", [](const R& r) { return r.subject.scene; }},
+      {"law", "", "of its material", of_body([](const Body& body) { return name(body.material.law); })},
+      {"elements", "", "of its mesh", of_body([](const Body& body) { return body.mesh.tets.size(); })},
+      {"threads", "", "used by both", [](const R& r) { return r.subject.threads; }},
+      {"tolerance", "1", "of the solves behind it", [](const R& r) { return r.subject.tolerance; }}};
+  return keys;
 }
 
-nlohmann::ordered_json errors_json(double p50, double p95, double max) {
-  return {{"p50", number(p50)}, {"p95", number(p95)}, {"max", number(max)}};
+}  // namespace
+
+std::vector<double> p50_p95_max(const std::vector<double>& values) {
+  return {quantile_of(values, 0.5), quantile_of(values, 0.95), quantile_of(values, 1)};
+}
+
+Json row_json(const BenchRow& row, const BenchSubject& subject) {
+  return document_of(common_keys(), RowAndSubject{row, subject});
+}
+
+JsonKey<BenchEnd> instruction_set_key(std::string_view name) {
+  return {"instruction_set", "", "of the loops", [name](const BenchEnd&) { return name; }};
+}
+
+const JsonKeys<BenchEnd>& instruction_set_keys() {
+  static const JsonKeys<BenchEnd> keys{instruction_set_key(name(instruction_set_in_use()))};
+  return keys;
+}
+
+const JsonKeys<BenchEnd>& provenance_keys() {
+  static const JsonKeys<BenchEnd> keys{{"provenance.KEY", "", "program, machine and inputs",
+                                        [](const BenchEnd& end) { return provenance(end.scene_hash); }}};
+  return keys;
+}
+
+DeclaredTable bench_table(const std::string& name, std::initializer_list<std::vector<Declared>> parts) {
+  DeclaredTable table{"bench_" + name + ".json", "Of bench " + name + " --json.",
+                      below("rows[]", declared(common_keys()))};
+  const auto add = [&](const std::vector<Declared>& rows) {
+    table.rows.insert(table.rows.end(), rows.begin(), rows.end());
+  };
+  add(declared(provenance_keys()));
+  for (const std::vector<Declared>& rows : parts) add(rows);
+  return table;
 }
 
 double now_us() {

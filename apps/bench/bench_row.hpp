@@ -1,11 +1,15 @@
 #pragma once
-// What the rows of all benches share: the keys of --json, and the clock.
+// What all benches share: the keys of --json (document_keys.hpp) and the clock. A bench declares its own keys where it
+// fills them.
 
 #include <cstddef>
-#include <nlohmann/json.hpp>
+#include <initializer_list>
 #include <optional>
 #include <string>
+#include <string_view>
+#include <vector>
 
+#include "apps/console/document_keys.hpp"
 #include "geometry/states/state.hpp"
 #include "solver/body/body.hpp"
 
@@ -22,14 +26,24 @@ struct BenchSubject {
 struct BenchRow {
   std::string name, baseline;           // "update r3", "own refit"
   double ours_us = 0, baseline_us = 0;  // [us]
-  nlohmann::ordered_json error;         // p50, p95, max
+  std::vector<double> error;            // p50, p95, max
   std::size_t n = 0;
   std::optional<std::size_t> k = {};
 };
 
-// ratio is baseline / ours.
-nlohmann::ordered_json row_json(const BenchRow& row, const BenchSubject& subject);
-nlohmann::ordered_json errors_json(double p50, double p95, double max);
+std::vector<double> p50_p95_max(const std::vector<double>& values);
+Json row_json(const BenchRow& row, const BenchSubject& subject);
+
+// What the documents end with.
+struct BenchEnd {
+  std::string scene_hash = "";
+};
+JsonKey<BenchEnd> instruction_set_key(std::string_view name);
+const JsonKeys<BenchEnd>& instruction_set_keys();  // of our own loops
+const JsonKeys<BenchEnd>& provenance_keys();
+
+// The help of `bench NAME --json`: the keys of all benches, then these.
+DeclaredTable bench_table(const std::string& name, std::initializer_list<std::vector<Declared>> parts);
 
 double now_us();  // of a steady clock [us]
 

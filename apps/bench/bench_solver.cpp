@@ -17,7 +17,6 @@
 #include <functional>
 #include <map>
 #include <memory>
-#include <nlohmann/json.hpp>
 #include <random>
 
 #include "apps/bench/bench.hpp"
@@ -25,8 +24,6 @@
 #include "apps/bench/bench_row.hpp"
 #include "apps/bench/newton_baseline.hpp"
 #include "apps/console/console.hpp"
-#include "apps/console/json.hpp"
-#include "apps/console/provenance.hpp"
 #include "apps/scene/scene.hpp"
 #include "geometry/common/quantiles.hpp"
 #include "geometry/coverage/state_space.hpp"
@@ -194,14 +191,14 @@ double peak_bytes() {
   return unknown;
 }
 
-nlohmann::ordered_json make_row(const BenchCase& bench, const std::string& baseline, double ours,
-                                double theirs, const Errors& errors, std::size_t n, int threads) {
+Json make_row(const BenchCase& bench, const std::string& baseline, double ours, double theirs,
+              const Errors& errors, std::size_t n, int threads) {
   return row_json(
       {.name = "generate",
        .baseline = baseline,
        .ours_us = 1e6 * ours,
        .baseline_us = 1e6 * theirs,
-       .error = errors_json(errors.at(0.5), errors.at(0.95), errors.at(1)),
+       .error = p50_p95_max(errors.values),
        .n = n},
       {.scene = bench.name, .body = bench.body.get(), .threads = threads, .tolerance = tolerance});
 }
@@ -287,28 +284,42 @@ SolverRounds run_rounds(const Globals& globals, const BenchCase& bench, const La
   return m;
 }
 
-nlohmann::ordered_json document_of(const BenchCase& bench, int threads, SolverRounds& m) {
-  nlohmann::ordered_json document;
-  document["rows"] = nlohmann::ordered_json::array();
+const JsonKeys<SolverRounds>& solver_keys() {
+  using R = SolverRounds;
+  using Key = JsonKey<R>;
+  static const JsonKeys<R> keys{
+      {"failed", "", "bench solver: solves that failed", [](const R& r) { return r.report.failed; }},
+      {"states_of_the_scene", "", "of the whole lattice", &R::whole},
+      {"speedup_over_one_thread", "1", "null: not measured", &R::scaling},
+      {"errors_drawn", "", "states compared with tight solves",
+       [](const R& r) { return r.errors.values.size(); }},
+      {"baseline_states", "", "list: states solved by each baseline",
+       [](const R& r) {
+         return Json::array({r.last_eigen.states, r.last_cholmod.states});
+       }},
+      {"baseline_iterations", "", "mean of CHOLMOD's full Newton",
+       [](const R& r) { return r.last_cholmod.iterations; }},
+      {"baseline_failed", "", "solves of baselines that failed",
+       [](const R& r) { return r.last_eigen.failed + r.last_cholmod.failed; }},
+      Key{"bytes_per_thread", "bytes", "of a solving thread", &R::bytes_per_thread}.last(),
+      Key{"cholmod_factor_bytes", "bytes", "of the factor of CHOLMOD",
+          [](const R& r) { return r.last_cholmod.factor_bytes; }}
+          .last(),
+      {"peak_bytes", "bytes", "largest memory of the process", [](const R&) { return peak_bytes(); }}};
+  return keys;
+}
+
+Json document_of(const BenchCase& bench, int threads, const SolverRounds& m) {
+  Json document{{"rows", Json::array()}};
   const std::size_t n = m.report.solved;
   if (m.has_eigen())
     document["rows"].push_back(
         make_row(bench, "Eigen SimplicialLDLT full Newton", m.ours(), m.eigen(), m.errors, n, threads));
   document["rows"].push_back(
       make_row(bench, "CHOLMOD full Newton", m.ours(), m.cholmod(), m.errors, n, threads));
-  document["blas"] = cholmod_blas();
-  document["instruction_set"] = instruction_set();
-  document["failed"] = m.report.failed;
-  document["states_of_the_scene"] = m.whole;
-  document["speedup_over_one_thread"] = number(m.scaling);
-  document["errors_drawn"] = m.errors.values.size();
-  document["baseline_states"] = {m.last_eigen.states, m.last_cholmod.states};
-  document["baseline_iterations"] = number(m.last_cholmod.iterations);
-  document["baseline_failed"] = m.last_eigen.failed + m.last_cholmod.failed;
-  document["bytes_per_thread"] = number(m.bytes_per_thread);
-  document["cholmod_factor_bytes"] = number(m.last_cholmod.factor_bytes);
-  document["peak_bytes"] = number(peak_bytes());
-  document["provenance"] = provenance("");
+  add_to(document, solver_machine_keys(), {});
+  add_to(document, solver_keys(), m);
+  add_to(document, provenance_keys(), {});
   return document;
 }
 
@@ -342,6 +353,11 @@ void print_text(const Globals& globals, const BenchCase& bench, int threads, Sol
 
 }  // namespace
 
+DeclaredTable declared_bench_solver() {
+  return bench_table("solver",
+                     {declared(solver_machine_keys()), declared(solver_keys()), declared_one_state()});
+}
+
 int bench_solver(const Globals& globals, const std::string& scene, std::size_t most_states) {
   match_blas_to_processor();
   const int threads = globals.threads > 0 ? globals.threads : omp_get_max_threads();
@@ -359,8 +375,7 @@ int bench_solver(const Globals& globals, const std::string& scene, std::size_t m
   Progress progress(globals, "bench solver");
   SolverRounds m = run_rounds(globals, bench, options, progress);
   m.whole = whole;
-  const nlohmann::ordered_json document = document_of(bench, threads, m);
-  if (globals.json) print_json(document);
+  if (globals.json) print_json(document_of(bench, threads, m));
   print_text(globals, bench, threads, m);
   return 0;
 }

@@ -18,17 +18,13 @@
 #include <algorithm>
 #include <cmath>
 #include <deque>
-#include <nlohmann/json.hpp>
 
 #include "approx/switch/force_switch.hpp"
 #include "apps/bench/bench.hpp"
 #include "apps/bench/bench_row.hpp"
 #include "apps/bench/fit_baseline.hpp"
 #include "apps/console/console.hpp"
-#include "apps/console/json.hpp"
-#include "apps/console/provenance.hpp"
 #include "apps/scene/laboratory.hpp"
-#include "geometry/common/instruction_set.hpp"
 #include "geometry/common/quantiles.hpp"
 #include "scheduling/motion/random.hpp"
 
@@ -247,36 +243,69 @@ double cost_of_a_frame(const Stream& stream, SwitchRule rule) {
   return sum.allFinite() ? took / static_cast<double>(frames) : unknown;
 }
 
-nlohmann::ordered_json make_row(const Laboratory& laboratory, SwitchRule rule, std::size_t every, double ours,
-                                double none, const Outcome& found) {
-  nlohmann::ordered_json row =
-      row_json({.name = fmt::format("switch {}, update every {} ms", name(rule), every),
-                .baseline = "rule none",
-                .ours_us = ours,
-                .baseline_us = none,
-                .error = quantiles_json(found.errors),
-                .n = states_per_model},
-               {.scene = laboratory.name(), .body = laboratory.scene().body.get(), .tolerance = 1e-9});
-  row["rule"] = name(rule);
-  row["update_ms"] = every;
-  row["frames"] = frames - lead;
-  row["frames_over_jnd"] = found.over_bound;
-  row["max_jump"] = number(found.max_jump);
-  row["max_jump_undamped"] = number(found.max_undamped);
-  row["drift"] = {
-      {"ms50", number(found.drift[0])}, {"ms100", number(found.drift[1])}, {"ms300", number(found.drift[2])}};
-  row["delay"] = {{"p50_ms", number(1e3 * quantile_of(found.delays, 0.5))},
-                  {"p95_ms", number(1e3 * quantile_of(found.delays, 0.95))},
-                  {"max_ms", number(1e3 * quantile_of(found.delays, 1))},
-                  {"bound_ms", number(1e3 * found.worst_bound)},
-                  {"most_of_bound", number(found.most_of_bound)},
-                  {"within_bound", found.most_of_bound <= 1}};
-  row["models_skipped"] = found.skipped;
-  row["latest_wins"] = found.latest_wins;
+struct SwitchRow {
+  SwitchRule rule;
+  std::size_t every;  // [ms]
+  const Outcome& found;
+
+  double delay_ms(double share) const { return 1e3 * quantile_of(found.delays, share); }
+};
+
+const JsonKeys<SwitchRow>& switch_keys() {
+  using R = SwitchRow;
+  static const JsonKeys<R> keys{
+      {"rule", "", "bench switch: paper, smooth or none", [](const R& r) { return name(r.rule); }},
+      {"update_ms", "ms", "a new model this often", &R::every},
+      {"frames", "", "played", [](const R&) { return frames - lead; }},
+      {"frames_over_jnd", "", "whose change exceeds the rule's bound",
+       [](const R& r) { return r.found.over_bound; }},
+      {"max_jump", "N", "largest change in a frame", [](const R& r) { return r.found.max_jump; }},
+      {"max_jump_undamped", "N", "between two models", [](const R& r) { return r.found.max_undamped; }},
+      {"drift.ms50,ms100,ms300", "N", "change within so many ms",
+       [](const R& r) {
+         return json_numbers({r.found.drift.begin(), r.found.drift.end()});
+       }},
+      {"delay.p50_ms,p95_ms,max_ms", "ms", "until a new model is fully there",
+       [](const R& r) {
+         return json_numbers({r.delay_ms(0.5), r.delay_ms(0.95), r.delay_ms(1)});
+       }},
+      {"delay.bound_ms", "ms", "its bound", [](const R& r) { return 1e3 * r.found.worst_bound; }},
+      {"delay.most_of_bound", "1", "largest delay over its bound",
+       [](const R& r) { return r.found.most_of_bound; }},
+      {"delay.within_bound", "", "true: never above it",
+       [](const R& r) { return r.found.most_of_bound <= 1; }},
+      {"models_skipped", "", "models that a newer one replaced", [](const R& r) { return r.found.skipped; }},
+      {"latest_wins", "", "true: the newest model always wins",
+       [](const R& r) { return r.found.latest_wins; }}};
+  return keys;
+}
+
+const JsonKeys<BenchEnd>& model_keys() {
+  static const JsonKeys<BenchEnd> keys{
+      {"model", "", "that is switched",
+       [](const BenchEnd&) { return fmt::format("r3, force, {} random states each", states_per_model); }}};
+  return keys;
+}
+
+Json make_row(const Laboratory& laboratory, SwitchRule rule, std::size_t every, double ours, double none,
+              const Outcome& found) {
+  Json row = row_json({.name = fmt::format("switch {}, update every {} ms", name(rule), every),
+                       .baseline = "rule none",
+                       .ours_us = ours,
+                       .baseline_us = none,
+                       .error = p50_p95_max(found.errors),
+                       .n = states_per_model},
+                      {.scene = laboratory.name(), .body = laboratory.scene().body.get(), .tolerance = 1e-9});
+  add_to(row, switch_keys(), {rule, every, found});
   return row;
 }
 
 }  // namespace
+
+DeclaredTable declared_bench_switch() {
+  return bench_table("switch", {declared(instruction_set_keys()), below("rows[]", declared(switch_keys())),
+                                declared(model_keys())});
+}
 
 int bench_switch(const Globals& globals, const std::string& scene) {
   Laboratory laboratory(globals, scene);
@@ -286,8 +315,7 @@ int bench_switch(const Globals& globals, const std::string& scene) {
       space.box, space.spacing,
       [&](double share, const std::string& text) { progress.show(0.5 * share, text); });
   constexpr std::array rules{SwitchRule::smooth, SwitchRule::paper, SwitchRule::none};
-  nlohmann::ordered_json document;
-  document["rows"] = nlohmann::ordered_json::array();
+  Json document{{"rows", Json::array()}};
   bool good = true;
   std::vector<std::string> lines;
   for (const std::size_t every : {10u, 20u, 50u, 100u}) {
@@ -312,9 +340,9 @@ int bench_switch(const Globals& globals, const std::string& scene) {
           1e3 * quantile_of(found.delays, 1), 1e3 * found.worst_bound, quantile_of(found.errors, 0.95)));
     }
   }
-  document["model"] = fmt::format("r3, force, {} random states each", states_per_model);
-  document["instruction_set"] = name(instruction_set_in_use());
-  document["provenance"] = provenance(laboratory.scene().source.hash);
+  const BenchEnd end{laboratory.scene().source.hash};
+  for (const JsonKeys<BenchEnd>& keys : {model_keys(), instruction_set_keys(), provenance_keys()})
+    add_to(document, keys, end);
   if (globals.json) print_json(document);
   for (const std::string& line : lines) say(globals, line);
   if (good) return 0;

@@ -57,6 +57,11 @@ int run_bench(const Globals& globals, const BenchOptions& options) {
 
 }  // namespace
 
+std::vector<DeclaredTable> declared_bench_json() {
+  return {declared_bench_approx(), declared_bench_solver(), declared_bench_coverage(),
+          declared_bench_switch(), declared_bench_loop()};
+}
+
 void add_bench(CommandLine& line) {
   const auto options = std::make_shared<BenchOptions>();
   Command sub = line.add("bench", "Measure speed and error beside named baselines in the same run");

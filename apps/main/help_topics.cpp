@@ -7,7 +7,7 @@
 #include <nlohmann/json.hpp>
 #include <sstream>
 
-#include "apps/bench/bench_keys.hpp"
+#include "apps/bench/bench.hpp"
 #include "apps/console/outputs.hpp"
 #include "apps/picture/page.hpp"
 #include "apps/scene/scene_declared.hpp"
