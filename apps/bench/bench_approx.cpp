@@ -224,14 +224,9 @@ class Bench {
 void write_folder(const Globals& globals, const std::string& folder, const Case& taken,
                   const std::vector<Measured>& table) {
   const std::filesystem::path at(folder);
-  const auto write = [&](const char* file, const std::string& text) {
-    OutputFile out(at / file);
-    out.write(text);
-    out.commit();
-  };
-  write("approx.csv", table_csv(taken, table));
+  write_whole(at / "approx.csv", table_csv(taken, table));
   if (const auto picture = draw_svg("approx", 1200, 560, pareto_plot(table)))
-    write("approx.svg", *picture);
+    write_whole(at / "approx.svg", *picture);
   else
     warn(globals, "gnuplot is missing or failed: no picture");
 }

@@ -20,6 +20,7 @@
 #include "apps/scene/laboratory.hpp"
 #include "apps/scene/scene_mesh_error.hpp"
 #include "geometry/common/error.hpp"
+#include "geometry/common/output_file.hpp"
 #include "geometry/common/result_folder.hpp"
 #include "scheduling/study/calibration.hpp"
 

@@ -21,6 +21,7 @@
 #include "apps/picture/page.hpp"
 #include "apps/scene/scene_mesh_error.hpp"
 #include "geometry/common/error.hpp"
+#include "geometry/common/output_file.hpp"
 #include "geometry/common/result_folder.hpp"
 
 namespace forefeel {

@@ -15,6 +15,7 @@
 #include "apps/laboratory/reproduce.hpp"
 #include "apps/picture/figure.hpp"
 #include "apps/picture/plot.hpp"
+#include "geometry/common/output_file.hpp"
 #include "scheduling/record/run_files.hpp"
 
 namespace forefeel {

@@ -20,6 +20,7 @@
 #include "apps/picture/figure.hpp"
 #include "apps/picture/plot.hpp"
 #include "geometry/common/error.hpp"
+#include "geometry/common/output_file.hpp"
 #include "geometry/common/quantiles.hpp"
 #include "scheduling/motion/random.hpp"
 #include "scheduling/placement/placement_energy.hpp"

@@ -13,6 +13,7 @@
 #include "apps/laboratory/reproduce.hpp"
 #include "apps/picture/figure.hpp"
 #include "apps/picture/plot.hpp"
+#include "geometry/common/output_file.hpp"
 #include "geometry/common/quantiles.hpp"
 
 namespace forefeel {

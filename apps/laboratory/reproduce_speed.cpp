@@ -18,6 +18,7 @@
 #include "apps/study/planned_study.hpp"
 #include "apps/study/study_folder.hpp"
 #include "geometry/common/error.hpp"
+#include "geometry/common/output_file.hpp"
 #include "scheduling/study/speed_bound.hpp"
 
 namespace forefeel {

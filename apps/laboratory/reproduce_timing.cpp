@@ -24,6 +24,7 @@
 #include "apps/picture/figure.hpp"
 #include "apps/picture/plot.hpp"
 #include "geometry/common/instruction_set.hpp"
+#include "geometry/common/output_file.hpp"
 #include "geometry/common/quantiles.hpp"
 #include "scheduling/motion/random.hpp"
 

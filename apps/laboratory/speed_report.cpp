@@ -10,6 +10,7 @@
 #include "apps/laboratory/reproduce.hpp"
 #include "apps/picture/figure.hpp"
 #include "apps/picture/plot.hpp"
+#include "geometry/common/output_file.hpp"
 
 namespace forefeel {
 namespace {

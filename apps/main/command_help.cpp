@@ -69,9 +69,7 @@ int run_help(const Globals& globals, const HelpArguments& arguments) {
   if (!arguments.output.empty()) {
     if (std::filesystem::path(arguments.output).extension() != ".html")
       throw InputError("-o " + arguments.output, "expected a file OUT.html");
-    OutputFile file(arguments.output);
-    file.write(as_html(topics));
-    file.commit();
+    write_whole(arguments.output, as_html(topics));
   }
   if (globals.json) return print_json(to_json(topics)), 0;
   if (!arguments.output.empty()) return say(globals, arguments.output), 0;

@@ -19,12 +19,6 @@ set tics nomirror out scale 0.5 textcolor rgb '#3a3a3a'
 set grid lc rgb '#e4e1da' lw 0.7
 )";
 
-void write_whole(const fs::path& file, const std::string& bytes) {
-  OutputFile out(file);
-  out.write(bytes);
-  out.commit();
-}
-
 std::string draw_into(const fs::path& folder, const Figure& figure) {
   const std::optional<std::string> svg = draw_svg(figure.name, figure.width, figure.height, figure.script);
   if (!svg) return "<p class=\"note\">A picture is missing: gnuplot was not found or failed.</p>\n";

@@ -18,8 +18,6 @@ struct Figure {
 
 extern const char* const plot_style;  // gnuplot style of axes, tics and grid
 
-// Writes a file completely or not at all.
-void write_whole(const std::filesystem::path& file, const std::string& bytes);
 // Writes NAME.svg into the folder and returns a <figure> with it; without gnuplot, a note instead.
 std::string draw_into(const std::filesystem::path& folder, const Figure& figure);
 // HTML table of rows of cells; the first row is the header. Escapes the text.

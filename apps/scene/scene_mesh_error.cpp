@@ -73,9 +73,7 @@ void keep(const fs::path& file, const MeshError& error) {
   try {
     Json kept = to_file(error);
     kept["sha256"] = sum_of(kept);
-    OutputFile out(file);
-    out.write(json_text(kept, 2) + "\n");
-    out.commit();
+    write_whole(file, json_text(kept, 2) + "\n");
   } catch (const std::exception&) {  // it is measured again next time
   }
 }

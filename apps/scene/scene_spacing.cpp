@@ -128,9 +128,7 @@ SpacingChoice automatic_spacing(const std::shared_ptr<const Body>& body, const B
   try {
     Json kept = to_file(choice);
     kept["sha256"] = sum_of(kept);
-    OutputFile out(file);
-    out.write(json_text(kept, 2) + "\n");
-    out.commit();
+    write_whole(file, json_text(kept, 2) + "\n");
   } catch (const InputError&) {  // it is computed again next time
   }
   return choice;

@@ -51,9 +51,7 @@ void write_record(const fs::path& folder, const StudyCell& cell, const StudyCell
                                 {"cost", to_text(cell.options.workers.cost)}};
   for (const Column& column : result.columns()) record["columns"][column.name] = to_json(column.value);
   record["notes"] = result.notes();
-  OutputFile out(record_file(folder, cell));
-  out.write(json_text(record, 1) + "\n");
-  out.commit();
+  write_whole(record_file(folder, cell), json_text(record, 1) + "\n");
 }
 
 // One process at a time writes to a folder.

@@ -93,6 +93,12 @@ fs::path followed(const fs::path& file) {
   return at;
 }
 
+void write_whole(const std::filesystem::path& file, std::string_view bytes) {
+  OutputFile out(file);
+  out.write(bytes);
+  out.commit();
+}
+
 bool is_database(const fs::path& file) {
   constexpr std::string_view magic("SQLite format 3\0", 16);
   std::error_code error;

@@ -31,6 +31,9 @@ class OutputFile {
   int descriptor_ = -1;
 };
 
+// Writes all of a file.
+void write_whole(const std::filesystem::path& file, std::string_view bytes);
+
 // True for a database of SQLite, such as a state file.
 bool is_database(const std::filesystem::path& file);
 

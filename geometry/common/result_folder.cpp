@@ -68,10 +68,9 @@ void claim_folder(const fs::path& folder, const std::vector<std::string>& names)
   if (error || !fs::is_directory(folder))
     throw InputError({.file = folder.string()}, "cannot be made, expected a folder for the files of the run");
   ours.insert(names.begin(), names.end());
-  OutputFile out(folder / marker);
-  out.write("# Files in this folder that forefeel made, and may replace.\n");
-  for (const std::string& name : ours) out.write(name + "\n");
-  out.commit();
+  std::string list = "# Files in this folder that forefeel made, and may replace.\n";
+  for (const std::string& name : ours) list += name + "\n";
+  write_whole(folder / marker, list);
 }
 
 }  // namespace forefeel

@@ -132,9 +132,7 @@ void write_msh(const std::filesystem::path& file, const TetMesh& mesh) {
                    t[1] + 1, t[2] + 1, t[3] + 1);
   }
   fmt::format_to(out, "$EndElements\n");
-  OutputFile output(file);
-  output.write({text.data(), text.size()});
-  output.commit();
+  write_whole(file, {text.data(), text.size()});
 }
 
 }  // namespace forefeel

@@ -65,15 +65,13 @@ std::string VtuSeries::frame(double t, const Vec3& tip, std::span<const float> u
 }
 
 void write_pvd(const std::filesystem::path& file, std::span<const SeriesFile> series) {
-  OutputFile out(file);
-  out.write(
+  std::string text =
       "<?xml version=\"1.0\"?>\n<VTKFile type=\"Collection\" version=\"0.1\" byte_order=\"LittleEndian\">\n"
-      "<Collection>\n");
+      "<Collection>\n";
   for (const SeriesFile& one : series)
-    out.write(fmt::format("<DataSet timestep=\"{}\" group=\"\" part=\"{}\" file=\"{}\"/>\n", one.t, one.part,
-                          one.file));
-  out.write("</Collection>\n</VTKFile>\n");
-  out.commit();
+    text += fmt::format("<DataSet timestep=\"{}\" group=\"\" part=\"{}\" file=\"{}\"/>\n", one.t, one.part,
+                        one.file);
+  write_whole(file, text + "</Collection>\n</VTKFile>\n");
 }
 
 std::vector<SeriesFile> read_pvd(const std::filesystem::path& file) {

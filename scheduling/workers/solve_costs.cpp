@@ -81,10 +81,9 @@ std::vector<double> SolveCosts::kept(const std::filesystem::path& file,
   if (file.empty() || seconds.empty()) return seconds;
   try {
     std::filesystem::create_directories(file.parent_path());
-    OutputFile out(file);
-    out.write("seconds\n");
-    for (const double s : seconds) out.write(fmt::format("{}\n", s));
-    out.commit();
+    std::string table = "seconds\n";
+    for (const double s : seconds) table += fmt::format("{}\n", s);
+    write_whole(file, table);
   } catch (const std::exception& problem) {
     note_ = fmt::format("recorded costs are not kept: {}", problem.what());
   }
