@@ -1,12 +1,12 @@
 #include "apps/scene/phantom_cache.hpp"
 
 #include <cstdint>
-#include <cstring>
 #include <fstream>
 #include <sstream>
 
 #include "apps/scene/cache_folder.hpp"
 #include "geometry/common/output_file.hpp"
+#include "geometry/common/packer.hpp"
 #include "geometry/common/sha256.hpp"
 #include "geometry/meshing/phantom.hpp"
 #include "solver/kernels/revision.hpp"
@@ -19,26 +19,6 @@ namespace fs = std::filesystem;
 constexpr std::string_view magic = "forefeel mesh 1\n";
 constexpr std::size_t digest = 64;              // hexadecimal digits at the end
 constexpr std::size_t most_elements = 100'000;  // larger meshes are not cached
-
-template <class T>
-void put(std::string& bytes, const T* values, std::size_t count) {
-  const auto n = static_cast<std::uint64_t>(count);
-  bytes.append(reinterpret_cast<const char*>(&n), sizeof n);
-  bytes.append(reinterpret_cast<const char*>(values), count * sizeof(T));
-}
-
-template <class T>
-bool take(std::string_view& bytes, std::vector<T>& values) {
-  std::uint64_t n = 0;
-  if (bytes.size() < sizeof n) return false;
-  std::memcpy(&n, bytes.data(), sizeof n);
-  bytes.remove_prefix(sizeof n);
-  if (n > bytes.size() / sizeof(T)) return false;
-  values.resize(n);
-  if (n > 0) std::memcpy(static_cast<void*>(values.data()), bytes.data(), n * sizeof(T));
-  bytes.remove_prefix(n * sizeof(T));
-  return true;
-}
 
 fs::path file_of(std::string_view name, std::size_t elements) {
   const fs::path folder = cache_folder();
@@ -54,13 +34,16 @@ fs::path file_of(std::string_view name, std::size_t elements) {
 }  // namespace
 
 std::string mesh_bytes(const TetMesh& mesh) {
-  std::string bytes(magic);
-  put(bytes, mesh.nodes.data(), mesh.nodes.size());
-  put(bytes, mesh.tets.data(), mesh.tets.size());
+  Packer out;
+  out.add_raw(magic);
+  out.add(mesh.nodes);
+  out.add(mesh.tets);
   for (const auto& [name, nodes] : mesh.groups) {
-    put(bytes, name.data(), name.size());
-    put(bytes, nodes.data(), nodes.size());
+    out.add(std::string_view(name));
+    out.add(nodes);
   }
+  const Bytes packed = out.take();
+  std::string bytes(packed.begin(), packed.end());
   return bytes + Sha256().add(bytes).hex();
 }
 
@@ -71,12 +54,16 @@ std::optional<TetMesh> mesh_of_bytes(std::string_view bytes) {
   if (Sha256().add(bytes).hex() != sum) return {};
   bytes.remove_prefix(magic.size());
   TetMesh mesh;
-  if (!take(bytes, mesh.nodes) || !take(bytes, mesh.tets)) return {};
-  while (!bytes.empty()) {
-    std::vector<char> name;
-    std::vector<NodeIndex> nodes;
-    if (!take(bytes, name) || !take(bytes, nodes)) return {};
-    mesh.groups.emplace(std::string(name.begin(), name.end()), std::move(nodes));
+  try {
+    Unpacker in(Bytes(bytes.begin(), bytes.end()));
+    mesh.nodes = in.values<Vec3>();
+    mesh.tets = in.values<Tet>();
+    while (in.left() > 0) {
+      std::string name = in.text();
+      mesh.groups.emplace(std::move(name), in.values<NodeIndex>());
+    }
+  } catch (const MalformedMessage&) {
+    return {};
   }
   return mesh;
 }
@@ -91,9 +78,7 @@ TetMesh cached_phantom(std::string_view name, std::size_t elements) {
   TetMesh mesh = phantom(name, elements);
   if (file.empty()) return mesh;
   try {
-    OutputFile out(file);
-    out.write(mesh_bytes(mesh));
-    out.commit();
+    write_whole(file, mesh_bytes(mesh));
   } catch (const std::exception&) {  // for example a full disk; the mesh is made again next time
   }
   return mesh;

@@ -1,7 +1,7 @@
 #pragma once
-// Packs values into bytes, for messages between processes of the same build on machines of the same kind.
-// Numbers are copied as they are in memory; lists and texts follow their length. An Unpacker checks every
-// length and never reads beyond the end.
+// Packs values into bytes, for files of this machine and for messages between processes of the same build on machines
+// of the same kind. Numbers are copied as they are in memory; lists and texts follow their length (64 bits). An
+// Unpacker checks every length and never reads beyond the end.
 
 #include <concepts>
 #include <cstddef>
@@ -37,9 +37,10 @@ class Packer {
     append(&value, sizeof value);
   }
   void add(const Vec3& x) { append(x.data(), 3 * sizeof(double)); }
-  void add(const std::vector<double>& values) {
+  template <class Value>  // numbers, or arrays of them
+  void add(const std::vector<Value>& values) {
     add(std::uint64_t{values.size()});
-    append(values.data(), values.size() * sizeof(double));
+    append(values.data(), values.size() * sizeof(Value));
   }
   void add(std::string_view text) {
     add(std::uint64_t{text.size()});
@@ -50,7 +51,7 @@ class Packer {
 
  private:
   void append(const void* from, std::size_t size) {
-    const char* begin = static_cast<const char*>(from);
+    const auto* begin = static_cast<const char*>(from);
     bytes_.insert(bytes_.end(), begin, begin + size);
   }
   Bytes bytes_;
@@ -72,11 +73,13 @@ class Unpacker {
     std::memcpy(x.data(), next(3 * sizeof(double)), 3 * sizeof(double));
     return x;
   }
-  std::vector<double> values() {
+  template <class Value = double>
+  std::vector<Value> values() {
     const std::uint64_t count = number<std::uint64_t>();
-    if (count > left() / sizeof(double)) throw MalformedMessage("a list is longer than its message");
-    std::vector<double> values(count);
-    if (count > 0) std::memcpy(values.data(), next(count * sizeof(double)), count * sizeof(double));
+    if (count > left() / sizeof(Value)) throw MalformedMessage("a list is longer than its message");
+    std::vector<Value> values(count);
+    if (count > 0)
+      std::memcpy(static_cast<void*>(values.data()), next(count * sizeof(Value)), count * sizeof(Value));
     return values;
   }
   std::string text() {
