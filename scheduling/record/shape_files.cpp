@@ -9,6 +9,7 @@
 #include <string>
 #include <system_error>
 
+#include "geometry/common/csv_columns.hpp"
 #include "geometry/common/error.hpp"
 #include "geometry/common/output_file.hpp"
 #include "geometry/mesh/vtu_series.hpp"
@@ -37,16 +38,26 @@ void write_file(const fs::path& file, const std::string& content) {
                      fmt::format("cannot be written: {}", errno ? std::strerror(errno) : "unknown error"));
 }
 
-const Declared columns[] = {
-    {"t", "s", "", "time of the shape"},
-    {"x,y,z", "m", "", "position of the tip then"},
-    {"known", "", "", "number of known states"},
-    {"states", "", "", "states that the shape is interpolated from, besides rest and the slope there"},
-    {"order", "", "", "quintic, cubic, or slope: the nearest state and the slope of the body at rest"},
-    {"largest", "m", "", "largest displacement of a node"},
-    {"error", "1", "",
+struct ShapeRow {
+  const ShapeRecord& shape;
+  const CheckedShape* checked;  // null: not compared
+};
+
+const CsvColumns<ShapeRow> shape_file_columns{
+    {"t", "s", "time of the shape", [](const ShapeRow& r) { return fmt::format("{}", r.shape.t); }},
+    {"x,y,z", "m", "position of the tip then", [](const ShapeRow& r) { return cells(r.shape.at); }},
+    {"known", "", "number of known states",
+     [](const ShapeRow& r) { return fmt::format("{}", r.shape.known); }},
+    {"states", "", "states that the shape is interpolated from, besides rest and the slope there",
+     [](const ShapeRow& r) { return fmt::format("{}", r.shape.states.size()); }},
+    {"order", "", "quintic, cubic, or slope: the nearest state and the slope of the body at rest",
+     [](const ShapeRow& r) { return std::string(name(r.shape.order)); }},
+    {"largest", "m", "largest displacement of a node",
+     [](const ShapeRow& r) { return fmt::format("{}", r.shape.largest); }},
+    {"error", "1",
      "largest error of a node against a tight solve, relative to the largest displacement; empty: not "
-     "compared"}};
+     "compared",
+     [](const ShapeRow& r) { return r.checked ? fmt::format("{}", r.checked->error) : std::string(); }}};
 
 // Removes the files of the series. Other files in the folder stay.
 void clear_series(const fs::path& run) {
@@ -98,24 +109,20 @@ void write_shape_series(const fs::path& run, const ShapeLog& log) {
 }
 
 void write_shape_table(const fs::path& run, const ShapeLog& log, std::span<const CheckedShape> checked) {
-  OutputFile out(run / "shape.csv");
-  out.write(header_of(declared_shape_table().rows) + "\n");
+  std::string table = csv_header(shape_file_columns);
   auto next = checked.begin();
   for (std::size_t k = 0; k < log.records().size(); ++k) {
-    const ShapeRecord& r = log.records()[k];
     const bool compared = next != checked.end() && next->record == k;
-    out.write(fmt::format("{},{},{},{},{},{},{},{},{}\n", r.t, r.at[0], r.at[1], r.at[2], r.known,
-                          r.states.size(), name(r.order), r.largest,
-                          compared ? fmt::format("{}", next->error) : ""));
+    table += csv_row(shape_file_columns, {log.records()[k], compared ? &*next : nullptr});
     if (compared) ++next;
   }
-  out.commit();
+  write_whole(run / "shape.csv", table);
 }
 
 DeclaredTable declared_shape_table() {
   return {"shape.csv",
           "One row a shape, in sessions with session.shape_rate. The displacements are in shape.pvd.",
-          {std::begin(columns), std::end(columns)}};
+          declared(shape_file_columns)};
 }
 
 }  // namespace forefeel
