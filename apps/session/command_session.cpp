@@ -33,9 +33,9 @@
 #include "apps/session/session_arguments.hpp"
 #include "apps/session/session_folder.hpp"
 #include "apps/session/session_shapes.hpp"
+#include "apps/session/session_states.hpp"
 #include "geometry/common/error.hpp"
 #include "geometry/common/output_file.hpp"
-#include "geometry/states/state_file.hpp"
 #include "scheduling/motion/prediction_score.hpp"
 #include "scheduling/motion/predictor.hpp"
 #include "scheduling/policy/policy.hpp"
@@ -49,50 +49,6 @@ namespace forefeel {
 namespace {
 
 namespace fs = std::filesystem;
-
-// Loads the states of a file and prepares it so that new states are appended. The file is made if it is missing.
-SessionPlan extend_states(const Scene& scene, const fs::path& file, const Globals& globals,
-                          SessionPlan plan) {
-  plan = with_state_file(std::move(plan), file);
-  if (!fs::exists(file)) {
-    check_writable(file);
-    warn(globals, fmt::format("{}: no such file yet; it is made, and the session starts with no known states",
-                              file.string()));
-    return plan;
-  }
-  StateFileHeader header{
-      .identity = scene.identity, .spacing = scene.space.spacing, .box = scene.space.box, .notes = {}};
-  StateFile states = StateFile::open_or_create(file, header);
-  plan = with_known(std::move(plan), states.read_all());
-  if (states.damaged() > 0) warn(globals, damage_in_words(file.string(), states.damaged(), true));
-  states.drop_damaged();
-  return plan;
-}
-
-// The plan with the states known at the start, and the file for those that will be solved: the run's own,
-// unless the given one is to be extended.
-SessionPlan take_states(const Scene& scene, const SessionArguments& given, const Globals& globals,
-                        SessionPlan plan) {
-  const KnownStatesArguments& states = given.states;
-  if (states.file.empty() && (states.extend || states.foreign))
-    throw InputError(states.extend ? "--extend" : "--foreign",
-                     "is about the file of --states, expected both");
-  const fs::path own = fs::path(given.output) / "session.states";
-  if (states.file.empty()) return with_state_file(std::move(plan), own);
-  if (states.extend) return extend_states(scene, states.file, globals, std::move(plan));
-  std::error_code error;
-  if (fs::equivalent(states.file, own, error))
-    throw InputError("--states " + states.file,
-                     "is where this run keeps what it solves, expected --extend to append to it, or another "
-                     "folder for -o");
-  GivenStates known = given_states(globals, scene, states.file, states.foreign);
-  if (known.belonging == Belonging::foreign) {
-    if (std::ranges::none_of(known.loaded.states, &State::usable))
-      throw InputError(states.file, "holds no usable state, expected some to render");
-    return with_foreign(std::move(plan), std::move(known.loaded.states));
-  }
-  return with_known(with_state_file(std::move(plan), own), std::move(known.loaded.states));
-}
 
 std::string text_for(const SessionProgress& p) {
   if (p.phase != SessionPhase::session || p.rehearsals > 0)
@@ -245,8 +201,7 @@ struct RunDocuments {
   }
 
   void write(const fs::path& run, const ReportPictures& pictures, WriteAttempts& files) {
-    files.attempt("summary.json",
-                  [&] { write_whole(run / "summary.json", json_text(document, 2) + "\n"); });
+    files.attempt("summary.json", [&] { write_whole(run / "summary.json", json_text(document, 2) + "\n"); });
     files.attempt("report.html", [&] { write_report(run, summary, document, scene, pictures); });
     if (!given.figures.formats.empty())
       files.attempt("figures", [&] {

@@ -58,6 +58,7 @@ TEST_CASE("no two rooms of a folder have one name, and no two files of the tree"
 }
 
 TEST_CASE("no source file of the five folders has more than 400 lines", "[rooms]") {
+  check_none(long_files(read_files(test::source_folder())));
   const test::TemporaryFolder root;
   root.write("geometry/mesh/a.cpp", std::string(400, '\n'));
   root.write("geometry/mesh/b.hpp", std::string(401, '\n'));

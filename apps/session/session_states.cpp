@@ -1,0 +1,64 @@
+#include "apps/session/session_states.hpp"
+
+#include <fmt/format.h>
+
+#include <algorithm>
+#include <filesystem>
+#include <system_error>
+#include <utility>
+
+#include "apps/scene/given_states.hpp"
+#include "geometry/common/error.hpp"
+#include "geometry/common/output_file.hpp"
+#include "geometry/states/state_file.hpp"
+
+namespace forefeel {
+namespace {
+
+namespace fs = std::filesystem;
+
+// Loads the states of a file and prepares it so that new states are appended. The file is made if it is missing.
+SessionPlan extend_states(const Scene& scene, const fs::path& file, const Globals& globals,
+                          SessionPlan plan) {
+  plan = with_state_file(std::move(plan), file);
+  if (!fs::exists(file)) {
+    check_writable(file);
+    warn(globals, fmt::format("{}: no such file yet; it is made, and the session starts with no known states",
+                              file.string()));
+    return plan;
+  }
+  StateFileHeader header{
+      .identity = scene.identity, .spacing = scene.space.spacing, .box = scene.space.box, .notes = {}};
+  StateFile states = StateFile::open_or_create(file, header);
+  plan = with_known(std::move(plan), states.read_all());
+  if (states.damaged() > 0) warn(globals, damage_in_words(file.string(), states.damaged(), true));
+  states.drop_damaged();
+  return plan;
+}
+
+}  // namespace
+
+SessionPlan take_states(const Scene& scene, const SessionArguments& given, const Globals& globals,
+                        SessionPlan plan) {
+  const KnownStatesArguments& states = given.states;
+  if (states.file.empty() && (states.extend || states.foreign))
+    throw InputError(states.extend ? "--extend" : "--foreign",
+                     "is about the file of --states, expected both");
+  const fs::path own = fs::path(given.output) / "session.states";
+  if (states.file.empty()) return with_state_file(std::move(plan), own);
+  if (states.extend) return extend_states(scene, states.file, globals, std::move(plan));
+  std::error_code error;
+  if (fs::equivalent(states.file, own, error))
+    throw InputError("--states " + states.file,
+                     "is where this run keeps what it solves, expected --extend to append to it, or another "
+                     "folder for -o");
+  GivenStates known = given_states(globals, scene, states.file, states.foreign);
+  if (known.belonging == Belonging::foreign) {
+    if (std::ranges::none_of(known.loaded.states, &State::usable))
+      throw InputError(states.file, "holds no usable state, expected some to render");
+    return with_foreign(std::move(plan), std::move(known.loaded.states));
+  }
+  return with_known(with_state_file(std::move(plan), own), std::move(known.loaded.states));
+}
+
+}  // namespace forefeel
