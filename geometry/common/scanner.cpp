@@ -218,13 +218,6 @@ bool Scanner::line(std::string_view& out) {
   return true;
 }
 
-bool Scanner::skip_to(std::string_view word) {
-  const std::size_t found = content_.find(word, position_);
-  if (found == std::string::npos) return false;
-  position_ = found + word.size();
-  return true;
-}
-
 bool Scanner::skip_past_line(std::string_view word) {
   for (std::size_t found = content_.find(word, position_); found != std::string::npos;
        found = content_.find(word, found + 1)) {

@@ -50,9 +50,9 @@ class Scanner {
   // A count of items of at least bytes_each. A count that the file cannot hold is an error before anything is
   // allocated.
   std::size_t count(const char* expected, std::size_t bytes_each);
-  bool line(std::string_view& out);            // rest of this line without its end; false at the end
-  bool skip_to(std::string_view word);         // past the next occurrence of word; false if there is none
-  bool skip_past_line(std::string_view word);  // the same, only at the beginning of a line
+  bool line(std::string_view& out);  // rest of this line without its end; false at the end
+  // Past the next occurrence of word at the beginning of a line; false if there is none.
+  bool skip_past_line(std::string_view word);
 
   // Binary values begin at the byte after what was read last.
   void swap_bytes(bool on) { swap_ = on; }

@@ -87,10 +87,6 @@ std::string_view name(Element element) {
   return element == Element::linear ? "linear" : "quadratic";
 }
 
-std::vector<std::string> element_names() {
-  return {"linear", "quadratic"};
-}
-
 namespace {
 // Rejects held nodes that all lie on one line: the body could rotate about it, and its equilibrium is not unique.
 void check_held(const Body& body, const std::string& file) {

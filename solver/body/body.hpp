@@ -16,7 +16,6 @@ namespace forefeel {
 // quadratic: ten-node tetrahedra on the same mesh (straight edges, four integration points); they do not.
 enum class Element { linear, quadratic };
 std::string_view name(Element element);  // "linear", "quadratic"
-std::vector<std::string> element_names();
 
 // Tetrahedra of another material than the rest of the body: a tumour, a vessel, a bone.
 struct MaterialRegion {
