@@ -189,11 +189,9 @@ Evaluation evaluate(std::span<const State> states, std::span<const Vec3> points,
     for (const Vec3& x : points) wanted.push_back(locate(x));
   }
   if (moving && is_chosen(options, stiffness)) {
-    result.chosen = choose_model(mean.states,
-                                 {.model = options.model,
-                                  .spacing = result.options.spacing,
-                                  .progress = options.choosing},
-                                 wanted);
+    result.chosen = choose_model(
+        mean.states,
+        {.model = options.model, .spacing = result.options.spacing, .progress = options.choosing}, wanted);
     model = result.chosen->model;
   }
   if (result.method == Method::rbf) check_memory(model, space.size());

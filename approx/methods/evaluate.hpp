@@ -30,10 +30,10 @@ struct EvaluateOptions {
   // state has a stiffness and none of method, kernel, data, neighbours and ridge is given.
   std::optional<bool> choose = {};
   std::optional<Method> method = {};  // rbf if not given
-  ModelWishes model = {};     // its neighbours, of rbf_network: the number of centres
-  bool choose_ridge = false;  // by leaving out single states (leave_one_out.hpp)
-  bool bars = false;          // error bars of each point, for method rbf only (offline_bar.hpp)
-  double spacing = unknown;   // h [m]; unknown: the median distance of the states
+  ModelWishes model = {};             // its neighbours, of rbf_network: the number of centres
+  bool choose_ridge = false;          // by leaving out single states (leave_one_out.hpp)
+  bool bars = false;                  // error bars of each point, for method rbf only (offline_bar.hpp)
+  double spacing = unknown;           // h [m]; unknown: the median distance of the states
   // Check solves are not used as states: within their box, their errors give the bars.
   CheckSolves checks = {};
   std::function<void(double)> choosing = {};  // called with the share done while the model is chosen

@@ -8,8 +8,8 @@
 #include <cstdio>
 #include <optional>
 
-#include "apps/picture/page.hpp"
 #include "apps/picture/figure.hpp"
+#include "apps/picture/page.hpp"
 #include "apps/picture/plot.hpp"
 #include "geometry/common/error.hpp"
 #include "geometry/common/output_file.hpp"
