@@ -12,6 +12,7 @@
 #include <vector>
 
 #include "geometry/common/types.hpp"
+#include "geometry/states/energy_jet.hpp"
 
 namespace forefeel {
 
@@ -48,6 +49,7 @@ struct State {
   double energy = unknown;                                   // [J]
   double spacing = unknown;                                  // target spacing of an adaptive lattice here [m]
   std::shared_ptr<const std::vector<double>> displacements;  // #V x 3, row by row [m]; null unless wanted
+  std::shared_ptr<const EnergyJet> jet;                      // null unless wanted
   SolveNote solve;
 
   bool usable() const {

@@ -93,6 +93,7 @@ void check_held(const Body& body, const std::string& file) {
   std::vector<Vec3> held;
   for (const auto* nodes : {&body.clamp, &body.contact})
     for (const NodeIndex node : *nodes) held.push_back(body.mesh.nodes[node]);
+  if (body.pad) return;  // its springs hold more than a line
   const auto further = [&](const Vec3& a, const Vec3& b) {
     return (a - held[0]).norm() < (b - held[0]).norm();
   };
@@ -106,12 +107,67 @@ void check_held(const Body& body, const std::string& file) {
 }
 }  // namespace
 
+namespace {
+
+void check_pad(const Body& body, const InputPlace& where) {
+  const Pad& pad = *body.pad;
+  if (!body.contact.empty()) throw InputError(where, "both nodes and a pad are given, expected one of them");
+  if (!(pad.radius > 0 && std::isfinite(pad.radius) && pad.stiffness > 0 && std::isfinite(pad.stiffness)))
+    throw InputError(where, fmt::format("a pad of radius {} m and {} N/m, expected both above 0", pad.radius,
+                                        pad.stiffness));
+  const PadSurface surface = pad_surface(body.mesh, pad);
+  if (!(surface.stiffness > 0))
+    throw InputError(where,
+                     fmt::format("no surface under the pad at ({:.6g}, {:.6g}, {:.6g}), expected a site on "
+                                 "the surface of the mesh",
+                                 pad.site.x(), pad.site.y(), pad.site.z()));
+  if (clamped_share(body, surface) == 1)
+    throw InputError(where, "all nodes under the pad are clamped, expected a place that can move");
+}
+
+void warn_of_pad(const Pad& pad, const PadSurface& surface, std::vector<std::string>& warnings) {
+  if (surface.stiffness < 0.3 * pad.stiffness)
+    warnings.push_back(
+        fmt::format("the pad's springs amount to {:.3g} N/m, less than 0.3 of its {:g} N/m: the site is "
+                    "at a sharp rim or the body is smaller than the pad",
+                    surface.stiffness, pad.stiffness));
+  if (surface.normal.isZero())
+    warnings.push_back("the mean normal under the pad vanishes: the body is thinner than the pad is wide");
+  if (surface.other_part)
+    warnings.push_back(
+        "the pad's ball holds another part of the surface, which its springs leave out: the force is "
+        "not continuous in the site there");
+}
+
+}  // namespace
+
+double clamped_share(const Body& body, const PadSurface& surface) {
+  double all = 0, held = 0;
+  for (const PadFacet& facet : surface.facets)
+    for (std::size_t i = 0; i < 3; ++i) {
+      const double own = facet.springs[i][0] + facet.springs[i][1] + facet.springs[i][2];
+      all += own;
+      if (std::ranges::binary_search(body.clamp, facet.corners[i])) held += own;
+    }
+  return held < all ? held / all : 1;
+}
+
+Vec3 rest_of_contact(const Body& body) {
+  if (body.pad) return body.pad->site;
+  Vec3 sum = Vec3::Zero();
+  for (const NodeIndex node : body.contact) sum += body.mesh.nodes[node];
+  return sum / static_cast<double>(std::max<std::size_t>(1, body.contact.size()));
+}
+
 std::vector<std::string> check(const Body& body, const std::string& file) {
   if (body.mesh.tets.empty())
     throw InputError({.file = file, .key = "body.mesh"}, "no tetrahedra, expected at least one");
   check_regions(body, file);
   check_nodes(body.clamp, body.mesh, {.file = file, .key = "clamp"});
-  check_nodes(body.contact, body.mesh, {.file = file, .key = "contact"});
+  if (body.pad)
+    check_pad(body, {.file = file, .key = "contact"});
+  else
+    check_nodes(body.contact, body.mesh, {.file = file, .key = "contact"});
   std::vector<char> clamped(body.mesh.nodes.size(), 0);
   for (const NodeIndex node : body.clamp) clamped[node] = 1;
   for (const NodeIndex node : body.contact)
@@ -131,6 +187,7 @@ std::vector<std::string> check(const Body& body, const std::string& file) {
   };
   if (has_rest(body)) locking(body.material, "material");
   for (const MaterialRegion& region : body.regions) locking(region.material, key_of(region));
+  if (body.pad) warn_of_pad(*body.pad, pad_surface(body.mesh, *body.pad), warnings);
   if (body.contact.size() == 1)
     warnings.push_back(
         "the contact is one node: its force falls without limit as the mesh is refined; give a radius that "

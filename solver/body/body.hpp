@@ -1,14 +1,16 @@
 #pragma once
-// A body: mesh [m], one or several materials, clamped nodes (fixed boundary, u = 0), and contact nodes (u = x). The
-// contact is a grasped patch: its nodes are bound to the HIP in both directions and are translated with it. HIP: haptic
-// interaction point, the tip of the device; x [m]: its position, zero at the rest position of the contact.
+// A body: mesh [m], one or several materials, clamped nodes (fixed boundary, u = 0), and a contact with the HIP (haptic
+// interaction point, the tip of the device) at x [m], zero at the rest position of the contact. The contact is a rigid
+// patch, nodes that are bound to the HIP in both directions (u = x), or a compliant pad, springs between surface and HIP.
 
+#include <optional>
 #include <string>
 #include <string_view>
 #include <vector>
 
 #include "geometry/mesh/tet_mesh.hpp"
 #include "solver/body/material.hpp"
+#include "solver/body/pad.hpp"
 
 namespace forefeel {
 
@@ -28,9 +30,10 @@ struct Body {
   TetMesh mesh;
   Material material;               // of all tetrahedra outside the regions
   std::vector<NodeIndex> clamp;    // sorted, not empty
-  std::vector<NodeIndex> contact;  // sorted, not empty, disjoint from clamp
+  std::vector<NodeIndex> contact;  // sorted, disjoint from clamp; empty with a pad, and only then
   Element element = Element::linear;
   std::vector<MaterialRegion> regions = {};
+  std::optional<Pad> pad = {};
 };
 
 // Throws InputError(file: key) for a body that cannot be solved: empty or out-of-range node sets, contact on
@@ -47,6 +50,11 @@ struct MaterialPart {
 // part. What is computed from the parts does not depend on the regions' names and order.
 std::vector<MaterialPart> material_parts(const Body& body);
 std::vector<Material> materials(const Body& body);  // that at least one tetrahedron has
+
+// Where the HIP is at rest: the pad's site, or the mean of the contact nodes [m].
+Vec3 rest_of_contact(const Body& body);
+// Share of the springs (of linear elements) that clamped nodes carry, 0 to 1.
+double clamped_share(const Body& body, const PadSurface& surface);
 
 // True if f = -K x exactly: one factorisation then gives every state.
 bool is_linear(const Body& body);

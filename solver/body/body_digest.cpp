@@ -32,6 +32,13 @@ std::string material_of(const Body& body) {
   return text;
 }
 
+std::string contact_of(const Body& body) {
+  if (!body.pad) return hash_nodes(body.contact);
+  const auto& [site, radius, stiffness] = *body.pad;
+  return fmt::format("pad of {} N/m, radius {} m, at ({}, {}, {})", stiffness, radius, site.x(), site.y(),
+                     site.z());
+}
+
 }  // namespace
 
 BodyIdentity identity_of(const Body& body) {
@@ -45,7 +52,7 @@ BodyIdentity identity_of(const Body& body) {
           {"element", std::string(name(body.element))},
           {"material", material_of(body)},
           {"clamp", hash_nodes(body.clamp)},
-          {"contact", hash_nodes(body.contact)}};
+          {"contact", contact_of(body)}};
 }
 
 }  // namespace forefeel

@@ -30,6 +30,7 @@ Mat3 stiffness_of(const TetMesh& mesh, const Tet& tet, const std::array<bool, 4>
 }  // namespace
 
 Mat3 contact_stiffness_bound(const Body& body) {
+  if (body.pad) return pad_surface(body.mesh, *body.pad).stiffness * Mat3::Identity();
   std::vector<bool> in_contact(body.mesh.nodes.size(), false);
   for (const NodeIndex node : body.contact) in_contact[node] = true;
   Mat3 sum = Mat3::Zero();

@@ -9,6 +9,7 @@
 
 #include "solver/equilibrium/continuation.hpp"
 #include "solver/equilibrium/linear_body.hpp"
+#include "solver/equilibrium/state_jets.hpp"
 
 namespace forefeel {
 namespace {
@@ -19,6 +20,15 @@ double seconds_since(SteadyClock::time_point start) {
   return std::chrono::duration<double>(SteadyClock::now() - start).count();
 }
 
+// A jet needs the equilibrium and its own factor.
+SolveOptions exact_for_jet(SolveOptions options) {
+  if (options.jet > 1) {
+    options.tolerance = std::min(options.tolerance, jet_tolerance);
+    options.keep_factor = false;
+  }
+  return options;
+}
+
 }  // namespace
 
 struct Solver::Impl {
@@ -26,15 +36,18 @@ struct Solver::Impl {
   std::shared_ptr<const Discretisation> d;
   Continuation path;
   LaneSolver lanes;
+  StateJets jets;
   std::unique_ptr<LinearBody> linear;  // made at the first solve of a linear body
 
   Impl(std::shared_ptr<const Body> b, std::shared_ptr<const Discretisation> shared)
-      : body(std::move(b)), d(std::move(shared)), path(d), lanes(d) {}
+      : body(std::move(b)), d(std::move(shared)), path(d), lanes(d), jets(d) {}
 
   void begin_at(const Equilibrium& start) {
     LocalField field;
     field.u.resize(static_cast<std::size_t>(d->local_size()));
     d->to_local(start.displacements, field.u.data());
+    const auto tip = static_cast<std::size_t>(3 * d->free_nodes);  // no node of the mesh behind a pad
+    std::copy_n(start.at.data(), 3, &field.u[tip]);
     if (!start.tangent.empty()) {
       field.tangent.assign(3 * field.u.size(), 0.0);
       const auto clamp = static_cast<std::int32_t>(d->free_nodes + 1);
@@ -44,6 +57,7 @@ struct Solver::Impl {
             for (std::size_t c = 0; c < 3; ++c)
               field.tangent[c * field.u.size() + 3 * static_cast<std::size_t>(d->local[node]) + i] =
                   start.tangent[9 * node + 3 * i + c];
+      for (std::size_t c = 0; c < 3; ++c) field.tangent[c * field.u.size() + tip + c] = 1;
     }
     path.begin_at(start.at, field);
   }
@@ -101,6 +115,7 @@ struct Solver::Impl {
       s.solve.parent = path.at();
       detail::copy_result(result, s);
       keep(fields[i], options, out[i]);
+      if (options.jet > 1) s.jet = jets.near(fields[i].u, options.jet);
     }
     return done;
   }
@@ -131,6 +146,7 @@ struct Solver::Impl {
     s.energy = report.energy;
     s.stiffness = path.stiffness();
     keep(path.field(), options, out);
+    if (options.jet > 1) s.jet = jets.at(path.field(), path.newton().factor(), options.jet);
     return out;
   }
 
@@ -141,6 +157,8 @@ struct Solver::Impl {
     out.state = linear->state(x, field);
     out.state.solve.parent = parent;
     if (out.state.usable()) keep(field, options, out);
+    if (out.state.usable() && options.jet > 1)
+      out.state.jet = std::make_shared<const EnergyJet>(EnergyJet{.order = options.jet});
     return out;
   }
 };
@@ -186,7 +204,8 @@ std::shared_ptr<const Equilibrium> Solver::rest() const {
   return rest;
 }
 
-SolveOutcome Solver::reference(const Vec3& x, double spacing, const SolveOptions& options) {
+SolveOutcome Solver::reference(const Vec3& x, double spacing, const SolveOptions& wanted) {
+  const SolveOptions options = exact_for_jet(wanted);
   const auto start = SteadyClock::now();
   SolveOutcome out;
   if (is_linear(*impl_->body)) {
@@ -228,8 +247,9 @@ bool second_way_differs(Solver& solver, const State& state, double spacing, cons
   return second_way(solver, state, spacing, options).value_or(false);
 }
 
-SolveOutcome Solver::from(const Equilibrium& start, const Vec3& x, const SolveOptions& options,
+SolveOutcome Solver::from(const Equilibrium& start, const Vec3& x, const SolveOptions& wanted,
                           std::stop_token stop) {
+  const SolveOptions options = exact_for_jet(wanted);
   const auto begun = SteadyClock::now();
   SolveOutcome out;
   if (is_linear(*impl_->body)) {

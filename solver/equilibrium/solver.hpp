@@ -31,6 +31,7 @@ struct SolveOptions {
   int max_iterations = 60;   // Newton iterations in all
   double max_step = 0;       // continuation step [m]; 0: the whole way at once, halved where it fails
   bool want_displacements = false;
+  int jet = 1;  // order of the force that a state keeps: with 2 to 4 also an energy jet
   // Reuses a factor while it contracts; K and du/dx are then corrected to about 1e-5.
   bool keep_factor = false;
 };

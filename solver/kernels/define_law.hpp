@@ -6,7 +6,7 @@
 //   template <class T> static Terms<T> terms(const LawConstants&, T i1, T i2, T j)
 // psi counts from rest: psi(I) = 0. Include in law files only (see lanes.hpp).
 
-#include "solver/kernels/element_loops.hpp"
+#include "solver/kernels/jet_loops.hpp"
 #include "solver/kernels/kernels.hpp"
 #include "solver/kernels/law_list.hpp"
 
@@ -34,7 +34,8 @@ double evaluate_one(const LawConstants& constants, const double* f, double* out,
 
 template <class L>
 constexpr LawEntry entry_of() {
-  return {L::name, L::linear, L::needs_positive_j, L::softens, L::constants, evaluate_one<L>, Both<L>::table};
+  return {L::name,      L::linear,       L::needs_positive_j, L::softens,    L::least_stretch,
+          L::constants, evaluate_one<L>, Both<L>::table,      Jets<L>::table};
 }
 
 }  // namespace

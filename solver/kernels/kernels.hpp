@@ -50,16 +50,37 @@ struct ElementKernels {
   void (*product_lanes)(const ElementView&, std::int64_t stride, const double* u, const double* d, double* y);
 };
 
+// Loops for energy jets; the formulas are in jet_loops.hpp.
+inline constexpr int most_directions = 21;
+struct JetDirections {
+  int count = 0;                    // at most most_directions
+  const double* ways = nullptr;     // count x 3: d
+  const double* lengths = nullptr;  // count: |d|
+  double* reached = nullptr;  // in and out, or null: the material limit found so far [m] (jet_maker.hpp)
+};
+struct JetKernels {
+  // q += second Taylor coefficient of dW/du along the fields d_c, c = 0..2, which are `stride` apart. q: (n+2) x 3 x 8,
+  // six fields side by side: of the pairs 11, 22, 33, 12, 13, 23.
+  void (*curvature)(const ElementView&, std::int64_t stride, const double* u, const double* d, double* q,
+                    const JetDirections&);
+  // out (count x 2) += coefficients of t^4 and t^5 of W along u + t U d + t^2 V[d, d] for each direction. tangent: U, as
+  // d above; v: V, as q above, or null for 0.
+  void (*path)(const ElementView&, std::int64_t stride, const double* u, const double* tangent,
+               const double* v, double* out, const JetDirections&);
+};
+
 // What one law's file defines, once per instruction set.
 struct LawEntry {
   const char* name;       // in scenes: "neo-hookean"
   bool linear;            // f = -K x exactly
   bool needs_positive_j;  // psi grows without bound as J = det F -> 0
   bool softens;           // loses stiffness in compression
+  double least_stretch;   // principal stretch below which a jet is not trusted (material limit)
   LawConstants (*constants)(double mu, double lambda);
   // psi(F) - psi(I) [J/m^3], P = dpsi/dF [Pa] and dP_ij/dF_kl at (3 i + j) + 9 (3 k + l); F and P row by row.
   double (*evaluate)(const LawConstants&, const double* f, double* stress, double* tangent);
   ElementKernels kernels;
+  JetKernels jets;
 };
 
 // Multifrontal Cholesky H = U^T U in 3 x 3 blocks, by Duff and Reid 1983: the free nodes fall into supernodes

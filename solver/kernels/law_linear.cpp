@@ -8,6 +8,7 @@ namespace {
 struct Linear : LawDefaults {
   static constexpr const char* name = "linear";
   static constexpr bool linear = true, of_invariants = false;
+  static constexpr double least_stretch = 0;  // its jets are exact
 
   static LawConstants constants(double mu, double lambda) { return {mu, lambda, {}}; }
   template <class T>

@@ -9,6 +9,7 @@ namespace {
 struct StVenantKirchhoff : LawDefaults {
   static constexpr const char* name = "st-venant-kirchhoff";
   static constexpr bool uses_i2 = true, uses_11 = true, softens = true;
+  static constexpr double least_stretch = 0.57735026918962576;  // 1 / sqrt(3): uniaxial stress peaks there
 
   static LawConstants constants(double mu, double lambda) { return {mu, lambda, {}}; }
 

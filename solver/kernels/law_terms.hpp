@@ -29,6 +29,9 @@ struct LawDefaults {
   static constexpr bool needs_positive_j = false;  // psi grows without bound as J -> 0
   static constexpr bool softens =
       false;  // loses stiffness in compression: a neighbour's factor is less accurate
+  // Jets are not trusted where they take a principal stretch below this; measured on one node of a neo-Hookean body:
+  // every error of more than 3 % lay beyond it.
+  static constexpr double least_stretch = 0.5;
 };
 
 // One point of the material: F and what the derivatives of the invariants need.

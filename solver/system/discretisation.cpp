@@ -132,6 +132,8 @@ void fill_pattern(Discretisation& d) {
           const std::uint32_t i = at(group, a, lane), j = at(group, b, lane);
           if (i != clamp && j != clamp) rows[std::min(i, j)].push_back(std::max(i, j));
         }
+  for (const PadSprings::Pair& pair : d.elements.pad.pairs)
+    rows[static_cast<std::size_t>(pair.a)].push_back(static_cast<std::uint32_t>(pair.b));
   d.pattern.row_start.assign(1, 0);
   for (auto& row : rows) {
     std::sort(row.begin(), row.end());
@@ -147,15 +149,19 @@ void fill_pattern(Discretisation& d) {
         for (std::size_t a = 0; a <= b; ++a) {
           const std::uint32_t i = at(group, a, lane), j = at(group, b, lane);
           if (i == clamp || j == clamp) continue;
-          const auto row = d.pattern.row(std::min(i, j));
           const std::size_t slot = (group * pairs + b * (b + 1) / 2 + a) * lane_count + lane;
-          d.elements.block[slot] = static_cast<std::int32_t>(&*std::ranges::lower_bound(row, std::max(i, j)) -
-                                                             d.pattern.column.data());
+          d.elements.block[slot] = static_cast<std::int32_t>(d.pattern.block(std::min(i, j), std::max(i, j)));
           d.elements.block_kind[slot] = static_cast<std::int8_t>(a != b && i == j ? 2 : i > j ? 1 : 0);
         }
+  for (PadSprings::Pair& pair : d.elements.pad.pairs)
+    pair.block = d.pattern.block(static_cast<std::uint32_t>(pair.a), static_cast<std::uint32_t>(pair.b));
 }
 
 }  // namespace
+
+std::int64_t BlockPattern::block(std::uint32_t i, std::uint32_t j) const {
+  return &*std::ranges::lower_bound(row(i), j) - column.data();
+}
 
 void Discretisation::to_local(const std::vector<double>& by_node, double* u) const {
   std::fill(u, u + local_size(), 0.0);
@@ -180,6 +186,7 @@ Discretisation discretise(const Body& body) {
   d.nodes = static_cast<std::int64_t>(body.mesh.nodes.size() + d.edges.size());
   number_nodes(body, elements, d);
   fill_groups(body, elements, parts, d);
+  d.elements.pad = pad_springs(body, d);
   fill_pattern(d);
   const double length = longest_side(body.mesh);
   for (const MaterialPart& part : parts) {

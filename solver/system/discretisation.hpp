@@ -1,6 +1,6 @@
 #pragma once
 // A body as the kernels see it. Local nodes: 0 .. n-1 free, in elimination order; n the contact (all contact
-// nodes, which move by x); n+1 the clamp. Local vectors are (n+2) x 3 [m] or [N]. The contact is one local node: its
+// nodes, or the tip behind a pad, which move by x); n+1 the clamp. Local vectors are (n+2) x 3 [m] or [N]. The contact is one local node: its
 // row of dW/du is minus the force on the HIP, and eliminating the free nodes from d2W/du2 leaves the condensed
 // stiffness K.
 
@@ -22,6 +22,7 @@ struct BlockPattern {
   std::vector<std::int64_t> row_start;  // n + 2
   std::vector<std::uint32_t> column;
   std::int64_t size() const { return static_cast<std::int64_t>(column.size()); }
+  std::int64_t block(std::uint32_t i, std::uint32_t j) const;  // of row i <= column j, which it holds
   std::span<const std::uint32_t> row(std::size_t i) const {
     return {column.begin() + row_start[i], column.begin() + row_start[i + 1]};
   }

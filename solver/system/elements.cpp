@@ -24,37 +24,56 @@ ElementView ElementGroups::view(const MaterialGroups& of) const {
 }
 
 FieldSummary ElementGroups::gradient(const double* u, double* r) const {
-  FieldSummary all = materials.front().kernels->gradient(view(materials.front()), u, r);
+  FieldSummary all = materials.front().law->kernels.gradient(view(materials.front()), u, r);
   for (std::size_t m = 1; m < materials.size(); ++m) {
-    const FieldSummary its = materials[m].kernels->gradient(view(materials[m]), u, r);
+    const FieldSummary its = materials[m].law->kernels.gradient(view(materials[m]), u, r);
     all.energy += its.energy;
     all.min_jacobian = std::min(all.min_jacobian, its.min_jacobian);
   }
+  all.energy += pad.energy(u);
+  pad.apply(u, r);
   return all;
 }
 
 void ElementGroups::hessian(const double* u, double* blocks) const {
-  for (const MaterialGroups& of : materials) of.kernels->hessian(view(of), u, blocks);
+  for (const MaterialGroups& of : materials) of.law->kernels.hessian(view(of), u, blocks);
+  pad.add_to(blocks);
 }
 
 void ElementGroups::gradient_lanes(const double* u, double* r, double* energy, double* min_jacobian) const {
-  materials.front().kernels->gradient_lanes(view(materials.front()), u, r, energy, min_jacobian);
+  materials.front().law->kernels.gradient_lanes(view(materials.front()), u, r, energy, min_jacobian);
   std::array<double, lane_count> its_energy{}, its_jacobian{};
   for (std::size_t m = 1; m < materials.size(); ++m) {
-    materials[m].kernels->gradient_lanes(view(materials[m]), u, r, its_energy.data(), its_jacobian.data());
+    materials[m].law->kernels.gradient_lanes(view(materials[m]), u, r, its_energy.data(),
+                                             its_jacobian.data());
     for (std::size_t lane = 0; lane < lane_count; ++lane) {
       energy[lane] += its_energy[lane];
       min_jacobian[lane] = std::min(min_jacobian[lane], its_jacobian[lane]);
     }
   }
+  pad.energy_lanes(u, energy);
+  pad.apply_lanes(u, r);
 }
 
 void ElementGroups::product(std::int64_t stride, const double* u, const double* d, double* y) const {
-  for (const MaterialGroups& of : materials) of.kernels->product(view(of), stride, u, d, y);
+  for (const MaterialGroups& of : materials) of.law->kernels.product(view(of), stride, u, d, y);
+  for (std::int64_t c = 0; c < 3; ++c) pad.apply(d + c * stride, y + c * stride);
 }
 
 void ElementGroups::product_lanes(std::int64_t stride, const double* u, const double* d, double* y) const {
-  for (const MaterialGroups& of : materials) of.kernels->product_lanes(view(of), stride, u, d, y);
+  for (const MaterialGroups& of : materials) of.law->kernels.product_lanes(view(of), stride, u, d, y);
+  for (std::int64_t c = 0; c < 3; ++c) pad.apply_lanes(d + c * stride, y + c * stride);
+}
+
+void ElementGroups::curvature(std::int64_t stride, const double* u, const double* d, double* q,
+                              const JetDirections& directions) const {
+  for (const MaterialGroups& of : materials) of.law->jets.curvature(view(of), stride, u, d, q, directions);
+}
+
+void ElementGroups::path(std::int64_t stride, const double* u, const double* tangent, const double* v,
+                         double* out, const JetDirections& directions) const {
+  for (const MaterialGroups& of : materials)
+    of.law->jets.path(view(of), stride, u, tangent, v, out, directions);
 }
 
 ElementGroups empty_groups(const Body& body, const std::vector<MaterialPart>& parts) {
@@ -63,8 +82,7 @@ ElementGroups empty_groups(const Body& body, const std::vector<MaterialPart>& pa
   std::int64_t first = 0;
   for (const MaterialPart& part : parts) {
     const auto count = static_cast<std::int64_t>((part.tets.size() + lane_count - 1) / lane_count);
-    groups.materials.push_back(
-        {first, count, law_constants(part.material), &law_entry(part.material.law).kernels});
+    groups.materials.push_back({first, count, law_constants(part.material), &law_entry(part.material.law)});
     first += count;
   }
   return groups;

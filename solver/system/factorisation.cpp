@@ -227,6 +227,15 @@ struct Numbers {
     (count == 1 ? kernels.backward : kernels.backward_lanes)(tree, panels.data(), v, work.data());
     give(v, b, rows + contact);
   }
+  void half_solve_lanes(double* b) const {
+    const auto rows = static_cast<std::size_t>(3 * layout.free_nodes * lane_count),
+               contact = std::size_t{3 * lane_count};
+    Real* v = taken(b, rows + contact);
+    std::fill_n(v + rows, contact, Real(0));
+    kernels.forward_lanes(layout.tree(), panels.data(), v, work.data());
+    std::fill_n(v + rows, contact, Real(0));
+    give(v, b, rows + contact);
+  }
   void tangent(double* v) const {
     const auto n = static_cast<std::size_t>(3 * layout.free_nodes);
     vectors.assign((n + 6) * lane_count, Real(0));
@@ -295,6 +304,10 @@ void Factorisation::solve(double* b) const {
 
 void Factorisation::solve_lanes(double* b) const {
   std::visit([&](const auto& n) { n.solve(b, lane_count); }, impl_->numbers);
+}
+
+void Factorisation::half_solve_lanes(double* b) const {
+  std::visit([&](const auto& n) { n.half_solve_lanes(b); }, impl_->numbers);
 }
 
 Mat3 Factorisation::stiffness() const {

@@ -38,7 +38,9 @@ class Factorisation {
   bool compute(const double* blocks);
   void solve(double* b) const;  // b: local vector; its free part becomes H_ff^{-1} b, the contact's part 0
   void solve_lanes(double* b) const;  // the same for eight right-hand sides side by side
-  Mat3 stiffness() const;             // K [N/m]
+  // H_ff = U^T U: eight b become U^-T b, whose squares sum to b^T H_ff^{-1} b; the contact's part 0.
+  void half_solve_lanes(double* b) const;
+  Mat3 stiffness() const;         // K [N/m]
   void tangent(double* v) const;  // three local vectors du/dx_c one after the other; contact = I, clamp = 0
   Precision precision() const;
 

@@ -1,0 +1,99 @@
+#include "solver/jet/jet_maker.hpp"
+
+#include <algorithm>
+#include <array>
+
+#include "solver/jet/path_directions.hpp"
+
+namespace forefeel {
+namespace {
+
+constexpr std::size_t pair_count = 6;
+constexpr std::array<std::array<int, 2>, pair_count> pairs{{{0, 0}, {1, 1}, {2, 2}, {0, 1}, {0, 2}, {1, 2}}};
+
+}  // namespace
+
+JetMaker::JetMaker(std::shared_ptr<const Discretisation> discretisation) : d_(std::move(discretisation)) {
+  second_.resize(static_cast<std::size_t>(d_->local_size()) * lane_count);
+}
+
+void JetMaker::curvature(const std::vector<double>& u, const std::vector<double>& tangent,
+                         const JetDirections& directions) {
+  std::ranges::fill(second_, 0.0);
+  d_->elements.curvature(d_->local_size(), u.data(), tangent.data(), second_.data(), directions);
+}
+
+void JetMaker::set_third(const std::vector<double>& tangent, EnergyJet& jet) const {
+  const std::size_t size = static_cast<std::size_t>(d_->local_size()), rows = size - 3;  // without the clamp
+  std::array<std::array<double, lane_count>, 3> sums{};
+  for (std::size_t c = 0; c < 3; ++c) {
+    const double* u = tangent.data() + c * size;
+    for (std::size_t i = 0; i < rows; ++i)
+      for (std::size_t p = 0; p < lane_count; ++p) sums[c][p] += second_[i * lane_count + p] * u[i];
+  }
+  for (std::size_t p = 0; p < pair_count; ++p)
+    for (int c = 0; c < 3; ++c) {
+      std::array<int, 3> power{};
+      for (const int axis : {pairs[p][0], pairs[p][1], c}) ++power[static_cast<std::size_t>(axis)];
+      jet.coefficients[jet_index(power[0], power[1], power[2])] += sums[static_cast<std::size_t>(c)][p] / 3;
+    }
+}
+
+// fourth[k] += factor |sum_p a_p d_i d_j|^2 in the product of a with b.
+void JetMaker::add_gram(const double* a, const double* b, double factor, double* fourth) const {
+  const auto rows = static_cast<std::size_t>(3 * d_->free_nodes);
+  std::array<std::array<double, lane_count>, pair_count> gram{};
+  for (std::size_t i = 0; i < rows; ++i)
+    for (std::size_t p = 0; p < pair_count; ++p)
+      for (std::size_t l = 0; l < lane_count; ++l)
+        gram[p][l] += *(a + i * lane_count + p) * *(b + i * lane_count + l);
+  for (std::size_t k = 0; k < path_direction_count; ++k) {
+    const std::array<double, pair_count> m = pair_products(path_directions().data() + 3 * k);
+    double square = 0;
+    for (std::size_t p = 0; p < pair_count; ++p)
+      for (std::size_t r = 0; r < pair_count; ++r) square += m[p] * gram[p][r] * m[r];
+    *(fourth + k) += factor * square;
+  }
+}
+
+EnergyJet JetMaker::at(const std::vector<double>& u, const std::vector<double>& tangent,
+                       const Factorisation& factor, int order) {
+  EnergyJet jet{.order = order};
+  JetDirections directions{.count = static_cast<int>(path_direction_count),
+                           .ways = path_directions().data(),
+                           .lengths = path_lengths().data()};
+  if (order == 2) directions.reached = &jet.limit;  // else found along the path with V
+  curvature(u, tangent, directions);
+  set_third(tangent, jet);
+  const auto rows = static_cast<std::size_t>(3 * d_->free_nodes);
+  std::array<double, path_direction_count> fourth{}, fifth{};
+  const double* v = nullptr;
+  if (order == 3) {
+    factor.half_solve_lanes(second_.data());
+    add_gram(second_.data(), second_.data(), -0.5, fourth.data());
+  } else if (order >= 4) {
+    factor.solve_lanes(second_.data());
+    std::fill(second_.begin() + static_cast<std::ptrdiff_t>(rows * lane_count), second_.end(), 0.0);
+    for (double& value : second_) value = -value;
+    v = second_.data();
+    if (!d_->elements.pad.pairs.empty()) {
+      springs_.assign(second_.size(), 0.0);
+      d_->elements.pad.apply_lanes(v, springs_.data());
+      add_gram(v, springs_.data(), 0.5, fourth.data());
+    }
+  }
+  if (order >= 3) {
+    std::array<double, 2 * path_direction_count> ends{};
+    directions.reached = &jet.limit;
+    d_->elements.path(d_->local_size(), u.data(), tangent.data(), v, ends.data(), directions);
+    for (std::size_t k = 0; k < path_direction_count; ++k) {
+      fourth[k] += ends[2 * k];
+      fifth[k] = ends[2 * k + 1];
+    }
+    set_fourth(fourth, jet);
+    if (order >= 4) set_fifth(fifth, jet);
+  }
+  return jet;
+}
+
+}  // namespace forefeel

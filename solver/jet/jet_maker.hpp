@@ -1,0 +1,47 @@
+#pragma once
+// Energy jets of an equilibrium (x_0, u_0) from the factor of its tangent A = d2E/du2, by the 2n + 1 theorem:
+//   u_1 = U d                      the tangent du/dx
+//   q   = 1/2 W_3[u_1, u_1, .]     A u_2 = -q
+//   E_3 = 1/3 q . u_1
+//   E_4 = [t^4] E(u_0 + t u_1) - 1/2 q^T A^{-1} q = [t^4] E(u_0 + t u_1 + t^2 u_2)
+//   E_5 = [t^5] E(u_0 + t u_1 + t^2 u_2)
+// W_k: k-th derivative of the stored energy; [t^k]: Taylor coefficient. Order 2 (of the force) needs no further solve,
+// order 3 six forward halves of solves, order 4 six solves. The Taylor coefficients come from truncated series through
+// each law (solver/kernels/jet_loops.hpp) and are exact to rounding. A pad's springs are linear: they are in A, and add
+// 1/2 u_2^T M u_2 to E_4. The equilibrium must be exact: with a residual of 1e-9 N degrees 3 and 4 are off by 1e-9,
+// with 6e-5 N by 2e-4 of their size.
+//
+// Material limit (EnergyJet::limit): the least |d|, over the directions of path_directions.hpp and their opposites, at
+// which the jet's own displacement u_0 + U d + V[d, d] (order 2 and 3: without V) takes an element's least principal
+// stretch below the limit of its law (LawEntry::least_stretch). A force of the jet may belong to no equilibrium beyond
+// it. A heuristic: it sees where the material softens or folds, not that the series has ended. Of paths that dip below
+// the limit and come back only those that are below it at the end or half-way are seen.
+
+#include <memory>
+#include <vector>
+
+#include "geometry/states/energy_jet.hpp"
+#include "solver/system/factorisation.hpp"
+
+namespace forefeel {
+
+// Work space of one body for one thread.
+class JetMaker {
+ public:
+  explicit JetMaker(std::shared_ptr<const Discretisation> discretisation);
+
+  // u: local vector of the equilibrium, tangent: U, three local vectors; factor: exact, of H(u). order: 2, 3 or 4.
+  EnergyJet at(const std::vector<double>& u, const std::vector<double>& tangent, const Factorisation& factor,
+               int order);
+
+ private:
+  void curvature(const std::vector<double>& u, const std::vector<double>& tangent,
+                 const JetDirections& directions);
+  void set_third(const std::vector<double>& tangent, EnergyJet& jet) const;
+  void add_gram(const double* a, const double* b, double factor, double* fourth) const;
+
+  std::shared_ptr<const Discretisation> d_;
+  std::vector<double> second_, springs_;  // q, then half solves or V; M V: (n+2) x 3 x 8
+};
+
+}  // namespace forefeel
