@@ -54,9 +54,7 @@ void take_scene(const ClassifyArguments& arguments, const std::string& where, co
   if (needed) result.spacing = scene.space.spacing;
   result.box = scene.space.box;
   // HIP coordinates are relative to the rest position of the contact.
-  Vec3 contact = Vec3::Zero();
-  for (const NodeIndex node : scene.body->contact)
-    contact += scene.body->mesh.nodes[node] / double(scene.body->contact.size());
+  const Vec3 contact = rest_of_contact(*scene.body);
   for (const Triangle& t : boundary_triangles(scene.body->mesh)) {
     std::array<Vec3, 3> corners;
     for (std::size_t i = 0; i < 3; ++i) corners[i] = scene.body->mesh.nodes[t[i]] - contact;

@@ -50,7 +50,7 @@ bool is_of_cache(const std::string& name) {
     return false;
   const std::string_view rest = all.substr(hash_length);
   for (const std::string_view kept : {".mesh", ".spacing.json", ".mesh-error.json", ".costs.csv",
-                                      ".rest-cost.csv", ".states", "-lattice.states"})
+                                      ".rest-cost.csv", ".jet.json", ".states", "-lattice.states"})
     if (rest.starts_with(kept)) return true;
   return false;
 }

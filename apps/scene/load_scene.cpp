@@ -208,7 +208,8 @@ Scene make_scene(const SceneDocument& document, const fs::path& file, const Scen
   if (like && like->source.body == scene.source.body)
     share_body(*like, scene);
   else
-    take_body(read_body(sections, file.parent_path(), file.string(), scene.source.warnings), scene);
+    take_body(read_body(sections, file.parent_path(), file.string(), use.quiet, scene.source.warnings),
+              scene);
   scene.viscosity = read_viscosity(sections.materials);
   read_state_space(space, scene.body->mesh, sections.body.has("phantom"), use, scene);
   scene.displacements = scene.displacements || scene.shape.rate > 0;

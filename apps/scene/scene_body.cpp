@@ -9,6 +9,7 @@
 
 #include "apps/scene/phantom_cache.hpp"
 #include "apps/scene/scene_declared.hpp"
+#include "apps/scene/scene_fine.hpp"
 #include "apps/scene/scene_materials.hpp"
 #include "geometry/mesh/length_unit.hpp"
 #include "geometry/mesh/mesh_file.hpp"
@@ -23,11 +24,42 @@ constexpr std::int64_t most_elements = 10'000'000;
 
 // ---- the mesh
 
+struct FineKeys {
+  std::size_t elements = 14'000;
+  Element element = Element::quadratic;
+};
+
+const SceneRows<FineKeys>& fine_rows() {
+  using F = FineKeys;
+  static const auto rows =
+      SceneRows<F>(
+          "body.fine",
+          "The fine body, whose energy at rest corrects the body's: body.fine = { elements = 14000 }; false "
+          "for none.")
+          .whole("elements", 4, most_elements,
+                 "its tetrahedra; a volume mesh is subdivided until it has as many", &F::elements)
+          .word("element", element_words(), " tetrahedra", &F::element);
+  return rows;
+}
+
+// { elements, element } or false.
+std::optional<FineKeys> read_fine(const SceneTable& body, const std::string& key) {
+  if (!body.holds_table(key)) {
+    if (*body.boolean(key)) throw body.wrong(key, "false or a table { elements = N }");
+    return {};
+  }
+  const SceneTable table = body.sub(key, fine_rows().names());
+  FineKeys fine;
+  fine_rows().read(table, fine);
+  return fine;
+}
+
 struct BodyKeys {
   std::string mesh, phantom;
   std::optional<std::size_t> elements;
   std::optional<double> length;  // [m]
   Element element = Body().element;
+  std::optional<FineKeys> fine;
 };
 
 constexpr double shortest = 1e-6,
@@ -49,7 +81,12 @@ const SceneRows<BodyKeys>& rows_of_body() {
           .number("length", "m", {shortest, longest, false, false, "a number above 0, from 1e-6 to 1e6 [m]"},
                   "longest side to scale the body to", &B::length)
           .standard("as in the file")
-          .word("element", element_words(), " tetrahedra", &B::element);
+          .word("element", element_words(), " tetrahedra", &B::element)
+          .row({"fine", "", "false", "table: the fine body that corrects this one; false for none"},
+               [](const SceneTable& table, const std::string& key, B& keys) {
+                 keys.fine = read_fine(table, key);
+               })
+          .within(fine_rows());
   return rows;
 }
 
@@ -81,6 +118,8 @@ struct NodeSet {
   const TetMesh* mesh = nullptr;
   std::vector<NodeIndex> nodes;
   std::optional<double> radius;  // [m], of contact
+  std::optional<double> pad;     // [N/m], of contact
+  std::optional<Vec3> place;     // of `nearest`, as given [m]
 };
 using Choose = std::vector<NodeIndex> (*)(const SceneTable&, const std::string& key, const TetMesh&);
 
@@ -168,8 +207,9 @@ Vec3 checked_place(const SceneTable& table, const std::string& key, const TetMes
   return place;
 }
 
-std::vector<NodeIndex> nearest_node(const SceneTable& table, const std::string& key, const TetMesh& mesh) {
-  return {nearest_surface_node(mesh, checked_place(table, key, mesh))};
+void nearest_node(const SceneTable& table, const std::string& key, NodeSet& set) {
+  set.place = checked_place(table, key, *set.mesh);
+  set.nodes = {nearest_surface_node(*set.mesh, *set.place)};
 }
 
 const SceneRows<NodeSet>& rows_of_clamp() {
@@ -187,21 +227,33 @@ const SceneRows<NodeSet>& rows_of_clamp() {
 
 const SceneRows<NodeSet>& rows_of_contact() {
   static const auto rows =
-      SceneRows<NodeSet>("contact",
-                         "The patch that moves with the tip. One of node, nodes, nearest and group.")
+      SceneRows<NodeSet>(
+          "contact",
+          "The patch that moves with the tip: one of node, nodes, nearest and group; or, with pad, "
+          "springs around the place nearest.")
           .row({"node", "", "", "a node number, from 0"}, by(one_node))
           .alternative()
           .row({"nodes", "", "", "node numbers, from 0"}, by(numbered_nodes))
           .alternative()
-          .row({"nearest", "m", "", "[x, y, z]: the surface node nearest to this place of the mesh"},
-               by(nearest_node))
+          .row({"nearest", "m", "",
+                "[x, y, z]: the surface node nearest to this place of the mesh; with pad the point of the "
+                "surface, "
+                "on a phantom its tip if absent"},
+               nearest_node)
           .alternative()
           .row({"group", "", "contact, with a phantom", "name of a node group of the mesh"},
                by(nodes_in_group))
           .alternative()
-          .number("radius", "m", positive(), "also all surface nodes within this distance of them",
+          .number("radius", "m", positive(),
+                  "also all surface nodes within this distance of them; with pad the radius of its springs",
                   &NodeSet::radius)
-          .standard("only the nodes named");
+          .standard("only the nodes named; with pad 0.02 m")
+          .number(
+              "pad", "N/m", positive(),
+              "stiffness of a compliant pad, about a fingertip's: springs between surface and tip instead of "
+              "nodes that move with it",
+              &NodeSet::pad)
+          .standard("none: a rigid patch");
   return rows;
 }
 
@@ -214,7 +266,7 @@ std::vector<NodeIndex> read_nodes(const SceneTable& table, const SceneRows<NodeS
   const std::vector<std::string> ways = rows.alternatives();
   const bool named = std::ranges::any_of(ways, [&](const std::string& key) { return table.has(key); });
   if (named) table.exactly_one_of(ways);
-  NodeSet set{.mesh = &mesh, .nodes = {}, .radius = {}};
+  NodeSet set{.mesh = &mesh};
   rows.read(table, set);
   if (!named) table.exactly_one_of(ways);  // after what is wrong with other keys
   if (!set.radius) return set.nodes;
@@ -226,6 +278,22 @@ std::vector<NodeIndex> read_nodes(const SceneTable& table, const SceneRows<NodeS
   std::ranges::sort(patch);
   patch.erase(std::unique(patch.begin(), patch.end()), patch.end());
   return patch;
+}
+
+// The pad of [contact]; nullopt without the key `pad`. tip: of a phantom.
+std::optional<Pad> read_pad(const SceneTable& table, const TetMesh& mesh, const std::optional<Vec3>& tip) {
+  if (!table.has("pad")) return {};
+  for (const char* key : {"node", "nodes", "group"})
+    if (table.has(key)) throw table.wrong(key, "no nodes beside pad: its place is nearest = [x, y, z]");
+  NodeSet set{.mesh = &mesh};
+  rows_of_contact().read(table, set);
+  if (!set.place && !tip)
+    throw InputError(table.where("nearest"),
+                     "missing, expected [x, y, z], the place of the pad on the mesh [m]");
+  Pad pad{.site = nearest_site(mesh, set.place ? *set.place : *tip)};
+  pad.radius = set.radius.value_or(pad.radius);
+  pad.stiffness = *set.pad;
+  return pad;
 }
 
 // An error about a whole section is reported at the key that gave it.
@@ -245,27 +313,79 @@ InputError at_key(const InputError& error, const BodySections& sections, const s
   return error;
 }
 
-Body make_body(const BodySections& sections, const fs::path& folder, const std::string& file,
-               std::vector<std::string>& warnings) {
-  const bool is_phantom = sections.body.exactly_one_of(body_rows().alternatives()) == "phantom";
-  Body body;
-  const std::vector<MaterialTable> materials =
-      read_materials(sections.materials, is_phantom);  // cheap checks first, before the mesh is made
+struct BodyInput {
+  const BodySections& sections;
+  const fs::path& folder;
+  const std::string& file;
+  bool is_phantom = false;
+  std::vector<MaterialTable> materials;
   BodyKeys keys;
-  rows_of_body().read(sections.body, keys);
+};
+
+// Mesh, regions, clamp and contact as the keys say.
+Body assemble(const BodyInput& in, const BodyKeys& keys, std::vector<std::string>& warnings) {
+  Body body;
   body.element = keys.element;
-  body.mesh =
-      is_phantom ? make_phantom(sections.body, keys) : read_volume_or_surface(sections.body, keys, folder);
-  const std::string mesh_where = is_phantom ? file + ": body.phantom" : (folder / keys.mesh).string();
+  body.mesh = in.is_phantom ? make_phantom(in.sections.body, keys)
+                            : read_volume_or_surface(in.sections.body, keys, in.folder);
+  const std::string mesh_where =
+      in.is_phantom ? in.file + ": body.phantom" : (in.folder / keys.mesh).string();
   const MeshCheck mesh_check = check_and_orient(body.mesh, mesh_where);
   for (const std::string& warning : mesh_check.warnings) warnings.push_back(mesh_where + ": " + warning);
+  const double scale = keys.length ? *keys.length / longest_side(body.mesh) : 1.0;
   if (keys.length) scale_to_length(body.mesh, *keys.length);
   if (const std::string size = unlikely_size(bounding_box(body.mesh)); !keys.length && !size.empty())
     warnings.push_back(mesh_where + ": " + size + "; body.length scales it");
-  assign_materials(materials, body, warnings);
-  body.clamp = read_nodes(sections.clamp, rows_of_clamp(), body.mesh, is_phantom ? "clamp" : nullptr);
-  body.contact = read_nodes(sections.contact, rows_of_contact(), body.mesh, is_phantom ? "contact" : nullptr);
-  for (const std::string& warning : check(body, file)) warnings.push_back(file + ": " + warning);
+  assign_materials(in.materials, body, warnings);
+  body.clamp = read_nodes(in.sections.clamp, rows_of_clamp(), body.mesh, in.is_phantom ? "clamp" : nullptr);
+  body.pad = read_pad(in.sections.contact, body.mesh,
+                      in.is_phantom ? std::optional<Vec3>(scale * phantom_tip(keys.phantom)) : std::nullopt);
+  if (!body.pad)
+    body.contact =
+        read_nodes(in.sections.contact, rows_of_contact(), body.mesh, in.is_phantom ? "contact" : nullptr);
+  for (const std::string& warning : check(body, in.file)) warnings.push_back(in.file + ": " + warning);
+  return body;
+}
+
+// The fine body: a phantom or a surface is meshed again, a volume mesh is subdivided. Numbers of nodes belong to one
+// mesh, so they cannot be carried to another.
+Body assemble_fine(const BodyInput& in, const Body& body) {
+  BodyKeys keys = in.keys;
+  keys.element = in.keys.fine->element;
+  const bool meshed = in.is_phantom || is_surface_file(in.folder / keys.mesh);
+  if (!meshed) {
+    Body fine = subdivided(body, in.keys.fine->elements);
+    fine.element = keys.element;
+    return fine;
+  }
+  keys.elements = in.keys.fine->elements;
+  for (const auto& [table, key] :
+       {std::pair(&in.sections.clamp, "nodes"), std::pair(&in.sections.contact, "nodes"),
+        std::pair(&in.sections.contact, "node")})
+    if (table->has(key))
+      throw InputError(
+          table->where(key),
+          "numbers nodes of one mesh, so body.fine cannot find them in another; expected a group, a "
+          "place or a part of the body, or body.fine = false");
+  std::vector<std::string> said;  // of the same file, already
+  Body fine = assemble(in, keys, said);
+  if (body.pad) {
+    fine.pad = body.pad;
+    fine.pad->site = nearest_site(fine.mesh, body.pad->site);
+  }
+  return fine;
+}
+
+Body make_body(const BodySections& sections, const fs::path& folder, const std::string& file, bool quiet,
+               std::vector<std::string>& warnings) {
+  BodyInput in{.sections = sections, .folder = folder, .file = file};
+  in.is_phantom = sections.body.exactly_one_of(body_rows().alternatives()) == "phantom";
+  in.materials =
+      read_materials(sections.materials, in.is_phantom);  // cheap checks first, before the mesh is made
+  rows_of_body().read(sections.body, in.keys);
+  Body body = assemble(in, in.keys, warnings);
+  if (in.keys.fine)
+    body.fine = fine_jet_of(body, assemble_fine(in, body), sections.body.where("fine"), quiet);
   return body;
 }
 
@@ -281,16 +401,20 @@ const SceneRowList& contact_rows() {
   return rows_of_contact();
 }
 
-Body read_body(const BodySections& sections, const fs::path& folder, const std::string& file,
+Body read_body(const BodySections& sections, const fs::path& folder, const std::string& file, bool quiet,
                std::vector<std::string>& warnings) {
   try {
-    return make_body(sections, folder, file, warnings);
+    return make_body(sections, folder, file, quiet, warnings);
   } catch (const InputError& error) {
     throw at_key(error, sections, file);
   }
 }
 
 Vec3 inward_direction(const Body& body) {
+  if (body.pad) {
+    const Vec3 normal = pad_surface(body.mesh, *body.pad).normal;
+    return normal.isZero() ? Vec3(-Vec3::UnitZ()) : Vec3(-normal);
+  }
   const auto touched = [&](NodeIndex node) { return std::ranges::binary_search(body.contact, node) ? 1 : 0; };
   Vec3 patch = Vec3::Zero(), around = Vec3::Zero();
   for (const Triangle& triangle : boundary_triangles(body.mesh)) {

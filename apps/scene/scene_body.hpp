@@ -17,9 +17,9 @@ struct BodySections {
 };
 
 // Makes the mesh (reads a file, fills a surface or builds a phantom) and the node sets. Appends warnings
-// about mesh and material.
+// about mesh and material. quiet: no progress line where a fine body is solved.
 Body read_body(const BodySections& sections, const std::filesystem::path& folder, const std::string& file,
-               std::vector<std::string>& warnings);
+               bool quiet, std::vector<std::string>& warnings);
 
 // Direction of pressing: opposite to the area-weighted mean outward normal of the contact (the grasped
 // patch).

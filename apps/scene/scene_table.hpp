@@ -38,6 +38,7 @@ class SceneTable {
   std::optional<std::string> text(const std::string& key) const;
   bool is_text(const std::string& key, std::string_view value) const;  // never throws
   bool holds_text(const std::string& key) const;                       // the value is text; never throws
+  bool holds_table(const std::string& key) const;
   std::optional<Vec3> vector(const std::string& key) const;
   std::optional<std::vector<std::int64_t>> integers(const std::string& key) const;
   std::optional<Box> box(const std::string& key) const;

@@ -179,6 +179,11 @@ bool SceneTable::holds_text(const std::string& key) const {
   return given && given->is_string();
 }
 
+bool SceneTable::holds_table(const std::string& key) const {
+  const toml::node* given = source_->node(key);
+  return given && given->is_table();
+}
+
 std::optional<Vec3> SceneTable::vector(const std::string& key) const {
   if (!has(key)) return {};
   const std::optional<Vec3> value = vector_of(source_->node(key));

@@ -46,9 +46,7 @@ Surface surface_of(const ShapeLog& log) {
 // From where the contact is in sight, in radians.
 std::pair<double, double> view_of(const ShapeLog& log) {
   const Body& body = log.body();
-  Vec3 contact = Vec3::Zero();
-  for (const NodeIndex node : body.contact) contact += body.mesh.nodes[node];
-  const Vec3 out = contact / static_cast<double>(body.contact.size()) - bounding_box(body.mesh).centre();
+  const Vec3 out = rest_of_contact(body) - bounding_box(body.mesh).centre();
   const double azimuth = std::hypot(out[0], out[1]) > 1e-3 * out.norm() ? std::atan2(out[1], out[0]) : -1.0;
   const double elevation = out.norm() > 0 ? std::asin(std::clamp(out[2] / out.norm(), -1.0, 1.0)) : 0;
   return {azimuth + 0.5, std::clamp(elevation, 0.3, 0.7)};

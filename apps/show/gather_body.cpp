@@ -65,7 +65,7 @@ ShownBody shown_body(const Body& body) {
   };
   mark(body.clamp, Role::clamp);
   mark(body.contact, Role::contact);
-  for (const NodeIndex node : body.contact) shown.rest += body.mesh.nodes[node] / double(body.contact.size());
+  shown.rest = rest_of_contact(body);
   for (Vec3& node : shown.nodes) node -= shown.rest;
   for (Vec3& node : shown.regions.inside.nodes) node -= shown.rest;
   shown.outward = -inward_direction(body);

@@ -3,6 +3,7 @@
 // interaction point, the tip of the device) at x [m], zero at the rest position of the contact. The contact is a rigid
 // patch, nodes that are bound to the HIP in both directions (u = x), or a compliant pad, springs between surface and HIP.
 
+#include <memory>
 #include <optional>
 #include <string>
 #include <string_view>
@@ -26,6 +27,8 @@ struct MaterialRegion {
   std::vector<TetIndex> tets;  // sorted, not empty; no tetrahedron is in two regions
 };
 
+class FineJet;  // fine_jet.hpp
+
 struct Body {
   TetMesh mesh;
   Material material;               // of all tetrahedra outside the regions
@@ -34,6 +37,7 @@ struct Body {
   Element element = Element::linear;
   std::vector<MaterialRegion> regions = {};
   std::optional<Pad> pad = {};
+  std::shared_ptr<const FineJet> fine = {};  // added to what the body answers; null: none
 };
 
 // Throws InputError(file: key) for a body that cannot be solved: empty or out-of-range node sets, contact on

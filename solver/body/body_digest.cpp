@@ -3,6 +3,7 @@
 #include <fmt/format.h>
 
 #include "geometry/common/sha256.hpp"
+#include "solver/body/fine_jet.hpp"
 
 namespace forefeel {
 namespace {
@@ -48,11 +49,13 @@ BodyIdentity identity_of(const Body& body) {
     for (const double coordinate : node) mesh.add(coordinate);
   for (const Tet& tet : body.mesh.tets)
     for (const NodeIndex node : tet) mesh.add(std::int64_t{node});
-  return {{"mesh", "sha256 " + mesh.hex()},
-          {"element", std::string(name(body.element))},
-          {"material", material_of(body)},
-          {"clamp", hash_nodes(body.clamp)},
-          {"contact", contact_of(body)}};
+  BodyIdentity identity{{"mesh", "sha256 " + mesh.hex()},
+                        {"element", std::string(name(body.element))},
+                        {"material", material_of(body)},
+                        {"clamp", hash_nodes(body.clamp)},
+                        {"contact", contact_of(body)}};
+  if (body.fine) identity["fine"] = body.fine->fine_body();
+  return identity;
 }
 
 }  // namespace forefeel

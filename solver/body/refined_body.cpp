@@ -50,6 +50,7 @@ void split(const Tet& t, Middles& middles, std::vector<Tet>& into) {
 
 Body refined(const Body& body) {
   Body fine = body;
+  fine.fine.reset();
   fine.mesh.tets.clear();
   fine.mesh.groups.clear();
   fine.mesh.element_groups.clear();

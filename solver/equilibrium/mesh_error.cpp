@@ -50,6 +50,7 @@ void by_rest(Solver& solver, Solver& finer, std::span<const Vec3> positions, con
 std::shared_ptr<const Body> finer_body(const Body& body) {
   auto finer = std::make_shared<Body>(body.element == Element::linear ? body : refined(body));
   finer->element = Element::quadratic;
+  finer->fine.reset();
   return finer;
 }
 

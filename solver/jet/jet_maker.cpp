@@ -3,6 +3,7 @@
 #include <algorithm>
 #include <array>
 
+#include "solver/body/fine_jet.hpp"
 #include "solver/jet/path_directions.hpp"
 
 namespace forefeel {
@@ -93,6 +94,8 @@ EnergyJet JetMaker::at(const std::vector<double>& u, const std::vector<double>& 
     set_fourth(fourth, jet);
     if (order >= 4) set_fifth(fifth, jet);
   }
+  if (d_->elements.fine.jet)
+    d_->elements.fine.jet->add_to(jet, Eigen::Map<const Vec3>(u.data() + 3 * d_->free_nodes));
   return jet;
 }
 

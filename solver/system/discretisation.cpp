@@ -153,6 +153,7 @@ void fill_pattern(Discretisation& d) {
           d.elements.block[slot] = static_cast<std::int32_t>(d.pattern.block(std::min(i, j), std::max(i, j)));
           d.elements.block_kind[slot] = static_cast<std::int8_t>(a != b && i == j ? 2 : i > j ? 1 : 0);
         }
+  d.elements.fine.block = d.pattern.size() - 1;  // the contact's own, the last
   for (PadSprings::Pair& pair : d.elements.pad.pairs)
     pair.block = d.pattern.block(static_cast<std::uint32_t>(pair.a), static_cast<std::uint32_t>(pair.b));
 }
@@ -187,6 +188,7 @@ Discretisation discretise(const Body& body) {
   number_nodes(body, elements, d);
   fill_groups(body, elements, parts, d);
   d.elements.pad = pad_springs(body, d);
+  d.elements.fine = {body.fine, d.free_nodes, 0};
   fill_pattern(d);
   const double length = longest_side(body.mesh);
   for (const MaterialPart& part : parts) {

@@ -32,12 +32,14 @@ FieldSummary ElementGroups::gradient(const double* u, double* r) const {
   }
   all.energy += pad.energy(u);
   pad.apply(u, r);
+  all.energy += fine.add_gradient(u, r);
   return all;
 }
 
 void ElementGroups::hessian(const double* u, double* blocks) const {
   for (const MaterialGroups& of : materials) of.law->kernels.hessian(view(of), u, blocks);
   pad.add_to(blocks);
+  fine.add_hessian(u, blocks);
 }
 
 void ElementGroups::gradient_lanes(const double* u, double* r, double* energy, double* min_jacobian) const {
@@ -53,16 +55,19 @@ void ElementGroups::gradient_lanes(const double* u, double* r, double* energy, d
   }
   pad.energy_lanes(u, energy);
   pad.apply_lanes(u, r);
+  fine.add_gradient_lanes(u, r, energy);
 }
 
 void ElementGroups::product(std::int64_t stride, const double* u, const double* d, double* y) const {
   for (const MaterialGroups& of : materials) of.law->kernels.product(view(of), stride, u, d, y);
   for (std::int64_t c = 0; c < 3; ++c) pad.apply(d + c * stride, y + c * stride);
+  fine.add_product(stride, u, d, y);
 }
 
 void ElementGroups::product_lanes(std::int64_t stride, const double* u, const double* d, double* y) const {
   for (const MaterialGroups& of : materials) of.law->kernels.product_lanes(view(of), stride, u, d, y);
   for (std::int64_t c = 0; c < 3; ++c) pad.apply_lanes(d + c * stride, y + c * stride);
+  fine.add_product_lanes(stride, u, d, y);
 }
 
 void ElementGroups::curvature(std::int64_t stride, const double* u, const double* d, double* q,

@@ -2,7 +2,7 @@
 // The elements of a body as the kernels see them: groups of eight, each group of one material, so that its
 // law and constants are those of all eight lanes. Local nodes and vectors: discretisation.hpp.
 //   r += dW/du     blocks += d2W/du2     y_c += (d2W/du2)(u) d_c
-// with W [J] the stored energy of all materials and of the pad, r [N], blocks and d2W/du2 [N/m].
+// with W [J] the stored energy of all materials, of the pad and of the fine jet, r [N], blocks and d2W/du2 [N/m].
 
 #include <cstddef>
 #include <cstdint>
@@ -11,6 +11,7 @@
 #include "solver/body/body.hpp"
 #include "solver/kernels/kernels.hpp"
 #include "solver/system/pad_springs.hpp"
+#include "solver/system/tip_energy.hpp"
 
 namespace forefeel {
 
@@ -29,11 +30,12 @@ struct ElementGroups {
   std::vector<double> gradient_of_node, volume;
   std::vector<std::int8_t> block_kind;
   PadSprings pad;
+  TipEnergy fine;
 
   std::size_t count() const { return volume.size() / lane_count; }  // groups
   ElementView view(const MaterialGroups& of) const;
 
-  // The loops of ElementKernels (kernels.hpp) over all materials, and the pad's springs.
+  // The loops of ElementKernels (kernels.hpp) over all materials, the pad's springs and the fine jet.
   FieldSummary gradient(const double* u, double* r) const;
   void hessian(const double* u, double* blocks) const;
   void gradient_lanes(const double* u, double* r, double* energy, double* min_jacobian) const;

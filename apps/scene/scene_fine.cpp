@@ -1,0 +1,94 @@
+#include "apps/scene/scene_fine.hpp"
+
+#include <fmt/format.h>
+
+#include <array>
+#include <cstdint>
+#include <filesystem>
+#include <fstream>
+#include <nlohmann/json.hpp>
+#include <optional>
+
+#include "apps/console/console.hpp"
+#include "apps/console/json.hpp"
+#include "apps/console/json_text.hpp"
+#include "apps/scene/cache_folder.hpp"
+#include "geometry/common/output_file.hpp"
+#include "geometry/common/sha256.hpp"
+#include "solver/body/body_digest.hpp"
+#include "solver/body/refined_body.hpp"
+#include "solver/equilibrium/fine_body.hpp"
+#include "solver/kernels/revision.hpp"
+
+namespace forefeel {
+namespace {
+
+namespace fs = std::filesystem;
+
+fs::path file_of(const Body& body, const fs::path& folder) {
+  if (folder.empty()) return {};
+  Sha256 hash;
+  hash.add(std::string_view("rest jet")).add(solver_revision());
+  for (const auto& [key, value] : identity_of(body)) hash.add(key + "=" + value + "\n");
+  return folder / (hash.hex().substr(0, 32) + ".jet.json");
+}
+
+std::optional<RestJet> read_kept(const fs::path& file) {
+  std::ifstream in(file);
+  if (file.empty() || !in) return {};
+  Json kept = Json::parse(in, nullptr, false);
+  if (!kept.is_object() || !kept.contains("sha256")) return {};
+  const Json sum = kept["sha256"];
+  kept.erase("sha256");
+  if (sum != sum_of(kept)) return {};
+  try {
+    RestJet rest;
+    rest.jet.order = most_jet_order;
+    const auto stiffness = kept.at("stiffness").get<std::array<double, 9>>();
+    for (int i = 0; i < 9; ++i) rest.stiffness(i / 3, i % 3) = stiffness[static_cast<std::size_t>(i)];
+    for (std::size_t i = 0; i < jet_size; ++i)
+      rest.jet.coefficients[i] = kept.at("jet").at(jet_names()[i]).get<double>();
+    return rest;
+  } catch (const Json::exception&) {
+    return {};
+  }
+}
+
+void keep(const fs::path& file, const RestJet& rest) {
+  if (file.empty()) return;
+  Json kept{{"stiffness", Json::array()}, {"jet", Json::object()}};
+  for (int i = 0; i < 9; ++i) kept["stiffness"].push_back(rest.stiffness(i / 3, i % 3));
+  for (std::size_t i = 0; i < jet_size; ++i) kept["jet"][jet_names()[i]] = rest.jet.coefficients[i];
+  kept["sha256"] = sum_of(kept);
+  try {
+    write_whole(file, json_text(kept, 2) + "\n");
+  } catch (const std::exception&) {  // for example a full disk; it is solved again next time
+  }
+}
+
+RestJet kept_rest_jet(const Body& body, const InputPlace& where, Progress& progress) {
+  const fs::path file = file_of(body, cache_folder());
+  if (const std::optional<RestJet> kept = read_kept(file)) return *kept;
+  progress.show(fmt::format("{} {} elements", body.mesh.tets.size(), name(body.element)));
+  const RestJet rest = rest_jet(body, where);
+  keep(file, rest);
+  return rest;
+}
+
+}  // namespace
+
+std::shared_ptr<const FineJet> fine_jet_of(const Body& body, const Body& fine, const InputPlace& where,
+                                           bool quiet) {
+  Progress progress({.quiet = quiet}, "Fine body");
+  const RestJet of_fine = kept_rest_jet(fine, where, progress),
+                of_body = kept_rest_jet(body, where, progress);
+  return std::make_shared<const FineJet>(of_fine, of_body, fine_body_in_words(fine));
+}
+
+Body subdivided(const Body& body, std::size_t elements) {
+  Body fine = body;
+  while (fine.mesh.tets.size() < elements) fine = refined(fine);
+  return fine;
+}
+
+}  // namespace forefeel

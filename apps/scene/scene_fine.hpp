@@ -1,0 +1,22 @@
+#pragma once
+// The fine body of a scene: body.fine = { elements = N, element = "quadratic" }. Its rest jet is computed once, and that
+// of the scene's own body with it, and kept in the cache folder; their difference is added to what the body answers
+// (solver/body/fine_jet.hpp).
+
+#include <cstddef>
+#include <memory>
+
+#include "geometry/common/error.hpp"
+#include "solver/body/body.hpp"
+#include "solver/body/fine_jet.hpp"
+
+namespace forefeel {
+
+// quiet: no progress line. where: of the key, for errors.
+std::shared_ptr<const FineJet> fine_jet_of(const Body& body, const Body& fine, const InputPlace& where,
+                                           bool quiet);
+
+// The body with each tetrahedron split into eight until it has at least `elements`.
+Body subdivided(const Body& body, std::size_t elements);
+
+}  // namespace forefeel

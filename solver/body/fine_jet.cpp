@@ -1,0 +1,218 @@
+#include "solver/body/fine_jet.hpp"
+
+#include <algorithm>
+#include <cmath>
+#include <utility>
+#include <vector>
+
+namespace forefeel {
+namespace {
+
+constexpr int most_degree = 5;
+
+// A polynomial in d of degree 5 at most; products are truncated.
+class Polynomial {
+ public:
+  static constexpr std::size_t size = 56;
+
+  double& operator()(int a, int b, int c) { return terms_[index(a, b, c)]; }
+  double operator()(int a, int b, int c) const { return terms_[index(a, b, c)]; }
+  Polynomial& operator+=(const Polynomial& other) {
+    for (std::size_t i = 0; i < size; ++i) terms_[i] += other.terms_[i];
+    return *this;
+  }
+  friend Polynomial operator*(double factor, Polynomial p) {
+    for (double& term : p.terms_) term *= factor;
+    return p;
+  }
+  friend Polynomial operator*(const Polynomial& p, const Polynomial& q) {
+    Polynomial product;
+    for_each([&](int a, int b, int c) {
+      const double left = p(a, b, c);
+      if (left == 0) return;
+      for_each([&](int i, int j, int k) {
+        if (a + b + c + i + j + k <= most_degree) product(a + i, b + j, c + k) += left * q(i, j, k);
+      });
+    });
+    return product;
+  }
+  template <class Visit>
+  static void for_each(const Visit& visit) {
+    for (int degree = 0; degree <= most_degree; ++degree)
+      for (int a = degree; a >= 0; --a)
+        for (int b = degree - a; b >= 0; --b) visit(a, b, degree - a - b);
+  }
+
+ private:
+  static std::size_t index(int a, int b, int c) {
+    const int degree = a + b + c, below = degree - a;
+    return static_cast<std::size_t>(degree * (degree + 1) * (degree + 2) / 6 + below * (below + 1) / 2 + c);
+  }
+  std::array<double, size> terms_{};
+};
+
+// h(t) / t and its derivatives by q = t^2, from truncated series in q.
+class Saturation {
+ public:
+  using Series = std::array<double, most_degree + 1>;
+
+  static Series at(double q) {
+    Series one{};
+    one[0] = 1;
+    const double t = std::sqrt(q);
+    if (t <= 0.5) return one;
+    Series shifted{};
+    shifted[0] = q, shifted[1] = 1;
+    const Series root = power(shifted, 0.5);
+    Series z = root;
+    for (double& term : z) term *= 2;
+    z[0] -= 1;
+    const Series z2 = product(z, z);
+    Series inner = product(z2, z2);
+    inner[0] += 1;
+    Series h = product(z, power(inner, -0.25));
+    for (double& term : h) term *= 0.5;
+    h[0] += 0.5;
+    return product(h, power(shifted, -0.5));
+  }
+
+ private:
+  static Series product(const Series& a, const Series& b) {
+    Series c{};
+    for (std::size_t i = 0; i < a.size(); ++i)
+      for (std::size_t j = 0; i + j < a.size(); ++j) c[i + j] += a[i] * b[j];
+    return c;
+  }
+  // J. C. P. Miller's recursion for a^e (Henrici, Applied and Computational Complex Analysis, 1974, 1.6).
+  static Series power(const Series& a, double e) {
+    Series p{};
+    p[0] = std::pow(a[0], e);
+    for (std::size_t k = 1; k < a.size(); ++k) {
+      double sum = 0;
+      for (std::size_t i = 1; i <= k; ++i)
+        sum += (e * static_cast<double>(i) - static_cast<double>(k - i)) * a[i] * p[k - i];
+      p[k] = sum / (static_cast<double>(k) * a[0]);
+    }
+    return p;
+  }
+};
+
+// Directions over the sphere for the radius: a lattice of (2 n + 1)^3 - 1 points, normalised; opposite ones agree.
+std::vector<Vec3> sphere_directions() {
+  constexpr int n = 4;
+  std::vector<Vec3> list;
+  for (int a = -n; a <= n; ++a)
+    for (int b = -n; b <= n; ++b)
+      for (int c = 0; c <= n; ++c)
+        if (a != 0 || b != 0 || c != 0) list.push_back(Vec3(a, b, c).normalized());
+  return list;
+}
+
+// Norms of the forces of degrees 1 to 4 of dE along a unit direction.
+std::array<double, 4> force_norms(const RestJet& difference, const Vec3& way) {
+  std::array<double, 4> norms{(difference.stiffness * way).norm()};
+  Vec3 before = Vec3::Zero();
+  for (int degree = 3; degree <= most_degree; ++degree) {
+    const Vec3 upto = jet_terms(difference.jet, way, degree).gradient;
+    norms[static_cast<std::size_t>(degree - 2)] = (upto - before).norm();
+    before = upto;
+  }
+  return norms;
+}
+
+double radius_of(const RestJet& difference) {
+  double radius = std::numeric_limits<double>::infinity();
+  for (const Vec3& way : sphere_directions()) {
+    const std::array<double, 4> n = force_norms(difference, way);
+    for (std::size_t k = 1; k < n.size(); ++k) {
+      if (!(n[k] > 0)) continue;
+      double reached = 0;  // |f_k| r^k is the largest beyond
+      for (std::size_t j = 0; j < k; ++j)
+        reached = std::max(reached, std::pow(n[j] / n[k], 1 / static_cast<double>(k - j)));
+      radius = std::min(radius, reached);
+    }
+  }
+  return radius;
+}
+
+}  // namespace
+
+FineJet::FineJet(const RestJet& fine, const RestJet& coarse, std::string fine_body)
+    : difference_(fine), fine_body_(std::move(fine_body)) {
+  difference_.stiffness -= coarse.stiffness;
+  difference_.stiffness = 0.5 * (difference_.stiffness + difference_.stiffness.transpose()).eval();
+  difference_.jet.order = most_jet_order;
+  for (std::size_t i = 0; i < jet_size; ++i) difference_.jet.coefficients[i] -= coarse.jet.coefficients[i];
+  radius_ = radius_of(difference_);
+}
+
+JetTerms FineJet::at(const Vec3& x) const {
+  const auto polynomial = [&](const Vec3& s) {
+    JetTerms terms = jet_terms(difference_.jet, s);
+    terms.energy += 0.5 * s.dot(difference_.stiffness * s);
+    terms.gradient += difference_.stiffness * s;
+    terms.hessian += difference_.stiffness;
+    return terms;
+  };
+  const double scale = 1 / (radius_ * radius_), q = scale * x.squaredNorm();
+  if (!(q > 0.25)) return polynomial(x);
+  const Saturation::Series h = Saturation::at(q);
+  const double value = h[0], slope = scale * h[1], bend = 2 * scale * scale * h[2];  // by |x|^2
+  JetTerms terms = polynomial(value * x);
+  const Mat3 along = x * x.transpose(), one = Mat3::Identity();
+  const Mat3 change = value * one + 2 * slope * along;  // ds/dx
+  const Vec3 g = terms.gradient;
+  terms.gradient = change * g;
+  terms.hessian = (change * terms.hessian * change + 2 * slope * (g * x.transpose() + x * g.transpose()) +
+                   2 * slope * g.dot(x) * one + 4 * bend * g.dot(x) * along)
+                      .eval();
+  return terms;
+}
+
+void FineJet::add_to(EnergyJet& jet, const Vec3& x) const {
+  // s(x + d) as three polynomials in d
+  std::array<Polynomial, 3> s;
+  for (int i = 0; i < 3; ++i) {
+    s[static_cast<std::size_t>(i)](0, 0, 0) = x[i];
+    s[static_cast<std::size_t>(i)](i == 0, i == 1, i == 2) = 1;
+  }
+  const double scale = 1 / (radius_ * radius_), q = scale * x.squaredNorm();
+  if (q > 0.25) {
+    Polynomial change;  // of q
+    for (int i = 0; i < 3; ++i) {
+      change(i == 0, i == 1, i == 2) = 2 * scale * x[i];
+      change(2 * (i == 0), 2 * (i == 1), 2 * (i == 2)) = scale;
+    }
+    const Saturation::Series h = Saturation::at(q);
+    Polynomial factor, power;
+    power(0, 0, 0) = 1;
+    for (const double term : h) {
+      factor += term * power;
+      power = power * change;
+    }
+    for (Polynomial& component : s) component = component * factor;
+  }
+  std::array<std::array<Polynomial, most_degree + 1>, 3> powers;
+  for (std::size_t i = 0; i < 3; ++i) {
+    powers[i][0](0, 0, 0) = 1;
+    for (std::size_t k = 1; k < powers[i].size(); ++k) powers[i][k] = powers[i][k - 1] * s[i];
+  }
+  Polynomial sum;
+  const auto add = [&](double e, int a, int b, int c) {
+    if (e != 0)
+      sum += e * (powers[0][static_cast<std::size_t>(a)] * powers[1][static_cast<std::size_t>(b)] *
+                  powers[2][static_cast<std::size_t>(c)]);
+  };
+  for (int i = 0; i < 3; ++i)
+    for (int k = i; k < 3; ++k)
+      add((i == k ? 0.5 : 1.0) * difference_.stiffness(i, k), (i == 0) + (k == 0), (i == 1) + (k == 1),
+          (i == 2) + (k == 2));
+  Polynomial::for_each([&](int a, int b, int c) {
+    if (a + b + c >= 3) add(difference_.jet.coefficients[jet_index(a, b, c)], a, b, c);
+  });
+  Polynomial::for_each([&](int a, int b, int c) {
+    if (a + b + c >= 3 && a + b + c <= jet.order + 1) jet.coefficients[jet_index(a, b, c)] += sum(a, b, c);
+  });
+}
+
+}  // namespace forefeel

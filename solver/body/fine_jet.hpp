@@ -1,0 +1,44 @@
+#pragma once
+// The difference of a fine body's energy jet at rest and a coarse body's own, added to everything the coarse body
+// answers: two bodies of one shape, with the same contact, have rest jets J_f and J_c, and the body that is answered for
+// has
+//   E(x) = E_c(x) + dE(s(x)),   dE(x) = J_f(x) - J_c(x) = 1/2 x^T (K_f - K_c) x + degrees 3 to 5      [J]
+// so f = -dE/dx and K = d2E/dx2 stay consistent and K symmetric. A polynomial grows without bound; so its argument
+// saturates:
+//   s(x) = x h(t) / t,  t = |x| / rho,  h(t) = t to t = 1/2,  then 1/2 + 1/2 z / (1 + z^4)^(1/4), z = 2 t - 1
+// |s| < rho, and s has four continuous derivatives. rho [m], the radius of the difference: the least |d| at which, in
+// some direction, one degree of the force -dE/dd reaches the largest of the degrees before it. rho is infinite if no
+// degree above the second differs.
+
+#include <array>
+#include <limits>
+#include <string>
+
+#include "geometry/states/energy_jet.hpp"
+
+namespace forefeel {
+
+struct RestJet {
+  Mat3 stiffness = Mat3::Zero();  // K [N/m]
+  EnergyJet jet;                  // of order 4
+};
+
+class FineJet {
+ public:
+  // fine_body: what the fine body is, in words and hashes; part of the identity of what is answered.
+  FineJet(const RestJet& fine, const RestJet& coarse, std::string fine_body);
+
+  JetTerms at(const Vec3& x) const;  // dE(s(x)), gradient and Hessian
+  // Adds the Taylor coefficients of dE(s(x + d)) in d to a state's jet, those that its order has.
+  void add_to(EnergyJet& jet, const Vec3& x) const;
+  double radius() const { return radius_; }                        // rho [m]
+  const Mat3& stiffness() const { return difference_.stiffness; }  // K_f - K_c
+  const std::string& fine_body() const { return fine_body_; }
+
+ private:
+  RestJet difference_;
+  double radius_ = std::numeric_limits<double>::infinity();
+  std::string fine_body_;
+};
+
+}  // namespace forefeel
