@@ -266,7 +266,8 @@ std::vector<NodeIndex> read_nodes(const SceneTable& table, const SceneRows<NodeS
   const std::vector<std::string> ways = rows.alternatives();
   const bool named = std::ranges::any_of(ways, [&](const std::string& key) { return table.has(key); });
   if (named) table.exactly_one_of(ways);
-  NodeSet set{.mesh = &mesh};
+  NodeSet set;
+  set.mesh = &mesh;
   rows.read(table, set);
   if (!named) table.exactly_one_of(ways);  // after what is wrong with other keys
   if (!set.radius) return set.nodes;
@@ -285,7 +286,8 @@ std::optional<Pad> read_pad(const SceneTable& table, const TetMesh& mesh, const 
   if (!table.has("pad")) return {};
   for (const char* key : {"node", "nodes", "group"})
     if (table.has(key)) throw table.wrong(key, "no nodes beside pad: its place is nearest = [x, y, z]");
-  NodeSet set{.mesh = &mesh};
+  NodeSet set;
+  set.mesh = &mesh;
   rows_of_contact().read(table, set);
   if (!set.place && !tip)
     throw InputError(table.where("nearest"),
@@ -378,7 +380,7 @@ Body assemble_fine(const BodyInput& in, const Body& body) {
 
 Body make_body(const BodySections& sections, const fs::path& folder, const std::string& file, bool quiet,
                std::vector<std::string>& warnings) {
-  BodyInput in{.sections = sections, .folder = folder, .file = file};
+  BodyInput in{sections, folder, file, false, {}, {}};
   in.is_phantom = sections.body.exactly_one_of(body_rows().alternatives()) == "phantom";
   in.materials =
       read_materials(sections.materials, in.is_phantom);  // cheap checks first, before the mesh is made

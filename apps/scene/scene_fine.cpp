@@ -17,13 +17,14 @@
 #include "geometry/common/sha256.hpp"
 #include "solver/body/body_digest.hpp"
 #include "solver/body/refined_body.hpp"
-#include "solver/equilibrium/fine_body.hpp"
+#include "solver/jet/rest_jet.hpp"
 #include "solver/kernels/revision.hpp"
 
 namespace forefeel {
 namespace {
 
 namespace fs = std::filesystem;
+using Json = nlohmann::ordered_json;
 
 fs::path file_of(const Body& body, const fs::path& folder) {
   if (folder.empty()) return {};
@@ -79,7 +80,9 @@ RestJet kept_rest_jet(const Body& body, const InputPlace& where, Progress& progr
 
 std::shared_ptr<const FineJet> fine_jet_of(const Body& body, const Body& fine, const InputPlace& where,
                                            bool quiet) {
-  Progress progress({.quiet = quiet}, "Fine body");
+  Globals globals;
+  globals.quiet = quiet;
+  Progress progress(globals, "Fine body");
   const RestJet of_fine = kept_rest_jet(fine, where, progress),
                 of_body = kept_rest_jet(body, where, progress);
   return std::make_shared<const FineJet>(of_fine, of_body, fine_body_in_words(fine));

@@ -55,24 +55,25 @@ class Polynomial {
 class Saturation {
  public:
   using Series = std::array<double, most_degree + 1>;
+  static constexpr double start = 0.8;  // the largest t with h(t) = t
 
   static Series at(double q) {
     Series one{};
     one[0] = 1;
     const double t = std::sqrt(q);
-    if (t <= 0.5) return one;
+    if (t <= start) return one;
     Series shifted{};
     shifted[0] = q, shifted[1] = 1;
     const Series root = power(shifted, 0.5);
     Series z = root;
-    for (double& term : z) term *= 2;
-    z[0] -= 1;
+    z[0] -= start;
+    for (double& term : z) term /= 1 - start;
     const Series z2 = product(z, z);
     Series inner = product(z2, z2);
     inner[0] += 1;
     Series h = product(z, power(inner, -0.25));
-    for (double& term : h) term *= 0.5;
-    h[0] += 0.5;
+    for (double& term : h) term *= 1 - start;
+    h[0] += start;
     return product(h, power(shifted, -0.5));
   }
 
@@ -155,7 +156,7 @@ JetTerms FineJet::at(const Vec3& x) const {
     return terms;
   };
   const double scale = 1 / (radius_ * radius_), q = scale * x.squaredNorm();
-  if (!(q > 0.25)) return polynomial(x);
+  if (!(q > Saturation::start * Saturation::start)) return polynomial(x);
   const Saturation::Series h = Saturation::at(q);
   const double value = h[0], slope = scale * h[1], bend = 2 * scale * scale * h[2];  // by |x|^2
   JetTerms terms = polynomial(value * x);
@@ -177,7 +178,7 @@ void FineJet::add_to(EnergyJet& jet, const Vec3& x) const {
     s[static_cast<std::size_t>(i)](i == 0, i == 1, i == 2) = 1;
   }
   const double scale = 1 / (radius_ * radius_), q = scale * x.squaredNorm();
-  if (q > 0.25) {
+  if (q > Saturation::start * Saturation::start) {
     Polynomial change;  // of q
     for (int i = 0; i < 3; ++i) {
       change(i == 0, i == 1, i == 2) = 2 * scale * x[i];

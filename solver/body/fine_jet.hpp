@@ -5,7 +5,7 @@
 //   E(x) = E_c(x) + dE(s(x)),   dE(x) = J_f(x) - J_c(x) = 1/2 x^T (K_f - K_c) x + degrees 3 to 5      [J]
 // so f = -dE/dx and K = d2E/dx2 stay consistent and K symmetric. A polynomial grows without bound; so its argument
 // saturates:
-//   s(x) = x h(t) / t,  t = |x| / rho,  h(t) = t to t = 1/2,  then 1/2 + 1/2 z / (1 + z^4)^(1/4), z = 2 t - 1
+//   s(x) = x h(t) / t,  t = |x| / rho,  h(t) = t to t = 0.8,  then 0.8 + 0.2 z / (1 + z^4)^(1/4), z = (t - 0.8) / 0.2
 // |s| < rho, and s has four continuous derivatives. rho [m], the radius of the difference: the least |d| at which, in
 // some direction, one degree of the force -dE/dd reaches the largest of the degrees before it. rho is infinite if no
 // degree above the second differs.
