@@ -92,7 +92,7 @@ TEST_CASE("states of a lattice keep the jets that a solver finds there, all laws
 
 TEST_CASE("every state of a phantom's lattice has the jet of a solver at its place") {
   auto body = std::make_shared<Body>();
-  body->mesh = make_phantom(Phantom::beam, {.elements = 240});
+  body->mesh = phantom("beam", 240);
   body->material = {Law::neo_hookean, 5000, 0.3};
   body->clamp = body->mesh.groups.at("clamp");
   body->contact = body->mesh.groups.at("contact");
