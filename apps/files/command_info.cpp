@@ -35,6 +35,7 @@ Json states_json(const StateSetSummary& sum, const StateFileHeader& header, cons
   document["with_stiffness"] = sum.with_stiffness;
   document["with_energy"] = sum.with_energy;
   document["with_displacements"] = sum.with_displacements;
+  document["with_jet"] = sum.with_jet;
   document["multivalued"] = sum.multivalued;
   document["inverted"] = sum.inverted;
   document["contradicting"] = sum.at_one_position.contradicting;
@@ -60,10 +61,10 @@ int info_states(const Globals& globals, const std::string& file) {
   if (globals.json) print_json(states_json(sum, loaded.header, file));
   answer(globals,
          fmt::format(
-             "{}: {} states ({} failed{}), {} with stiffness, spacing {}, within {}, forces up to {:.4g} N",
+             "{}: {} states ({} failed{}), {} with stiffness{}, spacing {}, within {}, forces up to {:.4g} N",
              file, sum.states, sum.states - sum.usable,
              sum.inverted > 0 ? fmt::format(", {} with inverted elements", sum.inverted) : "",
-             sum.with_stiffness,
+             sum.with_stiffness, sum.with_jet > 0 ? fmt::format(", {} with an energy jet", sum.with_jet) : "",
              std::isfinite(loaded.header.spacing) ? fmt::format("{:g} mm", 1e3 * loaded.header.spacing)
                                                   : "unknown",
              size_text(sum.extent.size()), sum.max_force));

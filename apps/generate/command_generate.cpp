@@ -119,7 +119,8 @@ LatticeOptions options_of(const Scene& scene) {
   LatticeOptions options;
   options.spacing = scene.space.spacing;
   options.box = scene.space.box;
-  options.want_displacements = scene.displacements;
+  options.want_displacements = scene.kept.displacements;
+  options.jet = scene.kept.jet;
   return options;
 }
 

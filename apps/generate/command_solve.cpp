@@ -4,10 +4,13 @@
 #include <omp.h>
 
 #include <algorithm>
+#include <array>
 #include <atomic>
+#include <cmath>
 #include <filesystem>
 #include <memory>
 #include <mutex>
+#include <optional>
 
 #include "apps/console/commands.hpp"
 #include "apps/console/console.hpp"
@@ -32,6 +35,7 @@ struct SolveArguments {
   std::vector<std::string> at;
   std::string points, output;
   bool discretisation_error = false;
+  std::optional<int> jet;  // order
 };
 
 std::vector<Vec3> wanted_points(const SolveArguments& arguments) {
@@ -90,7 +94,7 @@ class Tally {
   double sum_ = 0;
 };
 
-std::vector<SolveOutcome> solve_all(const Scene& scene, const std::vector<Vec3>& points,
+std::vector<SolveOutcome> solve_all(const Scene& scene, const std::vector<Vec3>& points, int jet,
                                     const Globals& globals) {
   const int threads = globals.threads > 0 ? globals.threads : omp_get_max_threads();
   std::vector<SolveOutcome> outcomes(points.size());
@@ -102,8 +106,8 @@ std::vector<SolveOutcome> solve_all(const Scene& scene, const std::vector<Vec3>&
 #pragma omp for schedule(dynamic)
     for (std::size_t i = 0; i < points.size(); ++i) {
       solver.watch([&tally, i](double share) { tally.straight(i, share); });
-      outcomes[i] =
-          solver.reference(points[i], scene.space.spacing, {.want_displacements = scene.displacements});
+      outcomes[i] = solver.reference(points[i], scene.space.spacing,
+                                     {.want_displacements = scene.kept.displacements, .jet = jet});
       State& state = outcomes[i].state;
       int leg = 0;
       solver.watch([&tally, &leg, i](double share) {
@@ -141,6 +145,7 @@ void check_finer(const Body& body) {
 struct SolveResult {
   std::vector<SolveOutcome> outcomes;
   std::vector<double> discretisation_errors;  // relative; empty unless requested
+  int jet = 1;                                // order of the force that was asked for
 
   std::size_t failed() const {
     return static_cast<std::size_t>(std::ranges::count_if(
@@ -154,7 +159,9 @@ struct SolveResult {
 
 SolveResult solve(const Globals& globals, const SolveArguments& arguments, const Scene& scene,
                   const std::vector<Vec3>& points) {
-  SolveResult result{.outcomes = solve_all(scene, points, globals), .discretisation_errors = {}};
+  const int jet = arguments.jet.value_or(scene.kept.jet);
+  SolveResult result{
+      .outcomes = solve_all(scene, points, jet, globals), .discretisation_errors = {}, .jet = jet};
   if (!arguments.discretisation_error) return result;
   result.discretisation_errors = discretisation_errors(scene, result.outcomes);
   return result;
@@ -165,12 +172,13 @@ struct SolvedState {
   const State& state;
   const std::vector<std::string>& warnings;
   std::optional<double> discretisation_error;
+  bool with_jet;  // one was asked for
 };
 
 std::vector<SolvedState> solved_states(const SolveResult& result) {
   std::vector<SolvedState> all;
   for (std::size_t i = 0; i < result.outcomes.size(); ++i) {
-    all.push_back({result.outcomes[i].state, result.outcomes[i].warnings, {}});
+    all.push_back({result.outcomes[i].state, result.outcomes[i].warnings, {}, result.jet > 1});
     if (!result.discretisation_errors.empty())
       all.back().discretisation_error = result.discretisation_errors[i];
   }
@@ -183,6 +191,33 @@ Json rows_of(const Mat3& matrix) {
   return rows;
 }
 
+// The coefficients of the jet's own order alone; null where the state has no jet.
+JsonKey<SolvedState> jet_key() {
+  std::vector<Declared> rows;
+  constexpr std::array<const char*, 5> units{"", "", "N/m^2", "N/m^3", "N/m^4"};
+  for (int order = 2; order <= most_jet_order; ++order) {
+    const auto begin = static_cast<std::ptrdiff_t>(jet_terms_of_order(order - 1)),
+               end = static_cast<std::ptrdiff_t>(jet_terms_of_order(order));
+    rows.push_back(
+        {fmt::format("jet.{}", fmt::join(jet_names().begin() + begin, jet_names().begin() + end, ",")),
+         units[static_cast<std::size_t>(order)], "",
+         fmt::format("with --jet {}{}: coefficients of dx^a dy^b dz^c in the energy", order,
+                     order < most_jet_order ? " and above" : "")});
+  }
+  rows.push_back(
+      {"jet.limit", "m", "",
+       "with --jet: distance to which the jet keeps the material within its limit; null: everywhere"});
+  return {std::move(rows), [](Json& document, const SolvedState& s) {
+            if (!s.with_jet) return;
+            Json& jet = document["jet"] = nullptr;
+            if (!s.state.jet) return;
+            const EnergyJet& of = *s.state.jet;
+            for (std::size_t i = 0; i < jet_terms_of_order(of.order); ++i)
+              jet[jet_names()[i]] = number(of.coefficients[i]);
+            jet["limit"] = number(of.limit);
+          }};
+}
+
 const JsonKeys<SolveResult>& solve_keys() {
   using S = SolvedState;
   static const JsonKeys<S> of_state{
@@ -190,6 +225,7 @@ const JsonKeys<SolveResult>& solve_keys() {
       {"force", "N", "force of the body on the tip", [](const S& s) { return s.state.force; }},
       {"stiffness", "N/m", "rows of K = -df/dx", [](const S& s) { return rows_of(s.state.stiffness); }},
       {"energy", "J", "stored energy", [](const S& s) { return s.state.energy; }},
+      jet_key(),
       {"converged", "", "false: not an equilibrium, or one with inverted elements",
        [](const S& s) { return outcome(s.state) == SolveStatus::converged; }},
       {"status", "", "converged, diverged, stalled, inverted or cancelled",
@@ -218,9 +254,17 @@ std::string line_for(const State& s) {
       s.solve.multivalued ? ", multivalued" : "");
 }
 
+std::string in_words(const EnergyJet* jet) {
+  if (!jet) return ", no jet";
+  return fmt::format(
+      ", jet of order {}, {}", jet->order,
+      std::isfinite(jet->limit) ? fmt::format("limit {:.3g} mm", 1e3 * jet->limit) : "without a limit");
+}
+
 void tell(const Globals& globals, const SolveResult& result) {
   for (std::size_t i = 0; i < result.outcomes.size(); ++i) {
     std::string line = line_for(result.outcomes[i].state);
+    if (result.jet > 1) line += in_words(result.outcomes[i].state.jet.get());
     if (!result.discretisation_errors.empty())
       line += fmt::format(", discretisation error {:.1f} %", 100 * result.discretisation_errors[i]);
     answer(globals, line);
@@ -284,6 +328,12 @@ void add_solve(CommandLine& line) {
       "--discretisation-error", arguments->discretisation_error,
       "Estimate the error of the mesh: solve a finer body too (quadratic elements; where they are quadratic "
       "already, on a mesh of half the size), and compare");
+  sub.option(
+         "--jet", arguments->jet,
+         "Also the energy jet of each state: the force about it to this order (2, 3 or 4), and how far the "
+         "material allows it; usually state_space.jet")
+      .between(2, most_jet_order)
+      .shows("ORDER");
   sub.option("-o,--output", arguments->output, "States as CSV").shows("OUT.csv");
 }
 

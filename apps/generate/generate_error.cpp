@@ -173,7 +173,8 @@ int generate_to_error(const Globals& globals, const Scene& scene, StateFile file
   options.estimate.floor = scene.session.judging.error_floor;
   options.seed = globals.seed;
   options.threads = globals.threads;
-  options.want_displacements = scene.displacements;
+  options.want_displacements = scene.kept.displacements;
+  options.jet = scene.kept.jet;
   std::stop_source stop;
   options.stop = stop.get_token();
 

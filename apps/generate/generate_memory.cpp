@@ -39,8 +39,9 @@ void check_memory_of_threads(const Scene& scene, int threads, double bytes_left)
   constexpr int few = 8;               // up to this number of threads, no memory check is made
   constexpr double of_thread = 256e3;  // stack as far as it is used, buffers of the allocator
   if (threads <= few) return;
-  const double solver =
-      is_linear(*scene.body) ? 0 : static_cast<double>(SolverBasis(scene.body).bytes_per_solver());
+  const double solver = is_linear(*scene.body)
+                            ? 0
+                            : static_cast<double>(SolverBasis(scene.body).bytes_per_solver(scene.kept.jet));
   const double bytes = threads * (solver + of_thread);
   if (bytes <= bytes_left) return;
   throw InputError("--threads", fmt::format("is {}, and the solvers of so many threads take about {} of "

@@ -87,6 +87,22 @@ py::array_t<StateRow> array_of(std::span<const State> states) {
   return out;
 }
 
+py::list jets_of(std::span<const State> states) {
+  py::list jets;
+  for (const State& state : states) {
+    if (!state.jet) {
+      jets.append(py::none());
+      continue;
+    }
+    py::dict jet;
+    for (std::size_t i = 0; i < jet_terms_of_order(state.jet->order); ++i)
+      jet[py::str(jet_names()[i])] = state.jet->coefficients[i];
+    jet["limit"] = state.jet->limit;
+    jets.append(std::move(jet));
+  }
+  return jets;
+}
+
 std::vector<State> states_of(const py::array_t<StateRow>& rows) {
   std::vector<State> states(static_cast<std::size_t>(rows.size()));
   const StateRow* from = rows.data();

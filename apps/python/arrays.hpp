@@ -93,7 +93,9 @@ auto chosen(const std::string& text, const char* argument, const Choices& all) {
 void check_spacing(double spacing);
 
 py::array_t<StateRow> array_of(std::span<const State> states);
-// Usable and failed states as they are. Displacements are not part of the array.
+// For each state its energy jet, a dict {"e300": …, "limit": …} with the coefficients of its order, or None.
+py::list jets_of(std::span<const State> states);
+// Usable and failed states as they are. Displacements and jets are not part of the array.
 std::vector<State> states_of(const py::array_t<StateRow>& rows);
 // Measured states. forces: (n, 3); stiffness: (n, 3, 3), or none.
 std::vector<State> states_of(const Doubles& positions, const Doubles& forces,

@@ -77,7 +77,7 @@ py::array_t<std::int32_t> indices(const std::vector<NodeIndex>& nodes) {
 
 // As `forefeel solve`: each state on the reference branch, and whether another path ends elsewhere.
 std::vector<State> solve_all(const std::shared_ptr<const Body>& body, const std::vector<Vec3>& at,
-                             double spacing, bool displacements, const ShowShare& progress) {
+                             double spacing, const SolveOptions& options, const ShowShare& progress) {
   std::vector<State> states(at.size());
   run_interruptibly(progress, [&](const std::stop_token& stop, const std::function<void(double)>& tell) {
     const int threads = std::min(omp_get_max_threads(), std::max(1, static_cast<int>(at.size())));
@@ -88,7 +88,7 @@ std::vector<State> solve_all(const std::shared_ptr<const Body>& body, const std:
 #pragma omp for schedule(dynamic)
       for (std::size_t i = 0; i < at.size(); ++i) {
         if (stop.stop_requested()) continue;
-        states[i] = solver.reference(at[i], spacing, {.want_displacements = displacements}).state;
+        states[i] = solver.reference(at[i], spacing, options).state;
         states[i].solve.multivalued = second_way_differs(solver, states[i], spacing);
         tell(static_cast<double>(++done) / static_cast<double>(at.size()));
       }
@@ -97,9 +97,25 @@ std::vector<State> solve_all(const std::shared_ptr<const Body>& body, const std:
   return states;
 }
 
+// (v, 3) of each state: (n, v, 3).
+py::array_t<double> displacements_of(std::span<const State> states, std::size_t nodes) {
+  const auto rows = static_cast<py::ssize_t>(nodes);
+  py::array_t<double> u({static_cast<py::ssize_t>(states.size()), rows, py::ssize_t{3}});
+  std::fill_n(u.mutable_data(), u.size(), unknown);
+  for (std::size_t i = 0; i < states.size(); ++i)
+    if (states[i].displacements)
+      std::ranges::copy(std::span(*states[i].displacements).first(3 * nodes),
+                        u.mutable_data() + 3 * rows * static_cast<py::ssize_t>(i));
+  return u;
+}
+
+// The array alone, or a tuple of it and what else is wanted.
 py::object solve(const PyBody& self, const Doubles& positions, double spacing, bool displacements,
-                 const ShowShare& progress) {
+                 const ShowShare& progress, int jet) {
   check_spacing(spacing);
+  if (jet < 1 || jet > most_jet_order)
+    throw InputError("jet",
+                     fmt::format("is {}, expected 1 to {}: the order of the force", jet, most_jet_order));
   const std::vector<Vec3> at = points_of(positions, "positions");
   const double farthest = 100 * longest_side(self.body->mesh);  // as `forefeel solve`
   for (std::size_t i = 0; i < at.size(); ++i)
@@ -108,16 +124,14 @@ py::object solve(const PyBody& self, const Doubles& positions, double spacing, b
                        fmt::format("row {} (from 0) is farther from rest than {:.3g} m, 100 times the "
                                    "body's longest side; expected metres",
                                    i, farthest));
-  const std::vector<State> states = solve_all(self.body, at, spacing, displacements, progress);
-  if (!displacements) return array_of(states);
-  const auto nodes = static_cast<py::ssize_t>(self.body->mesh.nodes.size());
-  py::array_t<double> u({static_cast<py::ssize_t>(at.size()), nodes, py::ssize_t{3}});
-  std::fill_n(u.mutable_data(), u.size(), unknown);
-  for (std::size_t i = 0; i < at.size(); ++i)
-    if (states[i].displacements)
-      std::ranges::copy(std::span(*states[i].displacements).first(static_cast<std::size_t>(3 * nodes)),
-                        u.mutable_data() + 3 * nodes * static_cast<py::ssize_t>(i));
-  return py::make_tuple(array_of(states), u);
+  const std::vector<State> states =
+      solve_all(self.body, at, spacing, {.want_displacements = displacements, .jet = jet}, progress);
+  if (!displacements && jet == 1) return array_of(states);
+  py::list parts;
+  parts.append(array_of(states));
+  if (displacements) parts.append(displacements_of(states, self.body->mesh.nodes.size()));
+  if (jet > 1) parts.append(jets_of(states));
+  return py::tuple(parts);
 }
 
 py::array_t<StateRow> generate(const PyBody& self, double spacing, const Doubles& box, int threads,
@@ -170,7 +184,7 @@ void bind_body(py::module_& module) {
       .def_property_readonly("contact", [](const PyBody& self) { return indices(self.body->contact); })
       .def_property_readonly("warnings", [](const PyBody& self) { return self.warnings; })
       .def("solve", &solve, py::arg("positions"), py::arg("spacing"), py::arg("displacements"),
-           py::arg("progress"))
+           py::arg("progress"), py::arg("jet") = 1)
       .def("generate", &generate, py::arg("spacing"), py::arg("box"), py::arg("threads"),
            py::arg("progress"));
   module.def("read_mesh", [](const std::filesystem::path& file) {

@@ -136,6 +136,8 @@ py::dict read_states(const std::filesystem::path& file) {
   }
   py::dict out;
   out["states"] = array_of(loaded.states);
+  const bool jets = std::ranges::any_of(loaded.states, [](const State& s) { return s.jet != nullptr; });
+  out["jets"] = jets ? py::object(jets_of(loaded.states)) : py::none();
   out["spacing"] = loaded.header.spacing;
   out["box"] = array_of(loaded.header.box);
   out["identity"] =

@@ -36,6 +36,7 @@ Belonging belonging_of(const Globals& globals, const Scene& scene, const std::st
   if (foreign) return Belonging::foreign;
   SessionInput input = session_input(scene);
   input.touched.displacements = false;
+  input.touched.jet = 1;
   ReferenceService references(reference_options(input), globals.threads);
   const double farthest = 2 * bounding_box(scene.body->mesh).size().maxCoeff();
   BodyAnswer answer;

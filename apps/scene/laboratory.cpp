@@ -52,6 +52,7 @@ std::vector<State> Laboratory::references(std::span<const Vec3> at, const ShowSh
 SessionInput Laboratory::session_input() const {
   SessionInput input = forefeel::session_input(scene_);
   input.touched.displacements = false;
+  input.touched.jet = 1;
   input.references = service_;
   return input;
 }

@@ -82,7 +82,13 @@ const SceneRows<Scene>& rows_of_space() {
                 "[[x0, y0, z0], [x1, y1, z1]] of tip positions, low corner first; rest is [0, 0, 0]"})
           .required("[[x0, y0, z0], [x1, y1, z1]]")
           .standard("required; made of the body with a phantom")
-          .flag("displacements", "true: states keep the displacements of all nodes", &Scene::displacements)
+          .flag("displacements", "true: states keep the displacements of all nodes",
+                path(&Scene::kept, &KeptValues::displacements))
+          .whole("jet", 1, most_jet_order,
+                 "order of the force that a state keeps, about its position: 1, force and stiffness; 2 to 4, "
+                 "also an "
+                 "energy jet",
+                 path(&Scene::kept, &KeptValues::jet))
           .row({"tolerance", "1", fmt::format("{}", usual_tolerance),
                 "error that spacing = \"auto\" allows where safe, and within which session and classify "
                 "--bars "
@@ -212,7 +218,7 @@ Scene make_scene(const SceneDocument& document, const fs::path& file, const Scen
               scene);
   scene.viscosity = read_viscosity(sections.materials);
   read_state_space(space, scene.body->mesh, sections.body.has("phantom"), use, scene);
-  scene.displacements = scene.displacements || scene.shape.rate > 0;
+  scene.kept.displacements = scene.kept.displacements || scene.shape.rate > 0;
   scene.model.length = scene.space.spacing;
   scene.session.model.fit = scene.model;
   scene.source.hash = hash_of(document, scene.identity);

@@ -48,6 +48,12 @@ struct SceneSpacing {
   std::optional<SpacingChoice> chosen;  // with spacing = "auto" only, if it was measured
 };
 
+// What a state keeps beside its force, stiffness and energy.
+struct KeptValues {
+  bool displacements = false;
+  int jet = 1;  // order of the force: with 2 to 4 also an energy jet
+};
+
 struct Scene {
   SceneSource source;
   SceneWritten written;
@@ -57,7 +63,7 @@ struct Scene {
   Vec3 inward = -Vec3::UnitZ();      // from the contact into the body
   StateSpaceOptions space;
   SceneSpacing spacing;
-  bool displacements = false;
+  KeptValues kept;
   ModelOptions model;
   SessionOptions session;  // .model.fit equals model; device and cost: scene_session.hpp
   ShapeOptions shape;      // a rate above 0 makes states keep their displacements

@@ -293,7 +293,8 @@ int run_with_mpi(const Globals& globals, const SessionArguments& given) {
     const StateSolverOptions solving{
         .spacing = received_spacing(scene, rank),
         .tolerance = 1e-6,
-        .displacements = scene.displacements || shape_options(scene, given).rate > 0};
+        .displacements = scene.kept.displacements || shape_options(scene, given).rate > 0,
+        .jet = scene.kept.jet};
     return LoadedWorker{.worker = make_state_worker(scene.body, solving),
                         .identity = rank_identity(scene.source.hash)};
   };

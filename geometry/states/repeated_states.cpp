@@ -59,6 +59,7 @@ class Mean {
     state_.stiffness.setZero();
     state_.energy = 0;
     state_.displacements.reset();
+    state_.jet.reset();  // each is about the force that its own state has
     state_.solve.status = SolveStatus::measured;
   }
   void add(const State& s) {

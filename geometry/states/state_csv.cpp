@@ -11,6 +11,7 @@
 #include "geometry/common/error.hpp"
 #include "geometry/common/output_file.hpp"
 #include "geometry/common/scanner.hpp"
+#include "geometry/states/jet_columns.hpp"
 #include "geometry/states/state_file.hpp"
 
 namespace forefeel {
@@ -62,6 +63,11 @@ class NamedRows {
     if (text(column).empty() || lower_case(text(column)) == "nan") return unknown;
     return finite(column);
   }
+  // The same, but a distance may be infinite.
+  double distance(const std::string& column) const {
+    const std::string word = lower_case(text(column));
+    return word == "inf" || word == "infinity" ? std::numeric_limits<double>::infinity() : optional(column);
+  }
   Vec3 vector(const char* x, const char* y, const char* z) const {
     const double a = finite(x), b = finite(y), c = finite(z);
     return {a, b, c};
@@ -99,6 +105,16 @@ Mat3 read_stiffness(NamedRows& in) {
   if (known != 0 && known != 9)
     in.fail("the stiffness is only partly known, expected all of k11 to k33 or none");
   return stiffness;
+}
+
+std::shared_ptr<const EnergyJet> read_jet(NamedRows& in) {
+  JetCells cells = cells_of(nullptr);
+  for (std::size_t i = 0; i < jet_size && in.has(jet_names()[i]); ++i)
+    cells.coefficients[i] = in.optional(jet_names()[i]);
+  cells.limit = in.distance("limit");
+  JetOfCells read = jet_of(cells);
+  if (!read.problem.empty()) in.fail("column " + read.problem);
+  return std::move(read.jet);
 }
 
 SolveStatus read_status(NamedRows& in) {
@@ -143,6 +159,12 @@ std::string cell(double value) {
   return std::isfinite(value) ? fmt::format("{}", value) : std::string();
 }
 
+void put_jet(CsvWriter& out, const EnergyJet* jet) {
+  const JetCells cells = cells_of(jet);
+  for (const double e : cells.coefficients) out.put(",{}", cell(e));
+  out.put(",{}", std::isinf(cells.limit) ? "inf" : cell(cells.limit));
+}
+
 }  // namespace
 
 std::vector<State> read_states_csv(const std::filesystem::path& file) {
@@ -152,6 +174,10 @@ std::vector<State> read_states_csv(const std::filesystem::path& file) {
       std::ranges::count_if(stiffness_columns, [&](const char* column) { return in.has(column); });
   if (given != 0 && given != 9)
     in.fail(fmt::format("{} of the nine columns k11 to k33, expected all or none", given));
+  if (const std::string missing = missing_jet_column([&](const std::string& name) { return in.has(name); });
+      !missing.empty())
+    in.fail(missing);
+  const bool jets = in.has(jet_names().front());
   std::vector<State> states;
   while (in.next()) {
     State state;
@@ -173,6 +199,7 @@ std::vector<State> read_states_csv(const std::filesystem::path& file) {
         in.fail(fmt::format("column h: {} is not a spacing, expected a positive number", state.spacing));
     }
     if (in.has("energy")) state.energy = in.optional("energy");
+    if (jets) state.jet = read_jet(in);
     states.push_back(std::move(state));
   }
   if (states.empty())
@@ -189,13 +216,29 @@ std::vector<Vec3> read_points_csv(const std::filesystem::path& file) {
   return points;
 }
 
+namespace {
+
+// The coefficients that a jet of order `to` has beyond one of order `from`.
+Declared jet_row(int from, int to, const char* unit, const char* meaning) {
+  const std::span names(jet_names());
+  const std::size_t begin = jet_terms_of_order(from), end = jet_terms_of_order(to);
+  return {fmt::format("{}", fmt::join(names.subspan(begin, end - begin), ",")), unit, "", meaning};
+}
+
+}  // namespace
+
 std::vector<Declared> declared_states() {
-  return {{"x,y,z", "m", "", "position of the tip, from its rest position"},
-          {"fx,fy,fz", "N", "", "force of the body on the tip"},
-          {fmt::format("{}", fmt::join(stiffness_columns, ",")), "N/m", "",
-           "stiffness, -d force_i / d x_j, row by row; where some state has it"},
-          {"h", "m", "", "spacing of the lattice that the state belongs to; where known"},
-          {"energy", "J", "", "stored energy; where known"}};
+  return {
+      {"x,y,z", "m", "", "position of the tip, from its rest position"},
+      {"fx,fy,fz", "N", "", "force of the body on the tip"},
+      {fmt::format("{}", fmt::join(stiffness_columns, ",")), "N/m", "",
+       "stiffness, -d force_i / d x_j, row by row; where some state has it"},
+      {"h", "m", "", "spacing of the lattice that the state belongs to; where known"},
+      {"energy", "J", "", "stored energy; where known"},
+      jet_row(0, 2, "N/m^2", "energy jet: E = … + sum of e_abc dx^a dy^b dz^c; where some state has one"),
+      jet_row(2, 3, "N/m^3", "its fourth degree; empty where it has none"),
+      jet_row(3, 4, "N/m^4", "its fifth degree; empty where it has none"),
+      {"limit", "m", "", "distance to which the jet keeps the material within its limit; inf: everywhere"}};
 }
 
 void write_states_csv(const std::filesystem::path& file, std::span<const State> states) {
@@ -205,8 +248,9 @@ void write_states_csv(const std::filesystem::path& file, std::span<const State> 
   const bool with_k = some([](const State& s) { return s.has_stiffness(); });
   const bool with_h = some([](const State& s) { return std::isfinite(s.spacing); });
   const bool with_energy = some([](const State& s) { return std::isfinite(s.energy); });
+  const bool with_jet = some([](const State& s) { return s.jet != nullptr; });
   CsvWriter out(file);
-  const bool has[] = {true, true, with_k, with_h, with_energy};
+  const bool has[] = {true, true, with_k, with_h, with_energy, with_jet, with_jet, with_jet, with_jet};
   const std::vector<Declared> all = declared_states();
   std::vector<Declared> columns;
   for (std::size_t i = 0; i < all.size(); ++i)
@@ -219,6 +263,7 @@ void write_states_csv(const std::filesystem::path& file, std::span<const State> 
     for (int i = 0; with_k && i < 9; ++i) out.put(",{}", cell(state.stiffness(i / 3, i % 3)));
     if (with_h) out.put(",{}", cell(state.spacing));
     if (with_energy) out.put(",{}", cell(state.energy));
+    if (with_jet) put_jet(out, state.jet.get());
     out.put("\n");
   }
   out.commit();

@@ -2,6 +2,10 @@
 
 namespace forefeel {
 
+namespace {
+constexpr int has_displacements = 1, has_jet = 2;  // of the byte in front of both
+}
+
 void pack(Packer& message, const State& s) {
   message.add(s.solve.status);
   for (const Vec3& v : {s.at, s.force, s.solve.parent}) message.add(v);
@@ -10,9 +14,25 @@ void pack(Packer& message, const State& s) {
     message.add(v);
   message.add(std::int32_t{s.solve.iterations});
   message.add(std::uint8_t{s.solve.multivalued});
-  message.add(std::uint8_t{s.displacements != nullptr});
+  message.add(static_cast<std::uint8_t>((s.displacements ? has_displacements : 0) | (s.jet ? has_jet : 0)));
   if (s.displacements) message.add(*s.displacements);
+  if (!s.jet) return;
+  message.add(static_cast<std::uint8_t>(s.jet->order));
+  message.add(s.jet->limit);
+  for (std::size_t i = 0; i < jet_terms_of_order(s.jet->order); ++i) message.add(s.jet->coefficients[i]);
 }
+
+namespace {
+
+std::shared_ptr<const EnergyJet> unpack_jet(Unpacker& message) {
+  const int order = message.number<std::uint8_t>();
+  if (order < 2 || order > most_jet_order) throw MalformedMessage("a jet has an unknown order");
+  EnergyJet jet{.order = order, .limit = message.number<double>()};
+  for (std::size_t i = 0; i < jet_terms_of_order(order); ++i) jet.coefficients[i] = message.number<double>();
+  return std::make_shared<const EnergyJet>(jet);
+}
+
+}  // namespace
 
 State unpack_state(Unpacker& message) {
   State s;
@@ -26,8 +46,11 @@ State unpack_state(Unpacker& message) {
     *v = message.number<double>();
   s.solve.iterations = message.number<std::int32_t>();
   s.solve.multivalued = message.number<std::uint8_t>() != 0;
-  if (message.number<std::uint8_t>() != 0)
+  const int parts = message.number<std::uint8_t>();
+  if ((parts & ~(has_displacements | has_jet)) != 0) throw MalformedMessage("a state has unknown parts");
+  if ((parts & has_displacements) != 0)
     s.displacements = std::make_shared<const std::vector<double>>(message.values());
+  if ((parts & has_jet) != 0) s.jet = unpack_jet(message);
   return s;
 }
 

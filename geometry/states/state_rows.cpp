@@ -2,12 +2,14 @@
 
 #include <fmt/format.h>
 
+#include <algorithm>
 #include <array>
 #include <bit>
 #include <cmath>
 #include <cstring>
 
 #include "geometry/common/error.hpp"
+#include "geometry/states/jet_columns.hpp"
 #include "geometry/states/state_outcome.hpp"
 
 namespace forefeel {
@@ -39,8 +41,23 @@ constexpr const char* columns =
     "iterations, "
     "residual, seconds, min_jacobian, parent_x, parent_y, parent_z, displacements";
 constexpr const char* insert_values = "?,?,?,?,?,?,?,?,?,?,?,?,?,?,?,?,?,?,?,?,?,?,?,?,?,?,?,?";
+constexpr int jet_column = 29;  // of a query: behind these, checksum and id
 constexpr std::array<const char*, 6> box_keys{"box_low_x",  "box_low_y",  "box_low_z",
                                               "box_high_x", "box_high_y", "box_high_z"};
+
+std::string quoted_jet_columns() {  // limit is a word of SQL
+  return fmt::format("\"{}\"", fmt::join(jet_columns(), "\", \""));
+}
+
+std::shared_ptr<const EnergyJet> read_jet(Statement& row, const std::string& where) {
+  JetCells cells;
+  int i = jet_column;
+  for (double& e : cells.coefficients) e = row.real(i++);
+  cells.limit = row.real(i);
+  JetOfCells read = jet_of(cells);
+  if (!read.problem.empty()) throw InputError({.file = where}, read.problem);
+  return std::move(read.jet);
+}
 
 State read_row(Statement& row, const std::string& where) {
   State state;
@@ -112,10 +129,16 @@ std::int64_t checksum_of(const State& state, std::string_view status) {
     take(state.displacements->size());
     for (const double value : *state.displacements) take(std::bit_cast<std::uint64_t>(value));
   }
+  if (state.jet) {
+    const std::size_t terms = jet_terms_of_order(state.jet->order);
+    take(terms);
+    for (std::size_t i = 0; i < terms; ++i) number(state.jet->coefficients[i]);
+    number(state.jet->limit);
+  }
   return static_cast<std::int64_t>(sum);
 }
 
-void bind_row(Statement& insert, const State& state) {
+void bind_row(Statement& insert, const State& state, bool jets) {
   int i = 1;
   for (int k = 0; k < 3; ++k) insert.bind(i++, state.at[k]);
   for (int k = 0; k < 3; ++k) insert.bind(i++, state.force[k]);
@@ -135,6 +158,10 @@ void bind_row(Statement& insert, const State& state) {
   else
     insert.bind_null(i);
   insert.bind(++i, checksum_of(state, name(outcome(state))));
+  if (!jets) return;
+  const JetCells cells = cells_of(state.jet.get());
+  for (const double e : cells.coefficients) insert.bind(++i, e);
+  insert.bind(++i, cells.limit);
 }
 
 }  // namespace
@@ -224,12 +251,34 @@ bool has_checksums(sqlite3* database, const std::string& where) {
   return columns_of.step();
 }
 
+namespace {
+
+bool has_jets(sqlite3* database, const std::string& where) {
+  Statement rows(database, where, "SELECT name FROM pragma_table_info('states')");
+  std::size_t found = 0;
+  while (rows.step()) found += std::ranges::count(jet_columns(), rows.text(0)) > 0 ? 1 : 0;
+  if (found != 0 && found != jet_columns().size())
+    throw InputError({.file = where}, fmt::format("has {} of the {} columns of jets, expected all or none",
+                                                  found, jet_columns().size()));
+  return found != 0;
+}
+
+}  // namespace
+
 void insert_states(sqlite3* database, const std::string& where, std::span<const State> states) {
-  Statement insert(
-      database, where,
-      fmt::format("INSERT INTO states ({}, checksum) VALUES ({})", columns, insert_values).c_str());
+  const bool jets = std::ranges::any_of(states, [](const State& s) { return s.jet != nullptr; });
+  if (jets && !has_jets(database, where))
+    for (const std::string& column : jet_columns())
+      execute(database, where, fmt::format("ALTER TABLE states ADD COLUMN \"{}\" REAL", column).c_str());
+  std::string names = std::string(columns) + ", checksum", values = insert_values;
+  if (jets) {
+    names += ", " + quoted_jet_columns();
+    for (std::size_t i = 0; i < jet_columns().size(); ++i) values += ",?";
+  }
+  Statement insert(database, where,
+                   fmt::format("INSERT INTO states ({}) VALUES ({})", names, values).c_str());
   for (const State& state : states) {
-    bind_row(insert, state);
+    bind_row(insert, state, jets);
     insert.step(), insert.reset();
   }
 }
@@ -241,8 +290,10 @@ constexpr int status_column = 17, checksum_column = 27, id_column = 28;
 StateRows::StateRows(sqlite3* database, const std::string& where, bool checksums)
     : where_(where),
       limit_(database),
+      jets_(has_jets(database, where)),
       rows_(database, where,
-            fmt::format("SELECT {}, {}, id FROM states ORDER BY id", columns, checksums ? "checksum" : "NULL")
+            fmt::format("SELECT {}, {}, id{} FROM states ORDER BY id", columns,
+                        checksums ? "checksum" : "NULL", jets_ ? ", " + quoted_jet_columns() : "")
                 .c_str()) {}
 
 bool StateRows::next() {
@@ -250,10 +301,15 @@ bool StateRows::next() {
 }
 
 std::optional<State> StateRows::read() {
-  if (rows_.is_null(checksum_column)) return read_row(rows_, where_);  // of an older file
+  const auto whole_row = [&] {
+    State state = read_row(rows_, where_);
+    if (jets_) state.jet = read_jet(rows_, where_);
+    return state;
+  };
+  if (rows_.is_null(checksum_column)) return whole_row();  // of an older file
   std::optional<State> state;
   try {
-    state = read_row(rows_, where_);
+    state = whole_row();
   } catch (const InputError&) {  // too damaged to be a state
   }
   // Older files write converged even if det F <= 0, so the checksum uses the word in the file.

@@ -22,6 +22,7 @@ StateSetSummary summarise(std::span<const State> states) {
     sum.with_stiffness += s.has_stiffness();
     sum.with_energy += std::isfinite(s.energy);
     sum.with_displacements += s.displacements != nullptr;
+    sum.with_jet += s.jet != nullptr;
     sum.max_force = std::max(sum.max_force, s.force.norm());
   }
   sum.at_one_position = repeated_states(states);

@@ -13,8 +13,9 @@ namespace forefeel {
 
 struct StateSetSummary {
   std::size_t states = 0, usable = 0;
-  std::map<std::string, std::size_t> by_status;                             // name(outcome) -> number
-  std::size_t with_stiffness = 0, with_energy = 0, with_displacements = 0;  // of the usable ones
+  std::map<std::string, std::size_t> by_status;  // name(outcome) -> number
+  std::size_t with_stiffness = 0, with_energy = 0, with_displacements = 0,
+              with_jet = 0;  // of the usable ones
   std::size_t multivalued = 0;
   std::size_t inverted = 0;  // of the usable ones: with inverted elements
   RepeatedStates at_one_position;

@@ -55,7 +55,9 @@ State solve_unless_stopped(Solver& solver, const Vec3& x, const PlacementOptions
     if (options.stop.stop_requested()) throw Stopped();
   });
   try {
-    return solver.reference(x, options.space.spacing, {.want_displacements = options.want_displacements})
+    return solver
+        .reference(x, options.space.spacing,
+                   {.want_displacements = options.want_displacements, .jet = options.jet})
         .state;
   } catch (const Stopped&) {
     State state;

@@ -55,6 +55,7 @@ struct PlacementOptions {
   std::uint64_t seed = 0;           // of the truth's positions
   int threads = 0;                  // 0: all; does not affect the result
   bool want_displacements = false;
+  int jet = 1;  // order of the force that states keep
   std::stop_token stop;
 };
 

@@ -181,7 +181,8 @@ MemoryRequest memory_request(const SessionPlan& plan) {
           .frames = plan.frames,
           .seconds = plan.options.clock.seconds,
           .workers = threads ? workers.count : 0,
-          .threads = workers.threads};
+          .threads = workers.threads,
+          .jet = plan.input.touched.jet};
 }
 
 // A clairvoyant session is simulated several times with the same parts.

@@ -42,7 +42,8 @@ MemoryNeed memory_need(const MemoryRequest& asked) {
   const int workers = asked.workers, threads = reference_threads(asked.threads);
   if (std::max(workers, threads) <= few) return need;
   double solver = 0;
-  if (!is_linear(*asked.body)) solver = static_cast<double>(SolverBasis(asked.body).bytes_per_solver());
+  if (!is_linear(*asked.body))
+    solver = static_cast<double>(SolverBasis(asked.body).bytes_per_solver(asked.jet));
   need.workers = workers * (solver + bytes_per_thread);
   need.references = threads * (solver + bytes_per_thread);
   return need;

@@ -15,6 +15,7 @@ struct MemoryRequest {
   double seconds = 0;  // length of the session [s]
   int workers = 0;     // threads that solve under the real clock; simulated workers take nothing
   int threads = 0;     // of reference solves, as given (workers/reference_service.hpp)
+  int jet = 1;         // order of the force that states keep
 };
 
 // Bytes, at most.

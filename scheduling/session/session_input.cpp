@@ -11,6 +11,7 @@ ReferenceOptions reference_options(const SessionInput& input) {
           .spacing = touched.space.spacing,
           .box = touched.space.box,
           .displacements = touched.displacements,
+          .jet = touched.jet,
           .cache_folder = input.files.cache};
 }
 

@@ -29,6 +29,7 @@ struct TouchedBody {
   BodyIdentity identity = {};    // empty: its states are not cached on disk
   StateSpaceOptions space = {};  // box and spacing of the states
   bool displacements = false;    // states hold the displacements of all nodes
+  int jet = 1;                   // order of the force that states keep: with 2 to 4 also an energy jet
   Vec3 inward = -Vec3::UnitZ();  // from the contact into the body
   Viscosity viscosity = {};      // of all its tissue; states are elastic and do not depend on it
 };

@@ -19,7 +19,8 @@ namespace {
 
 // Equal for sessions with the same reference solves.
 std::string body_key(const SessionInput& input) {
-  std::string key = fmt::format("{} {}", input.touched.space.spacing, input.touched.displacements);
+  std::string key =
+      fmt::format("{} {} {}", input.touched.space.spacing, input.touched.displacements, input.touched.jet);
   for (const auto& [name, hash] : input.touched.identity) key += fmt::format(" {}={}", name, hash);
   return key;
 }

@@ -109,11 +109,12 @@ struct StateSolverOptions {
   double spacing = 0.006;   // continuation step of the reference branch [m]
   double tolerance = 1e-6;  // of from()
   bool displacements = false;
+  int jet = 1;  // order of the force that a state keeps: with 2 to 4 also an energy jet
 };
 
 struct RealWorkersContext {
   std::shared_ptr<const Body> body;
-  StateSolverOptions solving = {};  // spacing, tolerance, displacements
+  StateSolverOptions solving = {};  // spacing, tolerance, what states keep
   int count = 1;                    // workers asked for
   Arguments arguments = {};         // the user's settings; empty for built-in kinds
 };

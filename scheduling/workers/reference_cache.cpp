@@ -13,24 +13,25 @@
 namespace forefeel {
 namespace {
 
-std::string cache_name(const BodyIdentity& identity, double spacing, bool displacements) {
+std::string cache_name(const ReferenceOptions& options) {
   std::uint64_t low = 1, high = 2;
   const auto take = [&](const std::string& text) {
     for (const char c : text)
       low = random::mix(low, static_cast<unsigned char>(c)), high = random::mix(high, low);
     low = random::mix(low, 0x100);
   };
-  for (const auto& [name, hash] : identity) take(name), take(hash);
-  take(fmt::format("{}", spacing));
+  for (const auto& [name, hash] : options.identity) take(name), take(hash);
+  take(fmt::format("{}", options.spacing));
   take(solver_revision());
-  return fmt::format("{:016x}{:016x}{}", low, high, displacements ? "-displacements" : "");
+  return fmt::format("{:016x}{:016x}{}{}", low, high, options.displacements ? "-displacements" : "",
+                     options.jet > 1 ? fmt::format("-jet{}", options.jet) : "");
 }
 
 }  // namespace
 
 ReferenceCache::ReferenceCache(const ReferenceOptions& options, bool names_only) {
   if (options.cache_folder.empty() || options.identity.empty()) return;
-  name_ = cache_name(options.identity, options.spacing, options.displacements);
+  name_ = cache_name(options);
   if (names_only) return;
   const std::filesystem::path file = options.cache_folder / (name_ + ".states");
   try {

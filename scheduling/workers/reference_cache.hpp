@@ -23,6 +23,7 @@ struct ReferenceOptions {
   double spacing = 0.006;              // continuation step of the reference branch [m]
   Box box;                             // recorded_costs() draws its positions here [m]
   bool displacements = false;          // states hold them
+  int jet = 1;                         // order of the force that states keep
   std::filesystem::path cache_folder;  // empty: no cache
   bool read_only = false;              // the cache is another process's to write
 };

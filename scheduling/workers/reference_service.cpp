@@ -31,7 +31,10 @@ ReferenceService::Key ReferenceService::key(const Vec3& x) {
 ReferenceService::ReferenceService(const ReferenceOptions& options, int threads)
     : basis_(std::make_shared<SolverBasis>(options.body)),
       linear_(linear_basis(options.body, options.spacing)),
-      solver_options_{.spacing = options.spacing, .tolerance = 1e-6, .displacements = options.displacements},
+      solver_options_{.spacing = options.spacing,
+                      .tolerance = 1e-6,
+                      .displacements = options.displacements,
+                      .jet = options.jet},
       thread_count_(static_cast<std::size_t>(reference_threads(threads))),
       cache_(options, linear_ != nullptr),
       costs_([this] { return StateSolver(basis_, linear_, solver_options_); }, options, cache_.name()) {

@@ -19,6 +19,8 @@ void StateSolver::prepare() {
 SolveOutcome StateSolver::linear_outcome(const Vec3& x) {
   SolveOutcome outcome;
   outcome.state = linear_->at(x, options_.displacements);
+  if (outcome.state.usable() && options_.jet > 1)
+    outcome.state.jet = std::make_shared<const EnergyJet>(EnergyJet{.order = options_.jet});
   return outcome;
 }
 
@@ -26,6 +28,7 @@ SolveOutcome StateSolver::reference(const Vec3& x) {
   if (linear_) return linear_outcome(x);
   SolveOptions options;
   options.want_displacements = options_.displacements;
+  options.jet = options_.jet;
   return solver().reference(x, options_.spacing, options);
 }
 
@@ -33,6 +36,7 @@ SolveOptions StateSolver::quick() const {
   SolveOptions options;
   options.tolerance = options_.tolerance;
   options.want_displacements = options_.displacements;
+  options.jet = options_.jet;
   options.keep_factor = true;
   return options;
 }

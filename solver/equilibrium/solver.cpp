@@ -171,13 +171,16 @@ std::shared_ptr<const Discretisation> SolverBasis::discretisation() {
 }
 
 // Sums up the factor, the blocks of H now and at rest, the vectors of Newton and continuation, and vectors in lanes.
-std::size_t SolverBasis::bytes_per_solver() {
+std::size_t SolverBasis::bytes_per_solver(int jet) {
   const std::shared_ptr<const Discretisation> d = discretisation();
   const FactorCost factor = cost_of_factor(*d);
   const std::int64_t blocks = 2 * 9 * (d->pattern.size() + 1);
   constexpr std::int64_t alone = 16, in_lanes = 21 + 8;  // vectors; of a batch's fields too
-  return static_cast<std::size_t>(factor.factor_bytes + factor.stack_bytes +
-                                  8 * (blocks + (alone + in_lanes * lane_count) * d->local_size()));
+  const std::int64_t of_factor = factor.factor_bytes + factor.stack_bytes;
+  std::int64_t bytes = of_factor + 8 * (blocks + (alone + in_lanes * lane_count) * d->local_size());
+  if (jet > 1)  // StateJets has a factor of its own, and two vectors in lanes
+    bytes += of_factor + 8 * (blocks + (alone + 2 * lane_count) * d->local_size());
+  return static_cast<std::size_t>(bytes);
 }
 
 Solver::Solver(std::shared_ptr<const Body> body) {

@@ -53,7 +53,8 @@ class SolverBasis {
   explicit SolverBasis(std::shared_ptr<const Body> body);
   const std::shared_ptr<const Body>& body() const { return body_; }
   std::shared_ptr<const Discretisation> discretisation();
-  std::size_t bytes_per_solver();  // upper bound of the memory of one Solver of this basis, without the basis
+  // Upper bound of the memory of one Solver of this basis, without the basis, that makes jets of this order.
+  std::size_t bytes_per_solver(int jet = 1);
 
  private:
   std::shared_ptr<const Body> body_;

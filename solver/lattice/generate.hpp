@@ -22,6 +22,7 @@ struct GenerateOptions {
   int threads = 0;          // 0: all
   double tolerance = 1e-6;  // force, relative
   bool want_displacements = false;
+  int jet = 1;  // order of the force that a state keeps: with 2 to 4 also an energy jet
   std::stop_token stop = {};
 };
 struct LatticeOptions : GenerateOptions {

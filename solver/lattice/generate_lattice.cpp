@@ -12,6 +12,7 @@
 #include "geometry/states/state_outcome.hpp"
 #include "solver/equilibrium/linear_body.hpp"
 #include "solver/lattice/generate.hpp"
+#include "solver/lattice/node_states.hpp"
 #include "solver/lattice/sweep_plan.hpp"
 
 namespace forefeel {
@@ -39,9 +40,19 @@ class Sweep {
   }
 
  private:
+  // One thread's.
+  struct Worker {
+    Worker(const std::shared_ptr<const Discretisation>& d, const SweepOptions& options, const Body& body,
+           const GenerateOptions& wanted)
+        : sweep(d, options), states(d, body, wanted) {}
+    SweepWorker sweep;
+    NodeStates states;
+  };
+
   void run_linear() {
     NewtonSolver newton(d_);
     const LinearBody linear(*d_, newton);
+    NodeStates states(d_, *body_, options_);
     for (const LatticeIndex& k : plan_.missing()) {
       if (stopped()) return;
       SweepNode node;
@@ -50,14 +61,15 @@ class Sweep {
       node.state.solve.parent = Vec3::Zero();
       node.state.solve.seconds =
           std::chrono::duration<double>(std::chrono::steady_clock::now() - start).count();
-      emit(node);
+      emit(states.of(node));
     }
   }
 
   void run_sweep() {
     SweepOptions sweep = sweep_options(*body_, options_, options_.stop, solved_);
     sweep.precision = fitting_precision(d_);
-    for (int i = 0; i < report_.threads; ++i) workers_.push_back(std::make_unique<SweepWorker>(d_, sweep));
+    for (int i = 0; i < report_.threads; ++i)
+      workers_.push_back(std::make_unique<Worker>(d_, sweep, *body_, options_));
     march_coarse();
     if (!stopped()) fill_cells();
   }
@@ -70,10 +82,10 @@ class Sweep {
     std::map<int, std::vector<LatticeIndex>> levels;
     for (const LatticeIndex& c : plan_.coarse()) levels[level(c)].push_back(c);
     for (const auto& [number, members] : levels) {
-      for_each(members.size(), [&, &list = members](SweepWorker& worker, std::size_t i) {
+      for_each(members.size(), [&, &list = members](Worker& worker, std::size_t i) {
         SweepNode& node = coarse_[place_.at(list[i])];
-        node = solve_coarse_node(worker, list[i]);
-        if (plan_.is_wanted(list[i])) emit(node);
+        node = solve_coarse_node(worker.sweep, list[i]);
+        if (plan_.is_wanted(list[i])) emit(worker.states.of(node));
       });
       if (stopped()) return;
     }
@@ -81,9 +93,9 @@ class Sweep {
 
   // Solves the fine states by groups, outward from rest.
   void fill_cells() {
-    for_each(plan_.groups().size(), [&](SweepWorker& worker, std::size_t i) {
-      for (const SweepNode& node : solve_fine_nodes(worker, plan_.groups()[i]))
-        if (plan_.is_wanted(node.index)) emit(node);
+    for_each(plan_.groups().size(), [&](Worker& worker, std::size_t i) {
+      for (const SweepNode& node : solve_fine_nodes(worker.sweep, plan_.groups()[i]))
+        if (plan_.is_wanted(node.index)) emit(worker.states.of(node));
     });
   }
 
@@ -112,9 +124,8 @@ class Sweep {
     return options_.stop.stop_requested() || broken_.load();
   }
 
-  void emit(const SweepNode& node) {
-    if (node.state.solve.status == SolveStatus::cancelled) return;
-    State state = state_of(node, *d_, *body_, options_.want_displacements);
+  void emit(State state) {
+    if (state.solve.status == SolveStatus::cancelled) return;
     std::exception_ptr thrown;
 #pragma omp critical(forefeel_generate)
     {
@@ -142,7 +153,7 @@ class Sweep {
     const auto at = place_.find(c);
     return at != place_.end() && coarse_[at->second].solved() ? &coarse_[at->second] : nullptr;
   };
-  std::vector<std::unique_ptr<SweepWorker>> workers_;
+  std::vector<std::unique_ptr<Worker>> workers_;
   GenerateReport report_;
   std::exception_ptr failure_;
   std::atomic<bool> broken_ = false;

@@ -7,6 +7,7 @@
 
 #include "geometry/states/state_message.hpp"
 #include "geometry/states/state_outcome.hpp"
+#include "solver/lattice/node_states.hpp"
 #include "solver/lattice/sweep_plan.hpp"
 
 namespace forefeel {
@@ -198,6 +199,7 @@ void LatticePieces::done(std::uint64_t id, int worker, Unpacker result) {
   for (SweepNode& node : found) {
     if (impl_->plan.is_wanted(is_coarse ? piece.fine.front() : node.index)) impl_->emit(node.state);
     node.state.displacements = nullptr;  // neighbours are predicted from the field
+    node.state.jet = nullptr;
   }
   if (is_coarse && found.front().solved()) {
     impl_->sent[worker].insert(piece.index);
@@ -230,7 +232,8 @@ struct LatticeWorker::Impl {
         d(std::make_shared<const Discretisation>(discretise(*body))),
         options(its_options),
         nodes(std::move(its_nodes)),
-        worker(d, fitting(d, sweep_options(*body, options, options.stop, solved))) {}
+        worker(d, fitting(d, sweep_options(*body, options, options.stop, solved))),
+        states(d, *body, options) {}
 
   static SweepOptions fitting(const std::shared_ptr<const Discretisation>& d, SweepOptions options) {
     options.precision = fitting_precision(d);
@@ -250,6 +253,7 @@ struct LatticeWorker::Impl {
     return nodes->find(c);
   };
   SweepWorker worker;
+  NodeStates states;
 };
 
 LatticeWorker::LatticeWorker(std::shared_ptr<const Body> body, const LatticeOptions& options,
@@ -275,11 +279,12 @@ std::optional<Bytes> LatticeWorker::solve(Unpacker piece) {
   result.add(std::uint32_t(found.size()));
   for (SweepNode& node : found) {
     if (node.state.solve.status == SolveStatus::cancelled || impl_->options.stop.stop_requested()) return {};
-    node.state = state_of(node, *impl_->d, *impl_->body, impl_->options.want_displacements);
+    node.state = impl_->states.of(node);
     if (kind == PieceKind::cell) node.field = {};  // only coarse nodes are looked at by others
     pack_node(result, node);
     if (kind == PieceKind::cell || !node.solved()) continue;
     node.state.displacements = nullptr;
+    node.state.jet = nullptr;
     impl_->nodes->keep(std::move(node));  // it is not sent here again
   }
   return result.take();

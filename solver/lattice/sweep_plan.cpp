@@ -246,15 +246,6 @@ std::vector<SweepNode> solve_fine_nodes(SweepWorker& worker, std::span<const Lat
   return nodes;
 }
 
-State state_of(const SweepNode& node, const Discretisation& d, const Body& body, bool want_displacements) {
-  State state = node.state;
-  if (!want_displacements || !state.usable()) return state;
-  std::vector<double> u = d.to_nodes(node.field.u.data());
-  u.resize(3 * body.mesh.nodes.size());
-  state.displacements = std::make_shared<const std::vector<double>>(std::move(u));
-  return state;
-}
-
 std::vector<LatticeIndex> nodes_looked_at(const CoarsePlanes& planes, std::span<const LatticeIndex> fine) {
   std::set<LatticeIndex> nodes;
   const auto look = [&](const Vec3& q) {

@@ -56,8 +56,6 @@ SweepOptions sweep_options(const Body& body, const LatticeOptions& options, cons
                            SolvedNodes solved);
 SweepNode solve_coarse_node(SweepWorker& worker, const LatticeIndex& coarse);
 std::vector<SweepNode> solve_fine_nodes(SweepWorker& worker, std::span<const LatticeIndex> fine);
-// The node's state, with the displacements of all nodes of the body if they are wanted.
-State state_of(const SweepNode& node, const Discretisation& d, const Body& body, bool want_displacements);
 // The coarse nodes that solving these fine positions may need, and possibly some more. The positions themselves are
 // not included. Sorted.
 std::vector<LatticeIndex> nodes_looked_at(const CoarsePlanes& planes, std::span<const LatticeIndex> fine);

@@ -46,6 +46,20 @@ class Bodies(unittest.TestCase):
         self.assertEqual(moved.shape, (2, len(mesh.nodes), 3))
         self.assertTrue(np.array_equal(moved[0][mesh.contact], np.tile(at[0], (len(mesh.contact), 1))))
         self.assertTrue(np.array_equal(moved[0][mesh.clamp], np.zeros((len(mesh.clamp), 3))))
+        states, moved, jets = body.solve(at, displacements=True, jet=3)
+        self.assertEqual(moved.shape, (2, len(mesh.nodes), 3))
+        self.assertEqual(list(jets[0])[:2] + list(jets[1])[-2:], ["e300", "e210", "e004", "limit"])
+        self.assertEqual(len(jets[0]), 26)
+        # E(x + d) of the jet against the energy there.
+        d = np.array([1e-4, -2e-4, 1e-4])
+        there = body.solve(at[0] + d)[0]
+        energy = states["energy"][0] - states["force"][0] @ d + d @ states["stiffness"][0] @ d / 2
+        third = sum(v * d[0] ** int(k[1]) * d[1] ** int(k[2]) * d[2] ** int(k[3])
+                    for k, v in jets[0].items() if k.startswith("e"))
+        self.assertLess(abs(energy + third - there["energy"]), 0.05 * abs(energy - there["energy"]))
+        self.assertEqual(len(ff.solve(scene, at, jet=4)[1][0]), 47)
+        with self.assertRaisesRegex(ff.InputError, "jet: is 5, expected 1 to 4"):
+            body.solve(at, jet=5)
         lattice = ff.generate(body, 0.004, scene.box)
         self.assertTrue(np.array_equal(lattice["force"], scene.generate()["force"]))
         self.assertEqual(len(lattice), 27)

@@ -111,7 +111,7 @@ TEST_CASE("help lists the keys of solve, mesh, generate, evaluate and classify -
     REQUIRE(done.code == 0);
     return done.json();
   };
-  compare("solve.json", {run("solve beam.toml --at=0,0,0.001 --discretisation-error")});
+  compare("solve.json", {run("solve beam.toml --at=0,0,0.001 --discretisation-error --jet 4")});
   shop.write("cube.off",
              "OFF\n8 12 0\n0 0 0\n1 0 0\n1 1 0\n0 1 0\n0 0 1\n1 0 1\n1 1 1\n0 1 1\n3 0 2 1\n3 0 3 2\n3 4 5 "
              "6\n3 4 6 7\n"

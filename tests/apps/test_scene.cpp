@@ -48,7 +48,7 @@ slew = 100
 ramp = 0
 stale = 1
 )"));
-  CHECK(scene.displacements);
+  CHECK(scene.kept.displacements);
   CHECK(scene.model.kernel == Kernel::cubic);
   CHECK(scene.model.neighbours == 60);
   CHECK(scene.session.model.fit.select == Select::nearest);

@@ -37,11 +37,25 @@ inline State state(int i, bool full = true) {
   return s;
 }
 
+inline std::shared_ptr<const EnergyJet> jet(int order, int i) {
+  std::mt19937 random(static_cast<unsigned>(1000 + i));
+  std::uniform_real_distribution<double> uniform(-1e5, 1e5);
+  EnergyJet jet{.order = order};
+  if (i % 2 == 0) jet.limit = 0.01 + 1e-6 * uniform(random) / 1e5;
+  for (std::size_t k = 0; k < jet_terms_of_order(order); ++k) jet.coefficients[k] = uniform(random);
+  return std::make_shared<const EnergyJet>(jet);
+}
+
 inline bool same(double a, double b) {
   return a == b || (std::isnan(a) && std::isnan(b));
 }
 inline bool same(const Vec3& a, const Vec3& b) {
   return same(a[0], b[0]) && same(a[1], b[1]) && same(a[2], b[2]);
+}
+
+inline bool same(const EnergyJet* a, const EnergyJet* b) {
+  if (!a || !b) return !a && !b;
+  return a->order == b->order && a->limit == b->limit && a->coefficients == b->coefficients;
 }
 
 inline bool same(const State& a, const State& b) {
@@ -54,12 +68,20 @@ inline bool same(const State& a, const State& b) {
          a.solve.multivalued == b.solve.multivalued && a.solve.iterations == b.solve.iterations &&
          same(a.solve.residual, b.solve.residual) && same(a.solve.seconds, b.solve.seconds) &&
          same(a.solve.min_jacobian, b.solve.min_jacobian) && same(a.solve.parent, b.solve.parent) &&
-         displaced;
+         displaced && same(a.jet.get(), b.jet.get());
 }
 
 inline std::vector<State> states(int n) {
   std::vector<State> all;
   for (int i = 0; i < n; ++i) all.push_back(state(i, i % 4 != 3));
+  return all;
+}
+
+// With jets of order 2, 3 and 4, and without.
+inline std::vector<State> states_with_jets(int n) {
+  std::vector<State> all = states(n);
+  for (int i = 0; i < n; ++i)
+    if (const int order = 1 + i % 4; order > 1) all[static_cast<std::size_t>(i)].jet = jet(order, i);
   return all;
 }
 

@@ -77,10 +77,13 @@ class Body:
         return getattr(self, key)
 
     def solve(self, positions: ArrayLike, displacements: bool = False, spacing: float = 0.006,
-              progress: Progress | None = None) -> Any:
+              progress: Progress | None = None, jet: int = 1) -> Any:
         """Exact states at positions (n, 3) [m], on all cores: a structured array (n,). With displacements=True also
-        (n, v, 3) [m]. Each is reached straight from rest in steps of at most `spacing` [m]. Ctrl-C ends it."""
-        return self._body.solve(numbers(positions, "positions"), spacing, displacements, progress)
+        (n, v, 3) [m]. With jet=2, 3 or 4, the order of the force about a state, also a list (n) of energy jets: dict
+        {"e300": …, "limit": …} of the coefficients of dx^a dy^b dz^c [J/m^(a+b+c)] and of how far the material allows
+        it [m]; None where a solve failed. Each state is reached straight from rest in steps of at most `spacing` [m].
+        Ctrl-C ends it."""
+        return self._body.solve(numbers(positions, "positions"), spacing, displacements, progress, jet)
 
     def generate(self, spacing: float, box: ArrayLike, threads: int = 0, progress: Progress | None = None) -> States:
         """All states of the lattice {k spacing} in the box (2, 3) [m], sorted by position. threads 0: all cores.
@@ -150,10 +153,12 @@ class Scene:
         """Its mesh, material, clamped and contact nodes."""
         return Body._of(self._scene._body())
 
-    def solve(self, positions: ArrayLike, displacements: bool = False, progress: Progress | None = None) -> Any:
+    def solve(self, positions: ArrayLike, displacements: bool = False, progress: Progress | None = None,
+              jet: int = 1) -> Any:
         """Exact states at positions (n, 3) [m], on all cores: a structured array (n,). With displacements=True also
-        (n, v, 3) [m]. Same states as `forefeel solve`. Ctrl-C ends it."""
-        return self._scene._body().solve(numbers(positions, "positions"), self.spacing, displacements, progress)
+        (n, v, 3) [m], with jet=2, 3 or 4 also a list of energy jets, as Body.solve(). Same states as `forefeel solve`.
+        Ctrl-C ends it."""
+        return self._scene._body().solve(numbers(positions, "positions"), self.spacing, displacements, progress, jet)
 
     def generate(self, spacing: float | None = None, threads: int = 0, progress: Progress | None = None) -> States:
         """All states of the lattice in the box, sorted by position. spacing [m], None: the scene's; threads 0: all
@@ -181,10 +186,10 @@ class Scene:
         return Run(_core._run_session(self._scene, progress, options))
 
 
-def solve(what: Scene | Body, positions: ArrayLike, displacements: bool = False) -> Any:
+def solve(what: Scene | Body, positions: ArrayLike, displacements: bool = False, jet: int = 1) -> Any:
     """Exact states of a Scene or Body at positions (n, 3) [m]: a structured array (n,); with displacements=True also
-    (n, v, 3) [m]."""
-    return what.solve(positions, displacements)
+    (n, v, 3) [m]; with jet=2, 3 or 4 also a list of energy jets, as Body.solve()."""
+    return what.solve(positions, displacements, jet=jet)
 
 
 def generate(what: Scene | Body, spacing: float | None = None, box: ArrayLike | None = None,

@@ -19,12 +19,13 @@ class States:
     identity  dict: the body that the states belong to; empty for measured states
     notes     dict of texts
     damaged   number of rows of the file that could not be read
+    jets      list (n) of the energy jets that the file holds, dict or None as of Body.solve(); None without any
     """
 
     def __init__(self, array: NDArray[Any], spacing: float, box: NDArray[np.float64], identity: dict[str, str],
-                 notes: dict[str, str], damaged: int = 0) -> None:
+                 notes: dict[str, str], damaged: int = 0, jets: list[dict[str, float] | None] | None = None) -> None:
         self.array, self.spacing, self.box = array, spacing, box
-        self.identity, self.notes, self.damaged = identity, notes, damaged
+        self.identity, self.notes, self.damaged, self.jets = identity, notes, damaged, jets
 
     def __len__(self) -> int:
         return len(self.array)
@@ -73,7 +74,8 @@ def frame_of(columns: dict[str, NDArray[Any]]) -> Any:
 def read_states(file: Any) -> States:
     """Reads a .states file or a CSV of states. InputError names the file and what is wrong."""
     read = _core.read_states(file)
-    return States(read["states"], read["spacing"], read["box"], read["identity"], read["notes"], read["damaged"])
+    return States(read["states"], read["spacing"], read["box"], read["identity"], read["notes"], read["damaged"],
+                  read["jets"])
 
 
 def write_states(file: Any, states: Any, spacing: float | None = None) -> None:
