@@ -71,16 +71,18 @@ SmoothBody smooth_body(std::string_view name) {
 
 struct Filled {
   TetMesh mesh;
+  SizeField size = {};
   double level = 0;  // of the rim [m]
 };
 
 // Coarser or finer surfaces until the count is met.
 template <class Skin>
-TetMesh fill_with(const Skin& skin_of, SizeField field, std::size_t elements) {
+Filled fill_with(const Skin& skin_of, SizeField field, std::size_t elements) {
   std::string problem;
   for (int k = 0; k < most_tries; ++k) {
     CountedFill fill = fill_graded(skin_of(field), field, elements, share);
-    if (fill.mesh && within_share(fill.mesh->tets.size(), elements)) return std::move(*fill.mesh);
+    if (fill.mesh && within_share(fill.mesh->tets.size(), elements))
+      return {.mesh = std::move(*fill.mesh), .size = field};
     problem = fill.problem;
     const double factor = fill.too_fine ? 1.1 : 0.94;
     field.near *= factor, field.far *= factor;
@@ -107,8 +109,10 @@ Filled smooth_fill(std::string_view name, const PhantomOptions& options, const L
     if (std::ranges::none_of(skin.pins,
                              [&](const Vec3& pin) { return (pin - end).norm() < 0.5 * field.at(end); }))
       skin.pins.push_back(end);
-  return {fill_with([&](const SizeField& size) { return graded_skin(skin, size); }, field, options.elements),
-          skin.level};
+  Filled filled =
+      fill_with([&](const SizeField& size) { return graded_skin(skin, size); }, field, options.elements);
+  filled.level = skin.level;
+  return filled;
 }
 
 Filled box_fill(std::string_view name, const PhantomOptions& options, const LowEnd& rim) {
@@ -117,28 +121,32 @@ Filled box_fill(std::string_view name, const PhantomOptions& options, const LowE
   toward.site = nearest_point(surface, toward.site);
   const SizeField field = size_field(surface, toward, options.elements);
   const auto skin_of = [&](const SizeField& size) { return graded_skin(surface, {.rim = rim}, size); };
-  return {fill_with(skin_of, field, options.elements), rim_level(box_of(name), rim)};
+  Filled filled = fill_with(skin_of, field, options.elements);
+  filled.level = rim_level(box_of(name), rim);
+  return filled;
 }
 
 }  // namespace
 
-TetMesh graded_phantom(std::string_view name, const PhantomOptions& asked) {
+TetMesh graded_phantom(std::string_view name, const PhantomOptions& asked, SizeField* made) {
   PhantomOptions options = asked;
   if (options.elements == 0) options.elements = blueprint(name).elements;
   if (!(options.toward.radius > 0) || !std::isfinite(options.toward.radius))
     throw InputError("phantom", fmt::format("radius of the contact {} m, expected a positive number",
                                             options.toward.radius));
   const LowEnd rim = options.rim.value_or(own_clamp(name));
-  auto [mesh, level] = is_box(name) ? box_fill(name, options, rim) : smooth_fill(name, options, rim);
+  Filled filled = is_box(name) ? box_fill(name, options, rim) : smooth_fill(name, options, rim);
+  if (made) *made = filled.size;
+  TetMesh& mesh = filled.mesh;
   const std::vector<NodeIndex> surface = surface_nodes(mesh);
   const auto k = static_cast<Eigen::Index>(rim.axis);
-  const double limit = level + 1e-9 * longest_side(mesh);
+  const double limit = filled.level + 1e-9 * longest_side(mesh);
   for (const NodeIndex node : surface)
     if (mesh.nodes[node][k] <= limit) mesh.groups["clamp"].push_back(node);
   auto& contact = mesh.groups["contact"];
   contact = surface_nodes_within(mesh, blueprint(name).tip, phantom_patch(name));
   if (contact.empty()) contact = {nearest_surface_node(mesh, blueprint(name).tip)};
-  return mesh;
+  return std::move(mesh);
 }
 
 }  // namespace forefeel

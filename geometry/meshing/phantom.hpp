@@ -9,6 +9,7 @@
 #include <string_view>
 #include <vector>
 
+#include "geometry/meshing/size_field.hpp"
 #include "geometry/meshing/surface.hpp"
 
 namespace forefeel {
@@ -24,8 +25,8 @@ struct PhantomOptions {
   std::optional<LowEnd> rim = std::nullopt;  // of another clamp than the group's
 };
 // As phantom(), with small elements at a contact (size_field.hpp). Edges run along the rim of the clamp, and the group
-// "clamp" holds the surface's nodes up to it.
-TetMesh graded_phantom(std::string_view name, const PhantomOptions& options);
+// "clamp" holds the surface's nodes up to it. made: the wanted edges.
+TetMesh graded_phantom(std::string_view name, const PhantomOptions& options, SizeField* made = nullptr);
 Vec3 phantom_tip(std::string_view name);  // middle of the contact patch [m]
 
 }  // namespace forefeel

@@ -28,8 +28,8 @@ struct SizeField {
 // Edge l of the tetrahedra if `elements` of about equal size fill the body [m].
 double uniform_edge(const Surface& closed, std::size_t elements);
 
-// The field that gives about `elements` tetrahedra. Half of them are left to the far edge, 2^(1/3) of the uniform one,
-// and `near` takes the others. Where `near` would then fall below `least_near` of the radius, the far edge is smaller
+// The field that gives about `elements` tetrahedra. The far edge is 1.6^(1/3) of the uniform one, and `near` takes
+// the elements that this leaves, about 3/8: measured best of 1.15 to 3 for linear and quadratic bodies of 900 to 14,000. Where `near` would then fall below `least_near` of the radius, the far edge is smaller
 // instead. `near` never exceeds the uniform edge.
 SizeField size_field(const Surface& closed, const Toward& toward, std::size_t elements);
 
