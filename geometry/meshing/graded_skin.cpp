@@ -87,7 +87,7 @@ GradedSurface graded_skin(const Surface& closed, const SkinOptions& options, con
     cut_at(input.start, axis, level);
     input.rim = borders(input.start, marks_below(input.start, axis, level));
   }
-  input.sharp = sharp_edges(input.start);
+  if (options.keep_sharp) input.sharp = sharp_edges(input.start);
   input.onto_sharp = nearest_on_lines(input.start, input.sharp);
   settle(input);
   return graded_surface(input);

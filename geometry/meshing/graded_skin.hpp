@@ -16,6 +16,7 @@ struct SkinOptions {
   std::optional<LowEnd> rim = {};
   std::span<const int> marks = {};  // by triangle of the surface; empty: none
   std::span<const Vec3> pins = {};  // [m]; the node nearest to each is moved onto it
+  bool keep_sharp = true;           // edges of more than 50 degrees
 };
 GradedSurface graded_skin(const Surface& closed, const SkinOptions& options, const SizeField& size);
 

@@ -8,8 +8,8 @@
 namespace forefeel {
 namespace {
 
-constexpr double shape = 0.15;         // volume of a tetrahedron over h^3
-constexpr double far_share = 1.16961;  // of the uniform edge: 1.6^(1/3)
+constexpr double shape = 0.15;          // volume of a tetrahedron over h^3
+constexpr double far_share = 1.144714;  // of the uniform edge: 1.5^(1/3)
 constexpr int shells = 256;
 
 double cube(double x) {

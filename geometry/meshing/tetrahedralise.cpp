@@ -75,6 +75,7 @@ bool is_sound(TetMesh mesh) {
 }
 
 constexpr int most_attempts = 14;
+constexpr int to_resampled = 3, to_smooth = 7;  // attempts of a graded mesh from which its surface is simpler
 
 class Attempts {
  public:
@@ -93,13 +94,14 @@ class Attempts {
     for (int k = 0; k < most_attempts; ++k) {
       told_.attempt = k + 1;
       tell(told_, MeshingStep::resample);
-      CountedFill fill = is_graded(options_) ? graded(edge / first) : even(edge);
+      if (k == to_resampled || k == to_smooth) edge = is_graded(options_) ? first : edge;
+      CountedFill fill = is_graded(options_) ? graded(k, edge / first) : even(edge);
       const bool met = meets(fill.mesh, options_.elements);
       if (met && is_sound(*fill.mesh)) return std::move(*fill.mesh);
       if (met) fill = {.mesh = std::nullopt, .problem = "TetGen left flat tetrahedra"};
       if (fill.mesh && std::abs(log_ratio(*fill.mesh)) < std::abs(log_ratio_))
         log_ratio_ = log_ratio(*fill.mesh);
-      if (!fill.mesh && ++failures_ == 3) wrap();
+      if (!fill.mesh && ++failures_ == (is_graded(options_) ? to_smooth : 3)) wrap();
       problem_ = fill.problem;
       edge *= fill.too_fine ? 1.1 : 0.94;
     }
@@ -121,12 +123,18 @@ class Attempts {
                          {.patience = patience_of(options_), .fills = &told_.fills});
   }
 
-  // scale: of the edges that the number of elements lets expect.
-  CountedFill graded(double scale) {
-    field_ = size_field_of(closed_, options_);
+  // scale: of the edges that the number of elements lets expect. Steps and noise of rough surfaces are sharp edges too.
+  // They go by and by: first the surface is resampled evenly, then no sharp edge is kept.
+  CountedFill graded(int attempt, double scale) {
+    const bool resampled = attempt >= to_resampled && marks_.empty();
+    const Surface closed =
+        resampled ? resample_surface(closed_, uniform_edge(closed_, options_.elements)) : closed_;
+    field_ = size_field_of(closed, options_);
     field_.near *= scale, field_.far *= scale;
-    const GradedSurface skin =
-        graded_skin(closed_, {.rim = options_.rim, .marks = marks_, .pins = options_.pins}, field_);
+    const GradedSurface skin = graded_skin(
+        closed,
+        {.rim = options_.rim, .marks = marks_, .pins = options_.pins, .keep_sharp = attempt < to_smooth},
+        field_);
     if (intersects_itself(skin.surface))
       return {.mesh = std::nullopt, .problem = "its graded surface intersects itself"};
     tell(told_, MeshingStep::fill);
