@@ -17,6 +17,7 @@
 #include "apps/mesh/extent.hpp"
 #include "apps/mesh/mesh_labels.hpp"
 #include "apps/mesh/mesh_study_table.hpp"
+#include "apps/mesh/mesh_toward.hpp"
 #include "geometry/common/error.hpp"
 #include "geometry/common/output_file.hpp"
 #include "geometry/mesh/length_unit.hpp"
@@ -25,6 +26,7 @@
 #include "geometry/meshing/deviation.hpp"
 #include "geometry/meshing/meshing_progress.hpp"
 #include "geometry/meshing/phantom.hpp"
+#include "geometry/meshing/remeshed_body.hpp"
 #include "geometry/meshing/surface.hpp"
 #include "geometry/segmentation/label_volume.hpp"
 
@@ -32,7 +34,7 @@ namespace forefeel {
 namespace {
 
 struct MeshArguments {
-  std::string input, output, phantom, labels, unit;
+  std::string input, output, phantom, labels, unit, toward;
   std::optional<long long> elements;
   std::optional<double> length, time_limit;
   bool study = false;
@@ -46,7 +48,8 @@ struct MadeMesh {
   double hausdorff = std::numeric_limits<double>::quiet_NaN();      // [m]
   double volume_change = std::numeric_limits<double>::quiet_NaN();  // (mesh - surface) / surface
   std::vector<std::string> warnings;
-  std::optional<LabelBody> labels = {};  // of a label volume; its mesh is moved to the one above
+  std::optional<LabelBody> labels = {};   // of a label volume; its mesh is moved to the one above
+  std::optional<MadeToward> toward = {};  // where it is graded
 };
 
 void check_arguments(const MeshArguments& arguments) {
@@ -68,6 +71,13 @@ void check_arguments(const MeshArguments& arguments) {
   if (!arguments.unit.empty() && (arguments.length || !arguments.phantom.empty()))
     throw InputError("--unit", arguments.length ? "has no effect with --length, expected one of them"
                                                 : "a phantom has its size in m, expected --length");
+  if (!arguments.toward.empty()) {
+    parse_toward(arguments.toward);
+    if (is_label_volume_file(arguments.input))
+      throw InputError("--toward", "needs a surface, a volume mesh or a phantom, expected no label volume");
+    if (!arguments.elements && arguments.phantom.empty())
+      throw InputError("--toward", "needs the number of elements, expected --elements N");
+  }
   check_writable(arguments.output);
 }
 
@@ -89,15 +99,51 @@ Surface scaled(Surface surface, double factor) {
   return surface;
 }
 
-MadeMesh from_surface(const Surface& surface, const MeshArguments& arguments, const std::string& name,
-                      Progress& progress) {
-  MadeMesh made{.mesh = {}, .report = {}, .repaired = true, .warnings = {}};
+// Of a surface that is scaled to a length afterwards; the place counts in the scaled one.
+void take_to_surface(const Surface& surface, const MeshArguments& arguments, const std::string& name,
+                     MadeMesh& made) {
+  if (arguments.toward.empty()) return;
+  const double side = bounding_box(surface).size().maxCoeff();
+  made.toward = on_surface(parse_toward(arguments.toward),
+                           arguments.length ? scaled(surface, *arguments.length / side) : surface);
+  if (const auto words = far_off(*made.toward)) made.warnings.push_back(name + ": --toward: " + *words);
+}
+
+TetrahedraliseOptions options_of(const MeshArguments& arguments, const std::string& name,
+                                 const MadeMesh& made) {
   TetrahedraliseOptions options{.elements = static_cast<std::size_t>(arguments.elements.value_or(0)),
                                 .length = arguments.length,
                                 .name = name,
                                 .time_limit = arguments.time_limit};
-  made.mesh = tetrahedralise(surface, options, &made.report,
-                             [&](const MeshingProgress& p) { progress.show(in_words(p)); });
+  if (made.toward) options.toward = made.toward->toward;
+  return options;
+}
+
+MadeMesh from_phantom(const MeshArguments& arguments) {
+  MadeMesh made{.mesh = {}, .report = {}, .warnings = {}};
+  const auto elements = static_cast<std::size_t>(arguments.elements.value_or(0));
+  if (arguments.toward.empty()) {
+    made.mesh = phantom(arguments.phantom, elements);
+    if (arguments.length) scale_to_length(made.mesh, *arguments.length);
+    return made;
+  }
+  const Surface surface = phantom_surface(arguments.phantom);
+  take_to_surface(surface, arguments, "phantom " + arguments.phantom, made);
+  const double factor = arguments.length ? *arguments.length / bounding_box(surface).size().maxCoeff() : 1;
+  SizeField size;
+  made.mesh =
+      graded_phantom(arguments.phantom,
+                     {.elements = elements,
+                      .toward = {made.toward->toward.site / factor, made.toward->toward.radius / factor}},
+                     &size);
+  for (Vec3& node : made.mesh.nodes) node *= factor;
+  made.toward->near = factor * size.near, made.toward->far = factor * size.far;
+  return made;
+}
+
+// What the mesh has lost of the surface.
+void judge(MadeMesh& made, const Surface& surface, const MeshArguments& arguments, const std::string& name) {
+  if (made.toward) made.toward->near = made.report.near, made.toward->far = made.report.far;
   made.hausdorff = made.report.hausdorff;
   if (made.report.repair.wrapped)
     made.warnings.push_back(
@@ -106,6 +152,25 @@ MadeMesh from_surface(const Surface& surface, const MeshArguments& arguments, co
   made.volume_change = deviation.volume_change;
   for (const std::string& words : in_words(deviation, made.report.repair))
     made.warnings.push_back(fmt::format("{}: {}", name, words));
+}
+
+MadeMesh from_surface(const Surface& surface, const MeshArguments& arguments, const std::string& name,
+                      Progress& progress) {
+  MadeMesh made{.mesh = {}, .report = {}, .repaired = true, .warnings = {}};
+  take_to_surface(surface, arguments, name, made);
+  made.mesh = tetrahedralise(surface, options_of(arguments, name, made), &made.report,
+                             [&](const MeshingProgress& p) { progress.show(in_words(p)); });
+  judge(made, surface, arguments, name);
+  return made;
+}
+
+// The new mesh of a volume mesh, with its groups.
+MadeMesh from_volume(const TetMesh& mesh, const MeshArguments& arguments) {
+  MadeMesh made{.mesh = {}, .report = {}, .repaired = true, .warnings = {}};
+  const Surface surface = boundary_surface(mesh);
+  take_to_surface(surface, arguments, arguments.input, made);
+  made.mesh = remeshed(mesh, options_of(arguments, arguments.input, made), &made.report);
+  judge(made, surface, arguments, arguments.input);
   return made;
 }
 
@@ -130,14 +195,7 @@ MadeMesh make(const Globals& globals, const MeshArguments& arguments) {
   progress.show(arguments.phantom.empty()
                     ? fmt::format("repairing and filling {} {}", arguments.input, wanted)
                     : fmt::format("making the phantom {}", arguments.phantom));
-  if (!arguments.phantom.empty()) {
-    MadeMesh made{
-        .mesh = phantom(arguments.phantom, static_cast<std::size_t>(arguments.elements.value_or(0))),
-        .report = {},
-        .warnings = {}};
-    if (arguments.length) scale_to_length(made.mesh, *arguments.length);
-    return made;
-  }
+  if (!arguments.phantom.empty()) return from_phantom(arguments);
   if (is_label_volume_file(arguments.input)) return from_labels(arguments, progress);
   if (is_surface_file(arguments.input))
     return from_surface(scaled(read_surface(arguments.input), unit_in(arguments)), arguments, arguments.input,
@@ -150,7 +208,9 @@ MadeMesh make(const Globals& globals, const MeshArguments& arguments) {
   for (Vec3& node : mesh.nodes) node *= unit_in(arguments);
   MeshCheck check = check_and_orient(mesh, arguments.input);
   MadeMesh made{.mesh = {}, .report = {}, .warnings = {}};
-  if (arguments.elements) {
+  if (!arguments.toward.empty()) {
+    made = from_volume(mesh, arguments);
+  } else if (arguments.elements) {
     made = from_surface(boundary_surface(mesh), arguments, arguments.input, progress);
   } else {
     if (arguments.length) scale_to_length(mesh, *arguments.length);
@@ -202,6 +262,9 @@ const JsonKeys<WrittenMesh>& mesh_keys() {
       json_object<W>(
           "repaired", repair_keys(), "empty where no surface was repaired",
           [](const W& w) { return w.made.repaired ? &w.made.report.repair : nullptr; }, Json::object()),
+      json_object<W>(
+          "toward", toward_keys(), "empty where the mesh is not graded",
+          [](const W& w) { return w.made.toward ? &*w.made.toward : nullptr; }, Json::object()),
       {"min_tet_volume", "m^3", "of the smallest tetrahedron",
        [](const W& w) { return w.sum.quality.min_tet_volume; }},
       {"longest_side", "m", "of the bounding box", [](const W& w) { return w.sum.box.size().maxCoeff(); }},
@@ -226,6 +289,7 @@ void tell(const Globals& globals, const MadeMesh& made, const MeshSummary& sum, 
           output, sum.elements, sum.nodes, sum.box.size().maxCoeff(), 1e6 * sum.quality.volume,
           sum.quality.min_dihedral_deg, sum.quality.max_dihedral_deg));
   say(globals, "within " + box_text(sum.box));
+  if (made.toward) say(globals, in_words(*made.toward));
   if (made.labels) tell_labels(globals, *made.labels);
   if (!made.repaired) return;
   const RepairReport& r = made.report.repair;
@@ -261,7 +325,7 @@ void warn_of_size(MadeMesh& made, const Box& box, const MeshArguments& arguments
 
 int run_study(const Globals& globals, const MeshArguments& arguments) {
   if (arguments.elements || arguments.length || !arguments.phantom.empty() || !arguments.labels.empty() ||
-      !arguments.unit.empty())
+      !arguments.unit.empty() || !arguments.toward.empty())
     throw InputError("--study",
                      "takes its body from a scene, expected SCENE.toml, -o DIR/ and --error alone");
   if (arguments.input.empty()) throw InputError("mesh", "no scene given, expected SCENE.toml with --study");
@@ -318,6 +382,11 @@ void add_mesh(CommandLine& line) {
              "Time for the surface, all tries together [s] [120; for above 600000 elements N/5000]")
       .check(above_zero)
       .shows("S");
+  sub.option(
+         "--toward", arguments->toward,
+         "Small elements at a contact: its place, taken to the surface, and its radius [m], in the axes of "
+         "the mesh made [even elements]")
+      .shows("X,Y,Z,R");
   sub.flag("--study", arguments->study,
            "Force against number of elements, linear and quadratic, and the cheapest body below --error: "
            "forefeel mesh SCENE.toml --study -o DIR/");

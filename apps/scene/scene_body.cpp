@@ -356,7 +356,7 @@ Body assemble_fine(const BodyInput& in, const Body& body) {
   keys.element = in.keys.fine->element;
   const bool meshed = in.is_phantom || is_surface_file(in.folder / keys.mesh);
   if (!meshed) {
-    Body fine = subdivided(body, in.keys.fine->elements);
+    Body fine = refined_to(body, in.keys.fine->elements);
     fine.element = keys.element;
     return fine;
   }

@@ -88,7 +88,7 @@ std::shared_ptr<const FineJet> fine_jet_of(const Body& body, const Body& fine, c
   return std::make_shared<const FineJet>(of_fine, of_body, fine_body_in_words(fine));
 }
 
-Body subdivided(const Body& body, std::size_t elements) {
+Body refined_to(const Body& body, std::size_t elements) {
   Body fine = body;
   while (fine.mesh.tets.size() < elements) fine = refined(fine);
   return fine;

@@ -17,6 +17,6 @@ std::shared_ptr<const FineJet> fine_jet_of(const Body& body, const Body& fine, c
                                            bool quiet);
 
 // The body with each tetrahedron split into eight until it has at least `elements`.
-Body subdivided(const Body& body, std::size_t elements);
+Body refined_to(const Body& body, std::size_t elements);
 
 }  // namespace forefeel

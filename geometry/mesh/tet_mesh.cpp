@@ -212,7 +212,8 @@ MeshCheck check_and_orient(TetMesh& mesh, const std::string& where) {
 std::vector<NodeIndex> nodes_below(const TetMesh& mesh, Axis axis, double share) {
   const Box box = bounding_box(mesh);
   const auto k = static_cast<Eigen::Index>(axis);
-  const double limit = box.low[k] + share * (box.high[k] - box.low[k]);
+  // Nodes on the plane belong to it, whatever rounding left of a scaled body.
+  const double limit = box.low[k] + (share + 1e-9) * (box.high[k] - box.low[k]);
   std::vector<NodeIndex> result;
   for (std::size_t i = 0; i < mesh.nodes.size(); ++i)
     if (mesh.nodes[i][k] <= limit) result.push_back(static_cast<NodeIndex>(i));

@@ -53,7 +53,7 @@ struct MeshCheck {
 MeshCheck check_and_orient(TetMesh& mesh, const std::string& where);
 
 // Node sets by geometry; sorted.
-// share: of the extent along the axis, from its low end, in [0, 1].
+// share: of the extent along the axis, from its low end, in [0, 1]; nodes within 1e-9 of the extent above it count.
 std::vector<NodeIndex> nodes_below(const TetMesh& mesh, Axis axis, double share);
 NodeIndex nearest_surface_node(const TetMesh& mesh, const Vec3& point);
 std::vector<NodeIndex> surface_nodes_within(const TetMesh& mesh, const Vec3& centre, double radius);

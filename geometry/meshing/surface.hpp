@@ -9,6 +9,7 @@
 #include <vector>
 
 #include "geometry/mesh/tet_mesh.hpp"
+#include "geometry/meshing/toward.hpp"
 
 namespace forefeel {
 
@@ -27,6 +28,7 @@ Surface read_surface(const std::filesystem::path& file);
 Surface boundary_surface(const TetMesh& mesh);   // outward; nodes in the order of the mesh, renumbered
 double enclosed_volume(const Surface& surface);  // [m^3], positive where the triangles face outward
 Box bounding_box(const Surface& surface);
+Vec3 nearest_point(const Surface& surface, const Vec3& point);  // of the surface
 
 struct RepairReport {
   std::size_t self_intersections = 0;  // pairs of triangles in the input
@@ -53,12 +55,18 @@ struct TetrahedraliseOptions {
   // For everything, repair and all tries included [s]. Not given: default_time_limit(elements).
   std::optional<double> time_limit = std::nullopt;
   const std::atomic<bool>* stop = nullptr;  // once true, it ends with an InputError "interrupted"
+  // With any of these the triangles are remeshed by graded_surface.hpp, and `elements` is needed.
+  std::optional<Toward> toward = std::nullopt;  // small elements there; otherwise edges are even
+  std::optional<LowEnd> rim = std::nullopt;     // of the clamp: edges of the mesh run along it
+  std::vector<int> marks = {};                  // by triangle; borders between different marks stay edges
+  std::vector<Vec3> pins = {};                  // places of nodes that stay [m]
 };
 double default_time_limit(std::size_t elements);  // 120, or 1 for each 5000 elements if that is more [s]
 
 struct TetrahedraliseReport {
   RepairReport repair;
-  double hausdorff = 0;  // between the input surface and the boundary of the mesh [m]
+  double hausdorff = 0;      // between the input surface and the boundary of the mesh [m]
+  double near = 0, far = 0;  // edges wanted at the contact and far from it [m]; 0: not graded
 };
 
 // Repairs and decimates a surface and fills it with TetGen. Bisection finds the volume bound that gives the

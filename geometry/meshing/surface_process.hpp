@@ -9,6 +9,8 @@ double surface_area(const Surface& surface);  // [m^2]
 bool intersects_itself(const Surface& surface);
 // A closed surface around the whole input, a twentieth of alpha [m] outside it (CGAL alpha_wrap_3).
 Surface alpha_wrap(const Surface& surface, double alpha);
+// By edge collapse (Garland and Heckbert 1997), to a share of its edges.
+Surface decimated(const Surface& surface, double share);
 // The same surface with triangles of about this edge length [m]. A much finer surface is first decimated by
 // edge collapse (Garland and Heckbert 1997). Then it is remeshed isotropically and projected onto the input.
 // Edges sharper than 50 degrees are kept.

@@ -71,6 +71,16 @@ double surface_area(const Surface& surface) {
   return sum;
 }
 
+Surface decimated(const Surface& surface, double share) {
+  Mesh mesh = cgal::to_mesh(surface);
+  try {
+    decimate(mesh, share);
+  } catch (const CGAL::Failure_exception&) {
+    return surface;
+  }
+  return cgal::from_mesh(mesh);
+}
+
 Surface resample_surface(const Surface& surface, double edge) {
   Mesh mesh = cgal::to_mesh(surface);
   const double wanted = surface_area(surface) / (std::sqrt(3.0) / 4 * edge * edge);

@@ -57,12 +57,39 @@ void load(tetgenio& in, const Surface& surface, double scale) {
   }
 }
 
+std::string switches_of(const TetFillOptions& options, double scale) {
+  // -q: circumradius at most 1.3 shortest edges, dihedral angles of 14 degrees wanted (TetGen does not always reach them)
+  std::string switches = "pQO7/7q1.300/14.0";
+  if (options.keep_surface) switches += "Y";
+  if (options.max_volume > 0 && !options.size)
+    switches += fmt::format("a{:.9f}", options.max_volume * scale * scale * scale);
+  return switches;
+}
+
+// The bound of a graded fill. TetGen's callback has no context; only the child process sets this.
+struct Bound {
+  const TetFillOptions& options;
+  double scale;
+};
+const Bound* bound_in_child = nullptr;
+
+bool is_too_large(REAL* a, REAL* b, REAL* c, REAL* d, REAL*, REAL) {
+  const auto corner = [](const REAL* p) -> Vec3 { return Vec3(p[0], p[1], p[2]) / bound_in_child->scale; };
+  const Vec3 origin = corner(a), u = corner(b) - origin, v = corner(c) - origin, w = corner(d) - origin;
+  const double edge = bound_in_child->options.size(origin + (u + v + w) / 4);
+  return std::abs(u.cross(v).dot(w)) / 6 > bound_in_child->options.max_volume * edge * edge * edge;
+}
+
 // In the child: writes two counts, coordinates, indices.
-int run_tetgen(int out, const Surface& surface, double scale, const std::string& switches) {
+int run_tetgen(int out, const Surface& surface, double scale, const TetFillOptions& options) {
   // No destructors: the child process ends soon.
   auto& in = *new tetgenio;
   auto& result = *new tetgenio;
   load(in, surface, scale);
+  const std::string switches = switches_of(options, scale);
+  const Bound bound{options, scale};
+  bound_in_child = &bound;
+  if (options.size && options.max_volume > 0) in.tetunsuitable = is_too_large;
   try {
     std::string text = switches;
     tetrahedralize(text.data(), &in, &result);
@@ -149,13 +176,9 @@ bool fills(const TetMesh& mesh, const Surface& surface) {
 std::optional<TetMesh> fill_with_tets(const Surface& surface, const TetFillOptions& options,
                                       std::string& problem) {
   if (options.fills) ++*options.fills;
-  // -q: circumradius at most 1.3 shortest edges, dihedral angles of 14 degrees wanted (TetGen does not always reach them)
-  std::string switches = "pQO7/7q1.300/14.0";
-  if (options.keep_surface) switches += "Y";
   const double scale = scale_for(surface);
-  if (options.max_volume > 0) switches += fmt::format("a{:.9f}", options.max_volume * scale * scale * scale);
   const ChildOutcome outcome = run_apart({.deadline = Clock::now() + options.patience},
-                                         [&](int out) { return run_tetgen(out, surface, scale, switches); });
+                                         [&](int out) { return run_tetgen(out, surface, scale, options); });
   if (outcome.end != ChildOutcome::End::exited || outcome.code != 0)
     return problem = reason(outcome), std::nullopt;
   std::optional<TetMesh> mesh = unpack(outcome.data, scale);
@@ -167,7 +190,8 @@ std::optional<TetMesh> fill_with_tets(const Surface& surface, const TetFillOptio
   if (options.keep_surface && !one_part) drop_cavities(*mesh, surface);
   // New nodes on the surface cannot be distinguished from inner ones; then no node may move.
   if (options.improve)
-    improve_shapes(*mesh, {.fixed_nodes = options.keep_surface ? surface.nodes.size() : mesh->nodes.size()});
+    improve_shapes(*mesh, {.fixed_nodes = options.keep_surface ? surface.nodes.size() : mesh->nodes.size(),
+                           .held = options.held});
   return mesh;
 }
 
@@ -204,7 +228,9 @@ class BoundSearch {
     if (free == 0 || best.too_fine || near(free)) return best;
     // The mean volume is about 0.6 of the bound. From there: find bounds on both sides, then halve the
     // interval.
-    double coarse = 0, fine = 0, bound = enclosed_volume(surface_) / asked / 0.6;
+    // A tetrahedron as large as wanted has 0.15 of the cube of its edge.
+    double coarse = 0, fine = 0;
+    double bound = (options_.size ? 0.15 : enclosed_volume(surface_) / asked) / 0.6;
     for (int k = 0; k < 16; ++k) {
       const std::size_t count = attempt(bound);
       if (count == 0 || near(count)) break;
@@ -243,7 +269,7 @@ CountedFill fill_to_count(const Surface& surface, std::size_t elements, double s
     result.too_fine = raw.too_fine;
     if (!raw.mesh) return result;
     const auto before = static_cast<double>(raw.mesh->tets.size());
-    improve_shapes(*raw.mesh, {.fixed_nodes = surface.nodes.size()});
+    improve_shapes(*raw.mesh, {.fixed_nodes = surface.nodes.size(), .held = options.held});
     const std::size_t count = raw.mesh->tets.size();
     left_by_flips = static_cast<double>(count) / before;
     if (!result.mesh || log_ratio(count, asked) < log_ratio(result.mesh->tets.size(), asked))

@@ -6,19 +6,25 @@
 
 #include <atomic>
 #include <chrono>
+#include <functional>
 #include <optional>
 #include <string>
+#include <vector>
 
 #include "geometry/meshing/surface.hpp"
 
 namespace forefeel {
 
 struct TetFillOptions {
-  double max_volume = 0;                        // bound on each tetrahedron [m^3]; 0: none
+  double max_volume = 0;                        // bound on each tetrahedron [m^3], or as `size` says; 0: none
   bool keep_surface = true;                     // no new nodes on the surface (TetGen -Y)
   bool improve = true;                          // flips and smoothing afterwards (tet_improve.hpp)
   std::chrono::milliseconds patience{120'000};  // then the child process is killed
   std::atomic<int>* fills = nullptr;            // if given, counts TetGen's meshes
+  // Wanted edge [m] at a point; if given, the bound on a tetrahedron's volume is max_volume times its cube at the centroid.
+  std::function<double(const Vec3&)> size = {};
+  std::vector<char> held =
+      {};  // by node of the surface: 1 stays in place, and edges between two of them stay
 };
 
 // Nodes of the surface come first. Nothing, and the reason in `problem`, if TetGen fails.

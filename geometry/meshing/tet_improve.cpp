@@ -120,12 +120,23 @@ class Improver {
       // Two faces i and j: their common edge joins the other nodes, the new edge joins nodes i and j.
       const NodeIndex i = tet[outer[t][0]], j = tet[outer[t][1]];
       if (outer[t].size() == 2 && std::ranges::binary_search(surface_edges, edge_key(i, j))) continue;
-      if (!low(tet, outer[t])) continue;
+      if (loses_held(tet, outer[t]) || !low(tet, outer[t])) continue;
       gone[t] = 1, any = true;
       for (const NodeIndex node : tet) busy[node] = 1;
     }
     if (any) erase(gone);
     return any;
+  }
+
+  bool is_held(std::size_t node) const { return node < options_.held.size() && options_.held[node] != 0; }
+
+  // Whether the surface without this tetrahedron lacks a held node, or an edge between two of them.
+  bool loses_held(const Tet& tet, const std::vector<unsigned>& on_surface) const {
+    std::size_t held = 0;
+    for (unsigned k = 0; k < 4; ++k)
+      if (std::ranges::find(on_surface, k) == on_surface.end()) held += is_held(tet[k]);
+    if (on_surface.size() == 2) return held == 2;  // the edge that both faces share
+    return is_held(tet[6 - on_surface[0] - on_surface[1] - on_surface[2]]);
   }
 
   // Whether removing this tetrahedron hardly moves the surface: its faces on the surface have nearly one
@@ -307,7 +318,7 @@ class Improver {
     for (TetIndex t = 0; t < mesh_.tets.size(); ++t)
       for (const NodeIndex node : mesh_.tets[t]) star[node].push_back(t);
     for (std::size_t i = 0; i < mesh_.nodes.size(); ++i)
-      if (!star[i].empty()) move(i, star[i], i < options_.fixed_nodes);
+      if (!star[i].empty() && !is_held(i)) move(i, star[i], i < options_.fixed_nodes);
   }
 
   double worst_around(const std::vector<TetIndex>& star) const {

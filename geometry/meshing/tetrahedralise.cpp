@@ -11,6 +11,7 @@
 
 #include "geometry/common/error.hpp"
 #include "geometry/meshing/child_process.hpp"
+#include "geometry/meshing/graded_fill.hpp"
 #include "geometry/meshing/meshing_progress.hpp"
 #include "geometry/meshing/surface.hpp"
 #include "geometry/meshing/surface_process.hpp"
@@ -74,27 +75,33 @@ bool is_sound(TetMesh mesh) {
 }
 
 constexpr int most_attempts = 14;
+constexpr int to_resampled = 3, to_smooth = 7;  // attempts of a graded mesh from which its surface is simpler
 
 class Attempts {
  public:
-  Attempts(Surface closed, const TetrahedraliseOptions& options, RepairReport& repair_report, Told& told)
-      : closed_(std::move(closed)), options_(options), repair_(repair_report), told_(told) {}
+  // marks: of the closed surface's triangles.
+  Attempts(Surface closed, std::vector<int> marks, const TetrahedraliseOptions& options,
+           RepairReport& repair_report, Told& told)
+      : closed_(std::move(closed)),
+        marks_(std::move(marks)),
+        options_(options),
+        repair_(repair_report),
+        told_(told) {}
 
   TetMesh run() {
     double edge = edge_for(closed_, options_.elements);
+    const double first = edge;
     for (int k = 0; k < most_attempts; ++k) {
       told_.attempt = k + 1;
       tell(told_, MeshingStep::resample);
-      const Surface surface = skin(edge);
-      tell(told_, MeshingStep::fill);
-      CountedFill fill = fill_to_count(surface, options_.elements, close_enough,
-                                       {.patience = patience_of(options_), .fills = &told_.fills});
+      if (k == to_resampled || k == to_smooth) edge = is_graded(options_) ? first : edge;
+      CountedFill fill = is_graded(options_) ? graded(k, edge / first) : even(edge);
       const bool met = meets(fill.mesh, options_.elements);
       if (met && is_sound(*fill.mesh)) return std::move(*fill.mesh);
       if (met) fill = {.mesh = std::nullopt, .problem = "TetGen left flat tetrahedra"};
       if (fill.mesh && std::abs(log_ratio(*fill.mesh)) < std::abs(log_ratio_))
         log_ratio_ = log_ratio(*fill.mesh);
-      if (!fill.mesh && ++failures_ == 3) wrap();
+      if (!fill.mesh && ++failures_ == (is_graded(options_) ? to_smooth : 3)) wrap();
       problem_ = fill.problem;
       edge *= fill.too_fine ? 1.1 : 0.94;
     }
@@ -102,9 +109,37 @@ class Attempts {
                      fmt::format("{} elements cannot be met within 5 %, {}", options_.elements, excuse()));
   }
 
+  const SizeField& field() const { return field_; }
+
  private:
   double log_ratio(const TetMesh& mesh) const {
     return std::log(static_cast<double>(mesh.tets.size()) / static_cast<double>(options_.elements));
+  }
+
+  CountedFill even(double edge) {
+    const Surface surface = skin(edge);
+    tell(told_, MeshingStep::fill);
+    return fill_to_count(surface, options_.elements, close_enough,
+                         {.patience = patience_of(options_), .fills = &told_.fills});
+  }
+
+  // scale: of the edges that the number of elements lets expect. Steps and noise of rough surfaces are sharp edges too.
+  // They go by and by: first the surface is resampled evenly, then no sharp edge is kept.
+  CountedFill graded(int attempt, double scale) {
+    const bool resampled = attempt >= to_resampled && marks_.empty();
+    const Surface closed =
+        resampled ? resample_surface(closed_, uniform_edge(closed_, options_.elements)) : closed_;
+    field_ = size_field_of(closed, options_);
+    field_.near *= scale, field_.far *= scale;
+    const GradedSurface skin = graded_skin(
+        closed,
+        {.rim = options_.rim, .marks = marks_, .pins = options_.pins, .keep_sharp = attempt < to_smooth},
+        field_);
+    if (intersects_itself(skin.surface))
+      return {.mesh = std::nullopt, .problem = "its graded surface intersects itself"};
+    tell(told_, MeshingStep::fill);
+    return fill_graded(skin, field_, options_.elements, close_enough,
+                       {.patience = patience_of(options_), .fills = &told_.fills});
   }
 
   // The surface with triangles of the right size, without self-intersections.
@@ -115,7 +150,7 @@ class Attempts {
   }
 
   void wrap() {
-    if (repair_.wrapped) return;
+    if (repair_.wrapped || !marks_.empty()) return;  // a wrap has other triangles
     closed_ = alpha_wrap(closed_, bounding_box(closed_).size().norm() / 60);
     repair_.wrapped = true;
   }
@@ -128,6 +163,8 @@ class Attempts {
   }
 
   Surface closed_;
+  std::vector<int> marks_;
+  SizeField field_;
   const TetrahedraliseOptions& options_;
   RepairReport& repair_;
   Told& told_;
@@ -154,8 +191,16 @@ TetMesh make(const Surface& input, const TetrahedraliseOptions& options, bool me
   TetMesh mesh;
   try {
     const Surface closed = repair_surface(input, report.repair);
-    mesh = options.elements == 0 ? fill_as_given(closed, options, told)
-                                 : Attempts(closed, options, report.repair, told).run();
+    if (options.elements == 0) {
+      mesh = fill_as_given(closed, options, told);
+    } else {
+      if (report.repair.wrapped && !options.marks.empty())
+        throw InputError(options.name,
+                         "was rebuilt around, since it cannot be repaired; its groups are lost");
+      Attempts attempts(closed, marks_on(closed, input, options.marks), options, report.repair, told);
+      mesh = attempts.run();
+      report.near = attempts.field().near, report.far = attempts.field().far;
+    }
   } catch (const InputError& error) {
     if (error.place().key != "surface" || options.name == "surface") throw;
     throw InputError(options.name, error.problem());
@@ -273,6 +318,8 @@ TetMesh tetrahedralise(const Surface& surface, const TetrahedraliseOptions& opti
   Surface input = surface;
   if (options.length) scale(input, *options.length, options.name);
   check_side(input, options);
+  if (is_graded(options) && options.elements == 0)
+    throw InputError(options.name, "a graded mesh needs the number of elements");
   const double limit = options.time_limit.value_or(default_time_limit(options.elements));
   const auto deadline =
       std::chrono::steady_clock::now() + std::chrono::milliseconds(static_cast<std::int64_t>(1e3 * limit));
