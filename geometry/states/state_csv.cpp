@@ -6,8 +6,8 @@
 #include <iterator>
 #include <map>
 
+#include "geometry/common/csv_columns.hpp"
 #include "geometry/common/csv_rows.hpp"
-#include "geometry/common/declared.hpp"
 #include "geometry/common/error.hpp"
 #include "geometry/common/output_file.hpp"
 #include "geometry/common/scanner.hpp"
@@ -92,8 +92,8 @@ class NamedRows {
 Mat3 read_stiffness(NamedRows& in) {
   Mat3 stiffness;
   int known = 0;
-  for (int i = 0; i < 9; ++i) {
-    stiffness(i / 3, i % 3) = in.optional(stiffness_columns[static_cast<std::size_t>(i)]);
+  for (unsigned i = 0; i < 9; ++i) {
+    stiffness(i / 3, i % 3) = in.optional(stiffness_columns[i]);
     known += std::isfinite(stiffness(i / 3, i % 3));
   }
   if (known != 0 && known != 9)
@@ -120,9 +120,8 @@ SolveStatus read_status(NamedRows& in) {
 class CsvWriter {
  public:
   explicit CsvWriter(const std::filesystem::path& file) : output_(file) {}
-  template <class... Args>
-  void put(fmt::format_string<Args...> format, Args&&... args) {
-    fmt::format_to(std::back_inserter(text_), format, std::forward<Args>(args)...);
+  void put(std::string_view text) {
+    text_ += text;
     if (text_.size() > (1u << 20)) flush();
   }
   void commit() {
@@ -132,15 +131,30 @@ class CsvWriter {
 
  private:
   void flush() {
-    output_.write({text_.data(), text_.size()});
+    output_.write(text_);
     text_.clear();
   }
   OutputFile output_;
-  fmt::memory_buffer text_;
+  std::string text_;
 };
 
-std::string cell(double value) {
-  return std::isfinite(value) ? fmt::format("{}", value) : std::string();
+std::string stiffness_cells(const State& state) {
+  std::string text;
+  for (int i = 0; i < 9; ++i) text += (i > 0 ? "," : "") + known_cell(state.stiffness(i / 3, i % 3));
+  return text;
+}
+
+const CsvColumns<State>& state_columns() {
+  static const CsvColumns<State> columns{
+      {"x,y,z", "m", "position of the tip, from its rest position",
+       [](const State& s) { return cells(s.at); }},
+      {"fx,fy,fz", "N", "force of the body on the tip", [](const State& s) { return cells(s.force); }},
+      {fmt::format("{}", fmt::join(stiffness_columns, ",")), "N/m",
+       "stiffness, -d force_i / d x_j, row by row; where some state has it", stiffness_cells},
+      {"h", "m", "spacing of the lattice that the state belongs to; where known",
+       [](const State& s) { return known_cell(s.spacing); }},
+      {"energy", "J", "stored energy; where known", [](const State& s) { return known_cell(s.energy); }}};
+  return columns;
 }
 
 }  // namespace
@@ -190,37 +204,23 @@ std::vector<Vec3> read_points_csv(const std::filesystem::path& file) {
 }
 
 std::vector<Declared> declared_states() {
-  return {{"x,y,z", "m", "", "position of the tip, from its rest position"},
-          {"fx,fy,fz", "N", "", "force of the body on the tip"},
-          {fmt::format("{}", fmt::join(stiffness_columns, ",")), "N/m", "",
-           "stiffness, -d force_i / d x_j, row by row; where some state has it"},
-          {"h", "m", "", "spacing of the lattice that the state belongs to; where known"},
-          {"energy", "J", "", "stored energy; where known"}};
+  return declared(state_columns());
 }
 
 void write_states_csv(const std::filesystem::path& file, std::span<const State> states) {
   const auto some = [&](auto&& has) {
     return std::ranges::any_of(states, [&](const State& s) { return s.usable() && has(s); });
   };
-  const bool with_k = some([](const State& s) { return s.has_stiffness(); });
-  const bool with_h = some([](const State& s) { return std::isfinite(s.spacing); });
-  const bool with_energy = some([](const State& s) { return std::isfinite(s.energy); });
+  const bool has[] = {true, true, some([](const State& s) { return s.has_stiffness(); }),
+                      some([](const State& s) { return std::isfinite(s.spacing); }),
+                      some([](const State& s) { return std::isfinite(s.energy); })};
+  CsvColumns<State> columns;
+  for (std::size_t i = 0; i < std::size(has); ++i)
+    if (has[i]) columns.push_back(state_columns()[i]);
   CsvWriter out(file);
-  const bool has[] = {true, true, with_k, with_h, with_energy};
-  const std::vector<Declared> all = declared_states();
-  std::vector<Declared> columns;
-  for (std::size_t i = 0; i < all.size(); ++i)
-    if (has[i]) columns.push_back(all[i]);
-  out.put("{}\n", header_of(columns));
-  for (const State& state : states) {
-    if (!state.usable()) continue;
-    out.put("{},{},{},{},{},{}", state.at.x(), state.at.y(), state.at.z(), state.force.x(), state.force.y(),
-            state.force.z());
-    for (int i = 0; with_k && i < 9; ++i) out.put(",{}", cell(state.stiffness(i / 3, i % 3)));
-    if (with_h) out.put(",{}", cell(state.spacing));
-    if (with_energy) out.put(",{}", cell(state.energy));
-    out.put("\n");
-  }
+  out.put(csv_header(columns));
+  for (const State& state : states)
+    if (state.usable()) out.put(csv_row(columns, state));
   out.commit();
 }
 

@@ -7,7 +7,7 @@
 #include <tuple>
 #include <utility>
 
-#include "geometry/common/simd.hpp"
+#include "geometry/common/in_best_set.hpp"
 #include "geometry/coverage/coverage_query.hpp"
 #include "scheduling/motion/random.hpp"
 #include "scheduling/policy/candidate_rows.hpp"
@@ -37,9 +37,9 @@ double lack(Label label, int scale) {
 
 // out_i += sum_s need_s (1 - |q - x_i|^2 inverse_s)_+ for first <= i < last; xyz: 3 x #candidates, a
 // coordinate a row.
-FOREFEEL_CLONES
-void add_worth(std::size_t first, std::size_t last, std::size_t count, const double* __restrict xyz,
-               const double* q, const double* need, const double* inverse, double* __restrict out) {
+FOREFEEL_INLINE void add_worth(std::size_t first, std::size_t last, std::size_t count,
+                               const double* __restrict xyz, const double* q, const double* need,
+                               const double* inverse, double* __restrict out) {
   const double* __restrict x = xyz;
   const double* __restrict y = xyz + count;
   const double* __restrict z = xyz + 2 * count;
@@ -303,7 +303,7 @@ void CoverageNeed::worth(std::span<const Candidate> candidates, std::span<double
     if (!(farthest > 0)) continue;
     const Vec3 q = left_.at(i);
     rows.near(q, 1.001 * farthest, [&](std::size_t first, std::size_t last) {
-      add_worth(first, last, count, rows.xyz(), q.data(), needs.data(), inverses, worth.data());
+      in_best_set<add_worth>(first, last, count, rows.xyz(), q.data(), needs.data(), inverses, worth.data());
     });
   }
   for (std::size_t place = 0; place < count; ++place) out[rows.candidate(place)] = worth[place];
