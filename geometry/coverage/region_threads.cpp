@@ -73,7 +73,7 @@ std::exception_ptr RegionTree::settle_root(const RegionNode& root) {
 }
 
 void RegionTree::settle_fresh(const std::function<void(double)>& progress) {
-  Numbered<RegionNode> roots;
+  SignedVector<RegionNode> roots;
   roots.swap(pool_.nodes);
   RegionTree pattern(*this);  // options and grid, without nodes
   pattern.watches_.postponed = true;

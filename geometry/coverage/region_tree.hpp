@@ -30,7 +30,7 @@
 #include <span>
 #include <vector>
 
-#include "geometry/common/numbered.hpp"
+#include "geometry/common/signed_vector.hpp"
 #include "geometry/coverage/coverage_query.hpp"
 #include "geometry/coverage/far_proof.hpp"
 #include "geometry/coverage/state_space_options.hpp"
@@ -134,7 +134,7 @@ class RegionTree {
     Thresholds scaled;                               // storage of what limits_over() returns
   };
   struct NodePool {
-    Numbered<RegionNode> nodes;
+    SignedVector<RegionNode> nodes;
     std::vector<std::int32_t> free;  // first of eight unused nodes, each
   };
   struct WishedWatch {
@@ -153,7 +153,7 @@ class RegionTree {
     std::int32_t next;
   };
   struct Insertions {
-    Numbered<Insertion> all;  // linked lists, one a node
+    SignedVector<Insertion> all;  // linked lists, one a node
     std::vector<std::int32_t> free;
     std::vector<std::int32_t> roots;
   };

@@ -5,7 +5,7 @@
 #include <numeric>
 
 #include "geometry/common/error.hpp"
-#include "geometry/common/numbered.hpp"
+#include "geometry/common/signed_vector.hpp"
 
 namespace forefeel {
 namespace {
@@ -126,7 +126,7 @@ std::vector<RegionComponent> measure(const VoxelLabels& voxels, const VoxelRuns&
 std::vector<RegionLeaf> find_leaves(const VoxelLabels& voxels, const VoxelRuns& runs, const RootCubes& roots,
                                     bool with_leaves, std::vector<RegionComponent>& components) {
   std::vector<LeafTally> tally(components.size());
-  Numbered<std::vector<RegionLeaf>> of_root;
+  SignedVector<std::vector<RegionLeaf>> of_root;
   if (with_leaves) of_root.resize(static_cast<std::size_t>(roots.size()));
 #pragma omp parallel
   {

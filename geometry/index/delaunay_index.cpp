@@ -5,7 +5,7 @@
 #include <cassert>
 #include <cmath>
 
-#include "geometry/common/numbered.hpp"
+#include "geometry/common/signed_vector.hpp"
 #include "geometry/index/delaunay_cgal.hpp"
 
 namespace forefeel {
@@ -38,7 +38,7 @@ struct DelaunayIndex::Impl {
     std::uint32_t token;
     std::int32_t next;
   };
-  Numbered<Link> links;
+  SignedVector<Link> links;
   std::int32_t free_link = -1;
   std::vector<std::uint32_t> disturbed;
 

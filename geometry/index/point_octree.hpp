@@ -11,7 +11,7 @@
 #include <utility>
 #include <vector>
 
-#include "geometry/common/numbered.hpp"
+#include "geometry/common/signed_vector.hpp"
 #include "geometry/common/types.hpp"
 #include "geometry/states/state.hpp"
 
@@ -174,8 +174,8 @@ class PointOctree {
   };
 
   Place last_;  // the leaf of the last insert()
-  Numbered<Node> nodes_;
-  Numbered<Bucket> buckets_;
+  SignedVector<Node> nodes_;
+  SignedVector<Bucket> buckets_;
   std::vector<std::int32_t> free_buckets_;
   Vec3 centre_ = Vec3::Zero();
   double half_ = 0;

@@ -169,25 +169,16 @@ void CoverageNeed::weigh_scales(bool with_stiffness) {
   }
 }
 
-// path_share of the weight is on the path. A prediction with deviation s puts 1 / (1 + (s / 2 h)^2) of its
-// weight on the predicted point, and the rest on the places of the box around it, as a Gaussian of width s.
-// The remaining weight is on the whole box, by the time to reach each place. Before the hand has moved there
-// is no path, and all weight is on the box: the first states spread over it.
+// A prediction with deviation s puts 1 / (1 + (s / 2 h)^2) of its weight on the predicted point, and the rest on the
+// places of the box around it, as a Gaussian of width s.
 void CoverageNeed::weigh(const PlannerView& view) {
   const double solve = std::max(view.solve_seconds, 1e-3), h = view.space.options().spacing;
   const Box& box = view.space.options().box;
-  const bool truth = !view.predicted.empty() && view.predicted.back().deviation == 0;
-  const bool still = !truth && view.space.empty() && !(view.hip.velocity.norm() > 0);
-  const double path_share = still ? 0.0 : options_.path_share;
-  double on_path = 0, in_box = 0;
-  for (const Prediction& p : view.predicted) on_path += urgency(p.horizon, solve);
-  for (Place& place : box_) in_box += place.weight = urgency(time_to_reach(place.at, view), solve);
-  for (Place& place : box_) place.weight *= in_box > 0 ? (1 - path_share) / in_box : 0;
-
+  const auto weight_at = weigh_box(view, solve, options_.path_share, box_);
   places_.clear();
   std::vector<double> near(box_.size());
   for (const Prediction& p : view.predicted) {
-    const double weight = on_path > 0 ? path_share * urgency(p.horizon, solve) / on_path : 0;
+    const double weight = weight_at(p.horizon);
     const double sure = sureness(p.deviation, h), width = std::max(p.deviation, h);
     Place place{.at = folded(p.at, box), .weight = weight * sure};
     const auto nearest = index_->points.nearest(

@@ -11,7 +11,7 @@
 #include <unordered_map>
 #include <vector>
 
-#include "geometry/common/numbered.hpp"
+#include "geometry/common/signed_vector.hpp"
 #include "scheduling/render/model_keeper.hpp"
 #include "scheduling/session/dispatch_log.hpp"
 #include "scheduling/session/planner_setup.hpp"
@@ -93,7 +93,7 @@ class Planner {
   std::optional<Surprises> surprises_;  // none unless requested
   Ranking ranking_;
   HipSample hip_;
-  Numbered<Slot> slots_;
+  SignedVector<Slot> slots_;
   Preemption preemption_;
   Solves solves_;
   DispatchLog log_;

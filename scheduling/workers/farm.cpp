@@ -10,7 +10,7 @@
 #include <thread>
 #include <utility>
 
-#include "geometry/common/numbered.hpp"
+#include "geometry/common/signed_vector.hpp"
 #include "scheduling/workers/rank_listener.hpp"
 
 namespace forefeel {
@@ -231,8 +231,8 @@ class Farm {
   FarmWork& work_;
   const FarmOptions& options_;
   OwnThread own_;
-  Numbered<std::vector<std::uint64_t>> held_;  // by each worker
-  std::set<std::uint64_t> open_;               // given out, not done
+  SignedVector<std::vector<std::uint64_t>> held_;  // by each worker
+  std::set<std::uint64_t> open_;                   // given out, not done
   std::set<int> taken_part_;
   std::size_t notes_sent_ = 0;
 };

@@ -8,7 +8,7 @@
 #include <string>
 #include <vector>
 
-#include "geometry/common/numbered.hpp"
+#include "geometry/common/signed_vector.hpp"
 #include "scheduling/workers/rank_protocol.hpp"
 #include "scheduling/workers/transport.hpp"
 
@@ -77,7 +77,7 @@ class RankPool {
   double patience_;
   std::string identity_;
   Clock clock_;
-  Numbered<Rank> ranks_;
+  SignedVector<Rank> ranks_;
   std::vector<std::string> notes_;
   std::vector<RankEvent> later_;  // for the next poll()
   double polled_ = 0, beaten_ = 0;

@@ -4,7 +4,7 @@
 #include <thread>
 #include <utility>
 
-#include "geometry/common/numbered.hpp"
+#include "geometry/common/signed_vector.hpp"
 #include "geometry/states/state_message.hpp"
 #include "scheduling/workers/solve_job.hpp"
 #include "solver/equilibrium/linear_body.hpp"
@@ -164,7 +164,7 @@ class RankWorkers final : public RealWorkers {
 
   RankPool& pool_;
   std::function<double()> now_;
-  Numbered<std::vector<Given>> given_;  // to each worker, not returned yet
+  SignedVector<std::vector<Given>> given_;  // to each worker, not returned yet
   std::vector<JobResult> late_;
   bool ended_ = false;
   int lost_ = 0;  // times that a rank was

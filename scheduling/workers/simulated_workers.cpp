@@ -10,7 +10,7 @@
 #include <queue>
 #include <tuple>
 
-#include "geometry/common/numbered.hpp"
+#include "geometry/common/signed_vector.hpp"
 #include "scheduling/workers/built_in_workers.hpp"
 #include "scheduling/workers/cost.hpp"
 #include "scheduling/workers/generator.hpp"
@@ -121,7 +121,7 @@ class SimulatedWorkers final : public VirtualWorkers {
 
   const VirtualWorkersContext with_;
   Time latency_, now_{};
-  Numbered<std::vector<Solve>> running_;
+  SignedVector<std::vector<Solve>> running_;
   std::map<Vec3, Time, ByPlace> done_;  // time already spent on states whose solve was cancelled
   std::priority_queue<Event, std::vector<Event>, std::greater<>> events_;
   std::uint64_t sequence_ = 0;

@@ -9,7 +9,7 @@
 namespace forefeel {
 
 template <class Element, class Container = std::vector<Element>>
-class Numbered : public Container {
+class SignedVector : public Container {
  public:
   using Container::Container;
   Element& operator[](std::int32_t i) { return Container::operator[](static_cast<std::size_t>(i)); }
