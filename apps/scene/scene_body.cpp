@@ -38,7 +38,7 @@ const SceneRows<FineKeys>& fine_rows() {
           "for none.")
           .whole("elements", 4, most_elements,
                  "its tetrahedra; a volume mesh is subdivided until it has as many", &F::elements)
-          .word("element", element_words(), " tetrahedra", &F::element);
+          .word("element", element_words, " tetrahedra", &F::element);
   return rows;
 }
 
