@@ -26,11 +26,11 @@ double conformal_quantile(std::vector<double>& scores, double p) {
   return *at;
 }
 
-using Factors = std::array<std::array<BarWidths, 4>, 2>;
+using Factors = std::array<ByLabel<BarWidths>, 2>;
 
 // The scores of samples inside (0) and outside (1), of each label and of all.
 struct Scores {
-  std::array<std::array<std::vector<double>, 4>, 2> of_label;
+  std::array<ByLabel<std::vector<double>>, 2> of_label;
   std::array<std::vector<double>, 2> all;
 };
 
@@ -40,7 +40,7 @@ Scores scores_of(std::span<const BarSample> samples, double constant, std::optio
     if (but == s.part) continue;
     const double score = s.error > 0 ? s.error / (s.scale + constant) : 0;
     scores.all[s.seen.outside].push_back(score);
-    scores.of_label[s.seen.outside][static_cast<std::size_t>(s.label)].push_back(score);
+    scores.of_label[s.seen.outside][s.label].push_back(score);
   }
   return scores;
 }
@@ -53,7 +53,7 @@ Factors factors_of(std::span<const BarSample> samples, double constant, std::opt
   const double most_outside = scores.all[1].empty() ? 0 : *std::ranges::max_element(scores.all[1]);
   Factors factors;
   for (const bool outside : {false, true})
-    for (std::size_t label = 0; label < 4; ++label)
+    for (const Label label : all_labels)
       for (std::size_t level = 0; level < bar_levels.size(); ++level) {
         std::vector<double>& own = scores.of_label[outside][label];
         double& q = factors[outside][label][level] = no_bar;
@@ -80,8 +80,7 @@ void fill_bars(std::vector<BarSample>& samples, double constant) {
   for (std::uint32_t part = 0; part < parts; ++part) {
     const Factors factors = factors_of(samples, constant, part);
     for (BarSample& s : samples)
-      if (s.part == part)
-        s.bar = times(factors[s.seen.outside][static_cast<std::size_t>(s.label)], s.scale + constant);
+      if (s.part == part) s.bar = times(factors[s.seen.outside][s.label], s.scale + constant);
   }
 }
 
@@ -169,7 +168,7 @@ BarWidths OfflineBars::at(Label label, bool outside, double scale) const {
   BarWidths none;
   none.fill(no_bar);
   if (samples_.empty() || !(scale >= 0)) return none;
-  return times(factors_[outside][static_cast<std::size_t>(label)], scale + constant_);
+  return times(factors_[outside][label], scale + constant_);
 }
 
 BarCover OfflineBars::cover(std::optional<Label> label) const {
@@ -214,7 +213,7 @@ OfflineBars checked_bars(const StateSpace& known, std::span<const State> checks,
   std::vector<double> others;
   for (std::size_t level = 0; level < bar_levels.size(); ++level) {
     for (auto& of_labels : bars.factors_)
-      for (BarWidths& factors : of_labels)
+      for (BarWidths& factors : of_labels.values)
         factors[level] = quantile_of(scores, bar_levels[level], QuantileRule::inverted_cdf);
     for (std::size_t i = 0; i < scores.size(); ++i) {  // each with the factor of the others
       others = scores;

@@ -73,7 +73,7 @@ class OfflineBars {
   std::vector<BarSample> samples_;
   bool checked_ = false;
   double constant_ = 0;
-  std::array<std::array<BarWidths, 4>, 2> factors_{};  // inside and outside, by label
+  std::array<ByLabel<BarWidths>, 2> factors_{};  // inside and outside
 };
 
 // How the wanted places are evaluated, and where they lie.

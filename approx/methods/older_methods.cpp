@@ -11,29 +11,15 @@
 #include "approx/methods/rbf_network.hpp"
 #include "approx/model/lattice_field.hpp"
 #include "approx/model/updater.hpp"
+#include "geometry/common/enum_names.hpp"
 #include "geometry/common/error.hpp"
 #include "geometry/index/point_octree.hpp"
 
 namespace forefeel {
 
 std::string_view name(Method method) {
-  switch (method) {
-    case Method::rbf:
-      return "rbf";
-    case Method::trilinear:
-      return "trilinear";
-    case Method::tricubic:
-      return "tricubic";
-    case Method::deflection:
-      return "deflection";
-    case Method::two_force:
-      return "two-force";
-    case Method::offline_rbf:
-      return "offline-rbf";
-    case Method::rbf_network:
-      return "rbf-network";
-  }
-  return "";
+  return name_in<Method::rbf_network>(
+      {"rbf", "trilinear", "tricubic", "deflection", "two-force", "offline-rbf", "rbf-network"}, method);
 }
 
 std::span<const Method> all_methods() {

@@ -16,10 +16,10 @@ DenseFactor::DenseFactor(std::size_t row_capacity) : row_capacity_(row_capacity)
   columns_.assign(stride_ * row_capacity, 0.0);
   border_.assign(border * (row_capacity + slack), 0.0);
   inverse_diagonal_.assign(row_capacity + slack, 0.0);
-  cross_.assign(panel * panel_stride(), 0.0);
-  cross_border_.assign(panel * border, 0.0);
-  vectors_.assign(most_vectors * stride_, 0.0);
-  vectors_border_.assign(most_vectors * border, 0.0);
+  new_rows_.rows.assign(panel * panel_stride(), 0.0);
+  new_rows_.border.assign(panel * border, 0.0);
+  vectors_.rows.assign(most_vectors * stride_, 0.0);
+  vectors_.border.assign(most_vectors * border, 0.0);
   starts_.reserve(most_vectors);
   runs_.reserve(row_capacity + 1);
   fours_.reserve(row_capacity / 4 + 1);
@@ -44,9 +44,9 @@ void DenseFactor::take_out(std::span<const std::size_t> removed) {
   starts_.clear();
   for (std::size_t t = 0; t < removed.size(); ++t) {
     const std::size_t row = removed[t];
-    double* vector = vectors_.data() + t * stride_;
+    double* vector = vectors_.rows.data() + t * stride_;
     double* from = column(row);
-    std::copy_n(border_.data() + row * border, border, vectors_border_.data() + t * border);
+    std::copy_n(border_.data() + row * border, border, vectors_.border.data() + t * border);
     std::fill_n(border_.data() + row * border, border, 0.0);
     std::fill_n(vector, row + 1, 0.0);
     std::copy(from + row + 1, from + rows_, vector + row + 1);
@@ -55,7 +55,7 @@ void DenseFactor::take_out(std::span<const std::size_t> removed) {
     from[row] = 1;
     inverse_diagonal_[row] = 1;
     for (std::size_t c = 0; c < row; ++c) column(c)[row] = 0;
-    for (std::size_t s = 0; s < t; ++s) vectors_[s * stride_ + row] = 0;
+    for (std::size_t s = 0; s < t; ++s) vectors_.rows[s * stride_ + row] = 0;
     starts_.push_back(row + 1);
   }
 }
@@ -68,10 +68,10 @@ void DenseFactor::close_up(std::span<const std::size_t> removed, std::span<const
   std::size_t start = 0;  // kept rows before the one that is taken out
   for (std::size_t t = 0; t < removed.size(); ++t) {
     while (start < kept.size() && kept[start] < removed[t]) ++start;
-    double* vector = vectors_.data() + t * stride_;
+    double* vector = vectors_.rows.data() + t * stride_;
     loops.pick(column(removed[t]), stay, start, vector);
     std::fill_n(vector + kept.size(), slack, 0.0);
-    std::copy_n(border_row(removed[t]), border, vectors_border_.data() + t * border);
+    std::copy_n(border_row(removed[t]), border, vectors_.border.data() + t * border);
     starts_.push_back(start);
   }
   loops.compact(column(0), stride_, stay);
@@ -105,8 +105,8 @@ void DenseFactor::update() {
   const dense::Loops& loops = dense::loops();
   const std::size_t all = starts_.size(), together = rows_ <= 128 ? loops.most_together : std::size_t{8};
   for (std::size_t t = all; all > 8 && t % 4 != 0; ++t) {
-    std::fill_n(vectors_.data() + t * stride_, rows_ + slack, 0.0);
-    std::fill_n(vectors_border_.data() + t * border, border, 0.0);
+    std::fill_n(vectors_.rows.data() + t * stride_, rows_ + slack, 0.0);
+    std::fill_n(vectors_.border.data() + t * border, border, 0.0);
   }
   for (std::size_t done = 0; done < all; done += together) {
     const std::size_t end = std::min(all, done + together);
@@ -114,8 +114,8 @@ void DenseFactor::update() {
       const std::size_t last = t + 1 < end ? starts_[t + 1] : rows_;
       if (starts_[t] < last)
         loops.update_columns(column(0), stride_, inverse_diagonal_.data(), border_.data(), starts_[t], last,
-                             rows_, vectors_.data() + done * stride_, stride_,
-                             vectors_border_.data() + done * border, t + 1 - done);
+                             rows_, vectors_.rows.data() + done * stride_, stride_,
+                             vectors_.border.data() + done * border, t + 1 - done);
     }
   }
 }
@@ -126,9 +126,9 @@ std::uint32_t DenseFactor::append(std::size_t count, std::uint32_t skip, const d
   const std::size_t m = rows_;
   double diagonal[panel][panel], gram[panel * panel];
   for (std::size_t r = 0; r < count; ++r) std::copy_n(panel_row(r) + m, r + 1, diagonal[r]);
-  loops.solve_rows(column(0), stride_, inverse_diagonal_.data(), border_.data(), m, cross_.data(),
-                   panel_stride(), cross_border_.data(), count);
-  loops.row_products(cross_.data(), panel_stride(), m, count, gram);
+  loops.solve_rows(column(0), stride_, inverse_diagonal_.data(), border_.data(), m, new_rows_.rows.data(),
+                   panel_stride(), new_rows_.border.data(), count);
+  loops.row_products(new_rows_.rows.data(), panel_stride(), m, count, gram);
 
   // Cholesky of the Schur complement of the new rows, row by row; a row that adds nothing is dropped.
   std::uint32_t taken = 0;
@@ -163,7 +163,7 @@ std::uint32_t DenseFactor::append(std::size_t count, std::uint32_t skip, const d
   }
   for (std::size_t c = 0; c < m; ++c) {
     double* to = column(c) + m;
-    for (std::size_t r = 0; r < count; ++r) to[r] = cross_[r * panel_stride() + c];
+    for (std::size_t r = 0; r < count; ++r) to[r] = new_rows_.rows[r * panel_stride() + c];
   }
   for (std::size_t c = 0; c < count; ++c) {
     for (std::size_t r = c; r < count; ++r) column(m + c)[m + r] = small[r][c];
@@ -182,7 +182,7 @@ std::pair<std::size_t, double> DenseFactor::weakest_row() const {
 
 void DenseFactor::solve(double* y, std::size_t stride) {
   dense::loops().solve_rows(column(0), stride_, inverse_diagonal_.data(), border_.data(), rows_, y, stride,
-                            cross_border_.data(), 3);
+                            new_rows_.border.data(), 3);
 }
 
 void DenseFactor::solve_transposed(double* y0, double* y1, double* y2) const {

@@ -37,8 +37,8 @@ class DenseFactor {
 
   // The panel that append() reads: the new rows of A, element (r, c) for column c (new rows included), and
   // their rows of B. Row-major with stride panel_stride(); valid until the next append().
-  double* panel_row(std::size_t r) { return cross_.data() + r * panel_stride(); }
-  double* panel_border(std::size_t r) { return cross_border_.data() + r * border; }
+  double* panel_row(std::size_t r) { return new_rows_.rows.data() + r * panel_stride(); }
+  double* panel_border(std::size_t r) { return new_rows_.border.data() + r * border; }
   std::size_t panel_stride() const { return (row_capacity_ + 3 * panel - 1) / 8 * 8; }
   // Appends `count` panel rows; rows to be left as holes are marked in skip. A row whose pivot is below
   // tolerance[r] times its diagonal entry adds nothing and becomes a hole. Returns the rows that were taken,
@@ -57,6 +57,10 @@ class DenseFactor {
  private:
   static constexpr std::size_t most_vectors = 20;  // most vectors that wait for their update
 
+  struct Bordered {
+    AlignedArray rows, border;
+  };
+
   void take_out(std::span<const std::size_t> removed);
   void close_up(std::span<const std::size_t> removed, std::span<const std::size_t> kept);
   dense::Kept describe(std::span<const std::size_t> kept);
@@ -69,10 +73,10 @@ class DenseFactor {
   AlignedArray columns_;  // L
   AlignedArray border_;   // Y
   AlignedArray inverse_diagonal_;
-  AlignedArray cross_, cross_border_;
-  AlignedArray vectors_, vectors_border_;  // V and its part of Y
-  std::vector<std::size_t> starts_;        // first row of each vector
-  std::vector<dense::Run> runs_;           // of close_up()
+  Bordered new_rows_;                // the panel of append()
+  Bordered vectors_;                 // V and its part of Y
+  std::vector<std::size_t> starts_;  // first row of each vector
+  std::vector<dense::Run> runs_;     // of close_up()
   std::vector<std::size_t> fours_;
 };
 

@@ -62,36 +62,46 @@ double half_ball(std::size_t n) {
 
 using detail::Views;
 
-constexpr std::size_t lanes = 8;
+constexpr std::size_t lanes = 8, arrays = 5;
 
 }  // namespace
 
+NeighbourSelector::Sizes NeighbourSelector::sizes_of(const ModelOptions& options) {
+  const std::size_t weighted = weighted_neighbours(options);
+  return {.plain = nearest_neighbours(options),
+          .weighted = weighted,
+          .rank = weighted + weighted / 6,
+          .bridging = bridging_neighbours(options),
+          .most = most_neighbours(options)};
+}
+
+NeighbourSelector::Widths NeighbourSelector::widths_of(const ModelOptions& options, std::size_t rank,
+                                                       double spacing) {
+  if (options.kernel == Kernel::linear)
+    return {.spacing = spacing,
+            .pulled = std::clamp(half_ball(rank) - 1.6, pulled_to, pulled_r),
+            .band = band_r,
+            .steep = 2};
+  const bool far = options.kernel == Kernel::quintic && options.data == Data::force;
+  return {.spacing = spacing, .pulled = pulled_to, .band = far ? band_r5 : band, .steep = 1};
+}
+
 NeighbourSelector::NeighbourSelector(const StateSpace& space, const ModelOptions& options)
     : space_(space),
-      n_(nearest_neighbours(options)),
-      weighted_(weighted_neighbours(options)),
-      rank_(weighted_ + weighted_ / 6),
-      bridging_(bridging_neighbours(options)),
-      most_(most_neighbours(options)),
+      sizes_(sizes_of(options)),
       rule_(options.select),
-      h_(space.options().spacing),
-      pulled_(options.kernel == Kernel::linear ? std::clamp(half_ball(rank_) - 1.6, pulled_to, pulled_r)
-                                               : pulled_to),
-      band_(options.kernel == Kernel::linear                                   ? band_r
-            : options.kernel == Kernel::quintic && options.data == Data::force ? band_r5
-                                                                               : band),
-      steep_(options.kernel == Kernel::linear ? 2 : 1) {
-  room_ = std::max(most_candidates, 2 * weighted_ + 16);
-  found_.reserve(room_);
-  candidates_.reserve(room_);
-  keys_.reserve(room_);
-  room_ = (room_ + lanes - 1) / lanes * lanes;
-  seen_.resize(arrays * room_);
-  views_.resize(detail::views().all.size());
-  views_seen_.reserve(views_.size());
-  before_.resize(6 * coarse * coarse);
-  last_.reserve(most_);
-  chosen_.reserve(room_);
+      widths_(widths_of(options, sizes_.rank, space.options().spacing)) {
+  look_.room = std::max(most_candidates, 2 * sizes_.weighted + 16);
+  found_.reserve(look_.room);
+  candidates_.reserve(look_.room);
+  keys_.reserve(look_.room);
+  look_.room = (look_.room + lanes - 1) / lanes * lanes;
+  look_.arrays.resize(arrays * look_.room);
+  look_.views.resize(detail::views().all.size());
+  look_.done.reserve(look_.views.size());
+  look_.before.resize(6 * coarse * coarse);
+  last_.reserve(sizes_.most);
+  chosen_.reserve(look_.room);
 }
 
 void NeighbourSelector::forget() {
@@ -132,46 +142,47 @@ void NeighbourSelector::keep_first(std::size_t count) {
 }
 
 void NeighbourSelector::take_nearest(const Vec3& hip) {
-  gather(hip, n_ + n_ / 4 + 8, 0);
+  gather(hip, sizes_.plain + sizes_.plain / 4 + 8, 0);
   for (Candidate& c : candidates_)
     if (std::ranges::binary_search(last_, c.id)) c.key *= loyalty;
-  keep_first(n_);
+  keep_first(sizes_.plain);
 }
 
 // Prepares the arrays of the loops, candidates from near to far, and for each cell the distance of what hides
 // others.
 void NeighbourSelector::look_round() {
   const std::size_t n = candidates_.size(), padded = (n + lanes - 1) / lanes * lanes;
-  double *x = seen_.data(), *y = x + room_, *z = y + room_, *distance = z + room_;
-  std::ranges::fill(before_, infinite);
+  double *x = look_.arrays.data(), *y = x + look_.room, *z = y + look_.room, *distance = z + look_.room;
+  std::ranges::fill(look_.before, infinite);
   for (std::size_t i = 0; i < n; ++i) {
     Candidate& c = candidates_[i];
-    const double sharp = c.distance / (c.distance + at_hip * h_);
+    const double sharp = c.distance / (c.distance + at_hip * widths_.spacing);
     x[i] = sharp * c.towards[0];
     y[i] = sharp * c.towards[1];
     z[i] = sharp * c.towards[2];
     distance[i] = c.distance;
     c.cell = c.distance > 0 ? static_cast<std::uint32_t>(Views::cell_of(c.towards, coarse)) : 0;
-    if (sharp > least_sharp) before_[c.cell] = std::min(before_[c.cell], c.distance);
+    if (sharp > least_sharp) look_.before[c.cell] = std::min(look_.before[c.cell], c.distance);
   }
   for (std::size_t i = n; i < padded; ++i) {
     x[i] = y[i] = z[i] = 0;
     distance[i] = 1e300;
   }
-  views_seen_.assign(views_.size(), 0);
+  look_.done.assign(look_.views.size(), 0);
 }
 
 // The least apparent distance along a fixed view, and the mean direction to the states about as near.
 const Eigen::Vector4d& NeighbourSelector::view(std::size_t k) {
-  Eigen::Vector4d& at = views_[k];
-  if (views_seen_[k] != 0) return at;
-  views_seen_[k] = 1;
-  const double *x = seen_.data(), *y = x + room_, *z = y + room_, *distance = z + room_;
-  double* seen = seen_.data() + 4 * room_;
+  Eigen::Vector4d& at = look_.views[k];
+  if (look_.done[k] != 0) return at;
+  look_.done[k] = 1;
+  const double *x = look_.arrays.data(), *y = x + look_.room, *z = y + look_.room, *distance = z + look_.room;
+  double* seen = look_.arrays.data() + 4 * look_.room;
   const std::size_t padded = (candidates_.size() + lanes - 1) / lanes * lanes;
-  const std::size_t end = view::loops().seen(padded, x, y, z, distance, detail::views().all[k].data(),
-                                             in_view, off_view * h_, shell * h_, seen, &at[3]);
-  view::loops().towards(end, x, y, z, seen, at[3], shell * h_, at.data());
+  const std::size_t end =
+      view::loops().seen(padded, x, y, z, distance, detail::views().all[k].data(), in_view,
+                         off_view * widths_.spacing, shell * widths_.spacing, seen, &at[3]);
+  view::loops().towards(end, x, y, z, seen, at[3], shell * widths_.spacing, at.data());
   if (const double norm = at.head<3>().norm(); norm > 0) at.head<3>() /= norm;
   return at;
 }
@@ -197,10 +208,10 @@ void NeighbourSelector::look_along(Candidate& c) {
 
 // beta: how much a side at this distance counts.
 double NeighbourSelector::share(double distance) const {
-  const double ratio = (nearest_ + h_) / (distance + h_),
-               limit = std::max(farthest * h_, nearest_ + fading * h_);
+  const double ratio = (around_.nearest + widths_.spacing) / (distance + widths_.spacing),
+               limit = std::max(farthest * widths_.spacing, around_.nearest + fading * widths_.spacing);
   return std::clamp((ratio - least_ratio) / (1 - least_ratio), 0.0, 1.0) *
-         std::clamp((limit - distance) / (fading * h_), 0.0, 1.0);
+         std::clamp((limit - distance) / (fading * widths_.spacing), 0.0, 1.0);
 }
 
 // 1 if the directions to the nearest states cancel, or if something that counts lies opposite to them; 0 for
@@ -209,16 +220,16 @@ double NeighbourSelector::two_sided() const {
   double total = 0;
   Vec3 ahead = Vec3::Zero();
   for (const Candidate& c : candidates_) {
-    const double near = 1 - (c.distance - nearest_) / (shell * h_);
+    const double near = 1 - (c.distance - around_.nearest) / (shell * widths_.spacing);
     if (near <= 0) continue;
     total += near * near;
-    ahead += near * near * c.distance / (c.distance + at_hip * h_) * c.towards;
+    ahead += near * near * c.distance / (c.distance + at_hip * widths_.spacing) * c.towards;
   }
   const double one_sided = ahead.norm() / total;
   double most = rise(1 - 2 * one_sided);
   if (one_sided > 0)
     for (const Candidate& c : candidates_) {
-      const double sharp = std::min(1.0, c.distance / (at_hip * h_));
+      const double sharp = std::min(1.0, c.distance / (at_hip * widths_.spacing));
       most = std::max(most, share(c.distance) * rise(-sharp * c.towards.dot(ahead) / (one_sided * total)));
     }
   return most;
@@ -247,13 +258,13 @@ double NeighbourSelector::find_keys(const Vec3& hip, double pulled, double rank)
     c.key = infinite;
     c.looked = false;
   }
-  double limit = first_end * half_ball(rank_) * h_;
+  double limit = first_end * half_ball(sizes_.rank) * widths_.spacing;
   for (bool all = false;;) {
     double next = infinite;
     for (Candidate& c : candidates_) {
       if (c.looked) continue;
-      const double hidden =
-          c.distance - std::max(0.0, before_[c.cell] * (1 + 1e-9) - pulled) - aside.norm() * h_;
+      const double hidden = c.distance - std::max(0.0, look_.before[c.cell] * (1 + 1e-9) - pulled) -
+                            aside.norm() * widths_.spacing;
       if (!all && hidden > limit) {
         next = std::min(next, hidden);
         continue;
@@ -261,10 +272,10 @@ double NeighbourSelector::find_keys(const Vec3& hip, double pulled, double rank)
       c.looked = true;
       look_along(c);
       c.share = share(c.side_at);
-      c.narrow = std::cbrt(c.share * (nearest_ + h_) / (c.side_at + h_)) *
-                 std::clamp((whole_ - c.distance) / (entering * h_), 0.0, 1.0);
+      c.narrow = std::cbrt(c.share * (around_.nearest + widths_.spacing) / (c.side_at + widths_.spacing)) *
+                 std::clamp((around_.whole - c.distance) / (entering * widths_.spacing), 0.0, 1.0);
       if (!(c.narrow > 0)) continue;
-      const Vec3 from = hip + std::max(0.0, c.side_at - pulled) * c.side_towards + h_ * aside;
+      const Vec3 from = hip + std::max(0.0, c.side_at - pulled) * c.side_towards + widths_.spacing * aside;
       c.key = (space_[c.id].at - from).norm() / c.narrow;
       keys_.push_back(c.key);
     }
@@ -293,29 +304,32 @@ double NeighbourSelector::extent(double end) {
 void NeighbourSelector::take_sides(const Vec3& hip) {
   found_.clear();
   space_.nearest(hip, 1, found_);
-  nearest_ = (space_[found_.front()].at - hip).norm();
-  const double reach = 1.2 + 1.2 * std::cbrt(0.5 * double(weighted_));  // of a half ball of n, in spacings
-  const double limit = std::max(farthest * h_, nearest_ + fading * h_);
-  const double wide = std::max(nearest_ + reach * h_, std::min((nearest_ + h_) / least_ratio, limit)) +
-                      (shell + entering) * h_;
-  whole_ = gather(hip, std::max(few, 2 * most_), wide) - shell * h_;
+  around_.nearest = (space_[found_.front()].at - hip).norm();
+  const double reach =
+      1.2 + 1.2 * std::cbrt(0.5 * double(sizes_.weighted));  // of a half ball of n, in spacings
+  const double limit = std::max(farthest * widths_.spacing, around_.nearest + fading * widths_.spacing);
+  const double wide = std::max(around_.nearest + reach * widths_.spacing,
+                               std::min((around_.nearest + widths_.spacing) / least_ratio, limit)) +
+                      (shell + entering) * widths_.spacing;
+  around_.whole = gather(hip, std::max(few, 2 * sizes_.most), wide) - shell * widths_.spacing;
   look_round();
 
-  const double both = two_sided(), pulled = pulled_ + both * (pulled_to - pulled_);
-  bridge_ = rise((both - 0.1) / 0.5);
-  const std::size_t others = space_.size() > rank_ + 2 ? space_.size() - rank_ - 2 : 0;
-  const double end =
-      find_keys(hip, pulled * h_, double(rank_) + bridge_ * double(std::min(bridging_, others)));
+  const double both = two_sided(), pulled = widths_.pulled + both * (pulled_to - widths_.pulled);
+  set_.bridge = rise((both - 0.1) / 0.5);
+  const std::size_t others = space_.size() > sizes_.rank + 2 ? space_.size() - sizes_.rank - 2 : 0;
+  const double end = find_keys(hip, pulled * widths_.spacing,
+                               double(sizes_.rank) + set_.bridge * double(std::min(sizes_.bridging, others)));
   if (keys_.empty()) return;
-  radius_ = std::min(end, extent(end));
+  set_.radius = std::min(end, extent(end));
   weigh(hip, end);
 }
 
 void NeighbourSelector::weigh(const Vec3& hip, double end) {
   // If the set is wider than states one spacing apart would be, weights rise more slowly; if it is denser,
   // faster.
-  const double usual = half_ball(rank_), mean_spacing = radius_ / usual;
-  const double wide_band = band_ * std::max({mean_spacing, std::min(h_, 2 * mean_spacing), 1e-6 * h_});
+  const double usual = half_ball(sizes_.rank), mean_spacing = set_.radius / usual;
+  const double wide_band = widths_.band * std::max({mean_spacing, std::min(widths_.spacing, 2 * mean_spacing),
+                                                    1e-6 * widths_.spacing});
   double total = 0;
   Vec3 mean = Vec3::Zero();
   for (Candidate& c : candidates_) {
@@ -332,31 +346,32 @@ void NeighbourSelector::weigh(const Vec3& hip, double end) {
     const double w = rise(c.rank);
     if (!(w > least_weight)) continue;
     // A lone state on the far side determines the force over this length, however small its weight.
-    const double apart = 1 + std::max(0.0, (space_[c.id].at - hip - mean).norm() / h_ - 1.5 * usual);
+    const double apart =
+        1 + std::max(0.0, (space_[c.id].at - hip - mean).norm() / widths_.spacing - 1.5 * usual);
     const double near = w * (least_near + (1 - least_near) * rise(2 * c.share - 1));
-    chosen_.push_back({c.id, w, near, std::pow(apart, steep_ * (1 - c.rank))});
+    chosen_.push_back({c.id, w, near, std::pow(apart, widths_.steep * (1 - c.rank))});
   }
 }
 
 Label NeighbourSelector::select(const Vec3& hip, std::vector<Neighbour>& out) {
   out.clear();
-  bridge_ = radius_ = 0;
-  sided_ = false;
+  set_.bridge = set_.radius = 0;
+  set_.sided = false;
   if (space_.empty()) return Label::blank;
   const Label label = space_.label(hip);
   chosen_.clear();
   if (rule_ == Select::nearest) {
-    space_.nearest(hip, n_, found_);
+    space_.nearest(hip, sizes_.plain, found_);
     for (const StateId id : found_) chosen_.push_back({.id = id});
-  } else if (label == Label::safe || space_.size() <= n_ || n_ == 1) {
+  } else if (label == Label::safe || space_.size() <= sizes_.plain || sizes_.plain == 1) {
     take_nearest(hip);  // no choice if all states fit; no weights for one neighbour
   } else {
     take_sides(hip);
-    sided_ = !chosen_.empty();
-    if (!sided_) take_nearest(hip);
+    set_.sided = !chosen_.empty();
+    if (!set_.sided) take_nearest(hip);
   }
   std::ranges::sort(chosen_, {}, &Neighbour::id);
-  if (chosen_.size() > most_) chosen_.resize(most_);
+  if (chosen_.size() > sizes_.most) chosen_.resize(sizes_.most);
   last_.clear();
   for (const Neighbour& member : chosen_) last_.push_back(member.id);
   out.assign(chosen_.begin(), chosen_.end());

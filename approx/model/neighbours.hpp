@@ -44,10 +44,10 @@ class NeighbourSelector {
   // weights. Returns the label of the HIP.
   Label select(const Vec3& hip, std::vector<Neighbour>& out);
   // How far the last set is a bridge between two sides: 0 for one side, 1 in the middle.
-  double bridge() const { return bridge_; }
-  bool weighted() const { return sided_; }   // the last set has weights
-  double radius() const { return radius_; }  // the key of rank n [m]; 0 without weights
-  void forget();                             // forgets the last set, and so the hysteresis
+  double bridge() const { return set_.bridge; }
+  bool weighted() const { return set_.sided; }   // the last set has weights
+  double radius() const { return set_.radius; }  // the key of rank n [m]; 0 without weights
+  void forget();                                 // forgets the last set, and so the hysteresis
 
  private:
   struct Candidate {
@@ -62,7 +62,10 @@ class NeighbourSelector {
     std::uint32_t cell = 0;            // of directions
     bool looked = false;
   };
-  static constexpr std::size_t arrays = 5;  // of look_round()
+  struct Sizes;
+  struct Widths;
+  static Sizes sizes_of(const ModelOptions& options);
+  static Widths widths_of(const ModelOptions& options, std::size_t rank, double spacing);
   void take_nearest(const Vec3& hip);
   void take_sides(const Vec3& hip);
   double gather(const Vec3& hip, std::size_t least, double radius);
@@ -77,24 +80,45 @@ class NeighbourSelector {
   void weigh(const Vec3& hip, double end);
   void keep_first(std::size_t count);
 
+  // Numbers of states.
+  struct Sizes {
+    std::size_t plain, weighted;  // members without weights, and with weights
+    std::size_t rank;             // with weights, counting partial ones
+    std::size_t bridging, most;   // additional members between two sides; members in all
+  };
+  struct Widths {
+    double spacing;       // h [m]
+    double pulled, band;  // in spacings
+    double steep;         // power of Neighbour::reach
+  };
+  // The candidates as seen from the HIP along the fixed views (views.hpp).
+  struct Look {
+    std::size_t room = 0;                // candidates, padded
+    std::vector<double> arrays;          // each of `room`: unit direction (3), distance, apparent distance
+    std::vector<Eigen::Vector4d> views;  // direction, distance
+    std::vector<char> done;              // by view
+    std::vector<double> before;          // the least distance in each cell of directions
+  };
+  struct Around {
+    double nearest = 0;  // d_1 [m]
+    double whole = 0;    // for a state nearer than this, all states of its side are candidates [m]
+  };
+  struct Set {
+    bool sided = false;
+    double bridge = 0, radius = 0;
+  };
+
   const StateSpace& space_;
-  std::size_t n_, weighted_,
-      rank_;                     // members without weights; with weights; with weights, counting partial ones
-  std::size_t bridging_, most_;  // additional members between two sides; members in all
+  Sizes sizes_;
   Select rule_;
-  double h_, pulled_, band_;  // the last two in spacings
-  double steep_;              // power of Neighbour::reach
+  Widths widths_;
   std::vector<StateId> found_, last_;
   std::vector<Candidate> candidates_;
   std::vector<Neighbour> chosen_;
-  std::vector<double> keys_, seen_;
-  std::vector<Eigen::Vector4d> views_;  // direction, distance
-  std::vector<char> views_seen_;
-  std::vector<double> before_;  // the least distance in each cell of directions
-  std::size_t room_ = 0;
-  bool sided_ = false;
-  double nearest_ = 0, bridge_ = 0, radius_ = 0;
-  double whole_ = 0;  // for a state nearer than this, all states of its side are candidates
+  std::vector<double> keys_;
+  Look look_;
+  Around around_;
+  Set set_;
 };
 
 }  // namespace forefeel

@@ -76,13 +76,17 @@ void add_affine_places(std::vector<Sample>& samples, double h) {
 }  // namespace
 
 struct ModelUpdater::Impl {
+  // From the last set of states to the next.
+  struct Change {
+    std::vector<StateId> wanted, removed, missing;
+    std::vector<Sample> added;
+  };
   const StateSpace& space;
   ModelOptions options;
   RbfFit fit;
   NeighbourSelector selector;
   std::vector<Neighbour> chosen, last_weighted;  // the second is empty if the last set had no weights
-  std::vector<StateId> wanted, removed, missing;
-  std::vector<Sample> added;
+  Change change;
   ModelDraft draft;
   std::uint64_t serial = 0;
   bool fresh = true;          // the next model must not depend on earlier ones
@@ -94,12 +98,12 @@ struct ModelUpdater::Impl {
         fit(wished, most_neighbours(wished) + affine_places(wished)),
         selector(known, wished) {
     const std::size_t most = most_neighbours(options);
-    wanted.reserve(most);
+    change.wanted.reserve(most);
     chosen.reserve(most);
     last_weighted.reserve(most);
-    removed.reserve(most);
-    missing.reserve(most);
-    added.reserve(most + affine_places(options));
+    change.removed.reserve(most);
+    change.missing.reserve(most);
+    change.added.reserve(most + affine_places(options));
     draft.reserve(options);
   }
 };
@@ -115,37 +119,38 @@ ModelUpdater::ModelUpdater(ModelUpdater&&) noexcept = default;
 bool ModelUpdater::update(const Vec3& hip, Model& out, UpdateReport* report, const UpdateTag& tag) {
   Impl& m = *impl_;
   const Label label = m.selector.select(hip, m.chosen);
-  m.wanted.clear();
-  for (const Neighbour& c : m.chosen) m.wanted.push_back(c.id);
-  if (report != nullptr) *report = {.n = m.wanted.size(), .label = label};
-  if (m.wanted.empty()) {
+  m.change.wanted.clear();
+  for (const Neighbour& c : m.chosen) m.change.wanted.push_back(c.id);
+  if (report != nullptr) *report = {.n = m.change.wanted.size(), .label = label};
+  if (m.change.wanted.empty()) {
     m.draft.clear();
     out.assign(m.draft, 0);
     return false;
   }
-  m.fit.difference(m.wanted, m.removed, m.missing);
-  m.added.clear();
-  for (const StateId id : m.missing) m.added.push_back(sample_of(id, m.space[id]));
+  m.fit.difference(m.change.wanted, m.change.removed, m.change.missing);
+  m.change.added.clear();
+  for (const StateId id : m.change.missing) m.change.added.push_back(sample_of(id, m.space[id]));
   // Weights change with the HIP, and with them nearly all of the matrix.
   const bool weighted = m.selector.weighted();
-  const bool same_set = m.removed.empty() && m.added.empty();
+  const bool same_set = m.change.removed.empty() && m.change.added.empty();
   const bool same_weights =
       weighted ? std::ranges::equal(m.chosen, m.last_weighted) : m.last_weighted.empty();
   bool refit = false;
   if (!same_weights || (m.fresh && !(same_set && m.from_scratch))) {
-    m.added.clear();
+    m.change.added.clear();
     for (const Neighbour& c : m.chosen) {
-      Sample& sample = m.added.emplace_back(sample_of(c.id, m.space[c.id]));
+      Sample& sample = m.change.added.emplace_back(sample_of(c.id, m.space[c.id]));
       sample.weight = c.weight;
       sample.near = c.near;
       sample.reach = c.reach;
       sample.weighted = weighted;
     }
-    if (weighted && affine_places(m.options) > 0) add_affine_places(m.added, m.space.options().spacing);
-    m.fit.refit(m.added);
+    if (weighted && affine_places(m.options) > 0)
+      add_affine_places(m.change.added, m.space.options().spacing);
+    m.fit.refit(m.change.added);
     refit = m.from_scratch = true;
   } else if (!same_set) {
-    refit = m.fit.replace(m.removed, m.added);
+    refit = m.fit.replace(m.change.removed, m.change.added);
     m.from_scratch = false;
   }
   m.last_weighted.clear();
@@ -157,7 +162,7 @@ bool ModelUpdater::update(const Vec3& hip, Model& out, UpdateReport* report, con
   ++m.serial;
   out.assign(m.draft, tag.serial > 0 ? tag.serial : m.serial);
   if (report != nullptr) {
-    report->replaced = m.added.size();
+    report->replaced = m.change.added.size();
     report->refit = refit;
   }
   return true;

@@ -86,8 +86,8 @@ nlohmann::ordered_json to_json(const Calibration& found, const CalibrationOption
   document["spacing"] = options.space.spacing;
   document["sets"] = nlohmann::ordered_json::array();
   for (const KnownSet& set : found.sets) document["sets"].push_back(set.name);
-  for (std::size_t l = 0; l < 4; ++l)
-    document["positions"][std::string(name(static_cast<Label>(l)))] = found.positions[l];
+  for (const Label label : all_labels)
+    document["positions"][std::string(name(label))] = found.positions[label];
   document["table"] = nlohmann::ordered_json::array();
   for (const CalibrationCell& cell : found.table) {
     nlohmann::ordered_json row;

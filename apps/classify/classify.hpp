@@ -132,9 +132,9 @@ Agreement agreement_of(const Classified& set, const ClassifyArguments& arguments
 const JsonKeys<Agreement>& agreement_keys();
 void print_agreement(const Globals& globals, const Agreement& agreement);
 
-nlohmann::ordered_json by_label(const std::array<double, 4>& values);
+nlohmann::ordered_json by_label(const ByLabel<double>& values);
 // Volumes by two labels, of rows and of columns [m^3].
-using LabelTable = std::array<std::array<double, 4>, 4>;
+using LabelTable = ByLabel<ByLabel<double>>;
 nlohmann::ordered_json by_labels(const LabelTable& volume);
 void print_volumes(const Globals& globals, const LabelTable& volume, const std::string& columns);
 std::int64_t peak_bytes();

@@ -71,16 +71,15 @@ void compare(DiffResult& result) {
   for (const RegionLeaf& leaf : result.set[1].regions.leaves) {
     const Vec3 size = leaf.box.size();
     std::array<int, 3> n{};
-    for (std::size_t axis = 0; axis < 3; ++axis)
-      n[axis] = std::max(1, static_cast<int>(std::lround(size[static_cast<Eigen::Index>(axis)] / side)));
+    for (unsigned axis = 0; axis < 3; ++axis)
+      n[axis] = std::max(1, static_cast<int>(std::lround(size[axis] / side)));
     const Vec3 step = size.cwiseQuotient(Vec3(n[0], n[1], n[2]));
     for (int k = 0; k < n[2]; ++k)
       for (int j = 0; j < n[1]; ++j)
         for (int i = 0; i < n[0]; ++i) {
           const Vec3 low = leaf.box.low + step.cwiseProduct(Vec3(i, j, k));
           const Label before = label_in_a(low + 0.5 * step);
-          result.volume[static_cast<std::size_t>(before)][static_cast<std::size_t>(leaf.label)] +=
-              step.prod();
+          result.volume[before][leaf.label] += step.prod();
           if (before != leaf.label) result.changed.push_back({{low, low + step}, before, leaf.label});
         }
   }

@@ -129,7 +129,7 @@ struct Moment {
   std::size_t states = 0;  // number known by then
   Vec3 hip = Vec3::Zero();
   Label label = Label::blank;  // there
-  std::array<double, 4> volume{};
+  ByLabel<double> volume{};
 };
 
 // The result of `forefeel classify RUN/`.

@@ -335,24 +335,22 @@ Classified classify_states(const Globals& globals, const ClassifyArguments& argu
   return result;
 }
 
-nlohmann::ordered_json by_label(const std::array<double, 4>& values) {
+nlohmann::ordered_json by_label(const ByLabel<double>& values) {
   nlohmann::ordered_json result;
-  for (int i = 0; i < 4; ++i)
-    result[std::string(name(static_cast<Label>(i)))] = number(values[static_cast<std::size_t>(i)]);
+  for (const Label label : all_labels) result[std::string(name(label))] = number(values[label]);
   return result;
 }
 
 nlohmann::ordered_json by_labels(const LabelTable& volume) {
   nlohmann::ordered_json table;
-  for (const Label row : all_labels)
-    table[std::string(name(row))] = by_label(volume[static_cast<std::size_t>(row)]);
+  for (const Label row : all_labels) table[std::string(name(row))] = by_label(volume[row]);
   return table;
 }
 
 void print_volumes(const Globals& globals, const LabelTable& volume, const std::string& columns) {
   say(globals, "volume [cm3]  safe       sparse     gap        blank      (" + columns + ")");
   for (const Label row : all_labels) {
-    const std::array<double, 4>& v = volume[static_cast<std::size_t>(row)];
+    const ByLabel<double>& v = volume[row];
     say(globals, fmt::format("{:<12}{:>10.4g} {:>10.4g} {:>10.4g} {:>10.4g}", name(row), 1e6 * v[0],
                              1e6 * v[1], 1e6 * v[2], 1e6 * v[3]));
   }

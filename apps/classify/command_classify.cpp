@@ -59,8 +59,8 @@ std::vector<Vec3> parse_line(const std::string& text) {
 std::vector<Vec3> grid_points(const Box& box, double step) {
   std::array<long, 3> count{};
   double total = 1;
-  for (std::size_t axis = 0; axis < 3; ++axis) {
-    const double n = std::floor(box.size()[static_cast<Eigen::Index>(axis)] / step + 1e-9) + 1;
+  for (unsigned axis = 0; axis < 3; ++axis) {
+    const double n = std::floor(box.size()[axis] / step + 1e-9) + 1;
     total *= n;
     if (!(total <= 1e8)) throw InputError("--grid", "gives more than 1e8 points, expected a wider grid");
     count[axis] = static_cast<long>(n);

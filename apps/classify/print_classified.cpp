@@ -42,8 +42,7 @@ std::vector<RegionComponent> gaps_of(const RegionSummary& regions) {
 
 Json component_counts(const RegionsShown& r) {
   Json counts;
-  for (std::size_t i = 0; i < 4; ++i)
-    counts[std::string(name(static_cast<Label>(i)))] = r.regions.component_count[i];
+  for (const Label label : all_labels) counts[std::string(name(label))] = r.regions.component_count[label];
   return counts;
 }
 
@@ -58,7 +57,7 @@ const JsonKeys<RegionsShown>& region_keys() {
           "gaps", gap_keys(), [](const R& r) { return gaps_of(r.regions); }, "list, largest first"),
       {"gaps_left_out", "", "gaps beyond those listed",
        [](const R& r) {
-         const std::size_t all = r.regions.component_count[static_cast<std::size_t>(Label::gap)];
+         const std::size_t all = r.regions.component_count[Label::gap];
          return all - gaps_of(r.regions).size();
        }},
       {"fill_distance", "m", "largest distance of a place of the box to its nearest state, as found",
@@ -165,29 +164,28 @@ void list_points(const std::vector<Vec3>& points, const std::vector<Coverage>& f
 
 // "1331 points: safe 343, sparse 386, gap 0, blank 602; --list prints each"
 void count_points(const std::vector<Coverage>& found, const Globals& globals) {
-  std::array<std::size_t, 4> count{};
-  for (const Coverage& c : found) ++count[static_cast<std::size_t>(c.label)];
+  ByLabel<std::size_t> count{};
+  for (const Coverage& c : found) ++count[c.label];
   std::string text;
-  for (std::size_t k = 0; k < count.size(); ++k)
-    text += fmt::format("{} {} {}", k == 0 ? ":" : ",", name(static_cast<Label>(k)), count[k]);
+  for (const Label label : all_labels)
+    text += fmt::format("{} {} {}", text.empty() ? ":" : ",", name(label), count[label]);
   answer(globals, fmt::format("{} points{}; --list prints each", found.size(), text));
 }
 
 void print_summary(const Classified& set, double seconds, const Globals& globals) {
   int gaps = 0;
   double all = 0;
-  for (const double v : set.regions.volume) all += v;
+  for (const double v : set.regions.volume.values) all += v;
   answer(globals, fmt::format("{} states, h = {:.4g} mm{}{}", set.states.size(), 1e3 * set.spacing,
                               set.spacing_estimated ? " (estimated)"
                               : set.lattice         ? " at the finest"
                                                     : "",
                               set.unusable ? fmt::format(", {} failed ones left out", set.unusable) : ""));
-  for (int i = 0; i < 4; ++i) {
-    const auto k = static_cast<std::size_t>(i);
-    answer(globals,
-           fmt::format("{:<7}{:>12.5g} cm3 {:>6.1f} %  {} component{}", name(static_cast<Label>(i)),
-                       1e6 * set.regions.volume[k], all > 0 ? 100 * set.regions.volume[k] / all : 0.0,
-                       set.regions.component_count[k], set.regions.component_count[k] == 1 ? "" : "s"));
+  for (const Label label : all_labels) {
+    const double volume = set.regions.volume[label];
+    const std::size_t components = set.regions.component_count[label];
+    answer(globals, fmt::format("{:<7}{:>12.5g} cm3 {:>6.1f} %  {} component{}", name(label), 1e6 * volume,
+                                all > 0 ? 100 * volume / all : 0.0, components, components == 1 ? "" : "s"));
   }
   for (const RegionComponent& c : set.regions.components)
     if (c.label == Label::gap && ++gaps <= 5)

@@ -9,26 +9,11 @@
 #include "geometry/common/error.hpp"
 
 namespace forefeel {
-namespace {
-
-std::string refuse_unless(const std::string& text, bool (*good)(double), const char* expected) {
+std::string above_zero(const std::string& text) {
   char* end = nullptr;
   const double value = std::strtod(text.c_str(), &end);
-  const bool number = !text.empty() && *end == '\0';
-  if (number && std::isfinite(value) && good(value)) return "";
-  return fmt::format("is {}, expected {}", text, expected);
-}
-
-}  // namespace
-
-std::string above_zero(const std::string& text) {
-  return refuse_unless(
-      text, [](double v) { return v > 0; }, "a number above 0");
-}
-
-std::string zero_or_more(const std::string& text) {
-  return refuse_unless(
-      text, [](double v) { return v >= 0; }, "a number of at least 0");
+  if (!text.empty() && *end == '\0' && std::isfinite(value) && value > 0) return "";
+  return fmt::format("is {}, expected a number above 0", text);
 }
 
 Eigen::Vector3d parse_vector(const std::string& text, const std::string& where) {

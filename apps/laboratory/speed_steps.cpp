@@ -42,7 +42,7 @@ void be_seed_paper_with_our_start(SpeedSettings& s) {
 // As written in a scene, in quotes.
 template <class Choice>
 std::string word(const Words<Choice>& words, Choice choice) {
-  return "\"" + std::ranges::find(words, choice, &std::pair<std::string, Choice>::second)->first + "\"";
+  return "\"" + word_of(words, choice) + "\"";
 }
 
 // A key without its section, as the short form allows.
@@ -125,15 +125,15 @@ std::vector<std::pair<std::string, std::string>> scene_keys(const SpeedSettings&
   const auto quoted = [](std::string_view text) { return fmt::format("\"{}\"", text); };
   const auto yes_no = [](bool value) { return std::string(value ? "true" : "false"); };
   return {{"session.policy", quoted(to_text(s.planning.policy))},
-          {"session.select", word(select_words(), s.model.fit.select)},
-          {"session.switch", word(switch_words(), s.switching.rule)},
+          {"session.select", word(select_words, s.model.fit.select)},
+          {"session.switch", word(switch_words, s.switching.rule)},
           {"session.preempt", yes_no(s.planning.preempt)},
           {"session.rest_first", yes_no(s.planning.rest_first)},
           {"session.first_guess", yes_no(s.model.first_guess)},
           {"session.rest_known", yes_no(s.planning.rest_known)},
-          {"session.method", word(method_words(), s.model.method)},
+          {"session.method", word(method_words, s.model.method)},
           {"session.predictor", quoted(to_text(s.motion.predictor))},
-          {"session.placement", word(placement_words(), s.planning.placement)},
+          {"session.placement", word(placement_words, s.planning.placement)},
           {"model.kernel", quoted(name(s.model.fit.kernel))},
           {"model.data", quoted(name(s.model.fit.data))},
           {"model.neighbours", fmt::format("{}", s.model.fit.neighbours)},

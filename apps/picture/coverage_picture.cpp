@@ -123,9 +123,9 @@ class SvgCanvas : public Canvas {
 class PlotCanvas : public Canvas {
  public:
   PlotCanvas(int width, int height) : width_(width), height_(height) {
-    for (int label = 0; label < 4; ++label) {
+    for (const Label label : all_labels) {
       unsigned value = 0;
-      std::sscanf(colour(static_cast<Label>(label)).c_str() + 1, "%x", &value);
+      std::sscanf(colour(label).c_str() + 1, "%x", &value);
       for (unsigned part = 0; part < 3; ++part) rgb_[label][part] = int(value >> (16 - 8 * part) & 255);
     }
   }
@@ -191,7 +191,7 @@ class PlotCanvas : public Canvas {
                             : label == Label::sparse && y % 8 == 4  ? 0.25
                                                                     : 0.0;
         pixels += fmt::format("{:.1f} {:.1f}", left + x + 0.5, top + y + 0.5);
-        for (const int part : rgb_[static_cast<std::size_t>(label)])
+        for (const int part : rgb_[label])
           pixels += fmt::format(" {}", std::lround((1 - dark) * part + dark * 0x1b));
         pixels += '\n';
       }
@@ -210,7 +210,7 @@ class PlotCanvas : public Canvas {
   }
 
   int width_, height_, parts_ = 0;
-  int rgb_[4][3];
+  ByLabel<std::array<int, 3>> rgb_;
   std::string data_, plots_, decorations_;
 };
 
@@ -250,7 +250,7 @@ void draw_slice(const CoveragePicture& picture, const Slice& slice, double left,
 void draw_legend(const CoveragePicture& picture, int margin, bool too_many, Canvas& canvas) {
   const double top = title_height + panel + 54, right = margin + panel + margin;
   double all = 0;
-  for (const double v : picture.volume) all += v;
+  for (const double v : picture.volume.values) all += v;
   for (std::size_t i = 0; i < 4; ++i) {
     const auto label = static_cast<Label>(i);
     const double y = top + 22 * static_cast<double>(i);

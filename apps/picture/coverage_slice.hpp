@@ -18,8 +18,8 @@ struct CoveragePicture {
   double spacing = 0.006;       // h [m]: states within h/2 of a plane are drawn
   std::vector<Vec3> states;     // [m]
   std::function<Label(const Vec3&)> label;
-  std::array<double, 4> volume{};  // [m^3], for the legend
-  std::array<std::size_t, 4> components{};
+  ByLabel<double> volume{};  // [m^3], for the legend
+  ByLabel<std::size_t> components{};
   std::string title;
   std::vector<std::array<Vec3, 3>> body;  // triangles of the outline, in HIP coordinates; may be empty
 };

@@ -38,8 +38,8 @@ struct Window {
 };
 
 // Labels in the plane as boxes in mm, one text for each label.
-std::array<std::string, all_labels.size()> label_lines(const StateSpace& space, const Plane& plane,
-                                                       const Window& window, int columns) {
+ByLabel<std::string> label_lines(const StateSpace& space, const Plane& plane, const Window& window,
+                                 int columns) {
   const double step = (window.right - window.left) / columns;
   const int rows = std::max(1, static_cast<int>(std::ceil((window.top - window.bottom) / step)));
   PathWalk walk;
@@ -49,13 +49,12 @@ std::array<std::string, all_labels.size()> label_lines(const StateSpace& space, 
     q[plane.up] = window.bottom + (row + 0.5) * step;
     return space.label(q, walk);
   });
-  std::array<std::string, all_labels.size()> lines;
+  ByLabel<std::string> lines;
   for (const LabelBox& box : label_boxes(image)) {
     const double left = window.left + box.left * step, right = window.left + box.right * step;
     const double low = window.bottom + box.below * step, high = window.bottom + box.above * step;
-    lines[static_cast<std::size_t>(box.label)] +=
-        fmt::format("{:.5g} {:.5g} {:.5g} {:.5g} {:.5g} {:.5g}\n", 500 * (left + right), 500 * (low + high),
-                    1e3 * left, 1e3 * right, 1e3 * low, 1e3 * high);
+    lines[box.label] += fmt::format("{:.5g} {:.5g} {:.5g} {:.5g} {:.5g} {:.5g}\n", 500 * (left + right),
+                                    500 * (low + high), 1e3 * left, 1e3 * right, 1e3 * low, 1e3 * high);
   }
   return lines;
 }
@@ -84,8 +83,7 @@ std::string panel_at(const SliceInput& slice, KnownStates& known, const Plane& p
   const auto boxes = label_lines(known.space, plane, window, 110);
   std::string script;
   for (const Label label : all_labels)
-    script +=
-        data_block(fmt::format("slice{}_{}", number, name(label)), boxes[static_cast<std::size_t>(label)]);
+    script += data_block(fmt::format("slice{}_{}", number, name(label)), boxes[label]);
   script += data_block(fmt::format("in_plane{}", number), known.in_plane) +
             data_block(fmt::format("elsewhere{}", number), known.elsewhere);
   const auto past = static_cast<std::size_t>(std::ranges::upper_bound(t, until) - t.begin());

@@ -61,7 +61,7 @@ void choose_spacing_of(const SceneTable& table, const SceneUse& use, Scene& scen
                                             .coverage = scene.space.coverage,
                                             .floor = scene.session.judging.error_floor},
                                            cache_folder(), use.quiet);
-  scene.space.spacing = scene.spacing.chosen->spacing;
+  scene.space.spacing = scene.spacing.chosen->found.spacing;
   if (!scene.spacing.chosen->holds)
     scene.source.warnings.push_back(fmt::format(
         "{}: no spacing that was tried makes safe mean an error below {:g} % in {:g} % of it; the finest is "
@@ -123,12 +123,12 @@ const SceneRows<ModelOptions>& rows_of_model() {
   using M = ModelOptions;
   static const auto rows =
       SceneRows<M>("model", "The interpolation of the force between states.", SessionModelOptions().fit)
-          .word("kernel", kernel_words(), ": radial basis function of order 1, 3, 5", &M::kernel)
-          .word("data", data_words(), ": what is fitted", &M::data)
+          .word("kernel", kernel_words, ": radial basis function of order 1, 3, 5", &M::kernel)
+          .word("data", data_words, ": what is fitted", &M::data)
           .standard("force+stiffness; force with the linear kernel")
           .whole("neighbours", 1, 100'000, "states of a model", &M::neighbours)
           .standard("25; 100 with data = \"force\"")
-          .word("select", select_words(), ": rule that chooses the neighbours", &M::select)
+          .word("select", select_words, ": rule that chooses the neighbours", &M::select)
           .number("ridge", "1", not_negative(),
                   "smoothing for noisy states, added to the kernel's diagonal; 0: none", &M::ridge);
   return rows;

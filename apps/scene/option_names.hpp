@@ -34,16 +34,26 @@ std::string in_words(const Words<Choice>& words) {
   return in_words(names);
 }
 
-const Words<Element>& element_words();       // linear, quadratic
-const Words<Law>& law_words();               // neo-hookean, …
-const Words<Axis>& axis_words();             // x, y, z
-const Words<Kernel>& kernel_words();         // linear, cubic, quintic
-const Words<Data>& data_words();             // force, force+stiffness
-const Words<Clock>& clock_words();           // real, virtual
-const Words<SessionMethod>& method_words();  // rbf, trilinear, tricubic
-const Words<Placement>& placement_words();   // lattice, adaptive, path
-const Words<Select>& select_words();         // label, nearest
-const Words<SwitchRule>& switch_words();     // paper, smooth, none
-const Words<Passivity>& passivity_words();   // observe, control
+inline const Words<Element> element_words{{"linear", Element::linear}, {"quadratic", Element::quadratic}};
+inline const Words<Law> law_words = [] {
+  Words<Law> all;
+  for (const Law law : all_laws()) all.emplace_back(name(law), law);
+  return all;
+}();
+inline const Words<Axis> axis_words{{"x", Axis::x}, {"y", Axis::y}, {"z", Axis::z}};
+inline const Words<Kernel> kernel_words{
+    {"linear", Kernel::linear}, {"cubic", Kernel::cubic}, {"quintic", Kernel::quintic}};
+inline const Words<Data> data_words{{"force", Data::force}, {"force+stiffness", Data::force_and_stiffness}};
+inline const Words<Clock> clock_words{{"real", Clock::real}, {"virtual", Clock::virtual_time}};
+inline const Words<SessionMethod> method_words{{"rbf", SessionMethod::rbf},
+                                               {"trilinear", SessionMethod::trilinear},
+                                               {"tricubic", SessionMethod::tricubic}};
+inline const Words<Placement> placement_words{
+    {"lattice", Placement::lattice}, {"adaptive", Placement::adaptive}, {"path", Placement::path}};
+inline const Words<Select> select_words{{"label", Select::label}, {"nearest", Select::nearest}};
+inline const Words<SwitchRule> switch_words{
+    {"paper", SwitchRule::paper}, {"smooth", SwitchRule::smooth}, {"none", SwitchRule::none}};
+inline const Words<Passivity> passivity_words{{"observe", Passivity::observe},
+                                              {"control", Passivity::control}};
 
 }  // namespace forefeel

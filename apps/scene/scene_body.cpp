@@ -38,7 +38,7 @@ const SceneRows<FineKeys>& fine_rows() {
           "for none.")
           .whole("elements", 4, most_elements,
                  "its tetrahedra; a volume mesh is subdivided until it has as many", &F::elements)
-          .word("element", element_words(), " tetrahedra", &F::element);
+          .word("element", element_words, " tetrahedra", &F::element);
   return rows;
 }
 
@@ -81,7 +81,7 @@ const SceneRows<BodyKeys>& rows_of_body() {
           .number("length", "m", {shortest, longest, false, false, "a number above 0, from 1e-6 to 1e6 [m]"},
                   "longest side to scale the body to", &B::length)
           .standard("as in the file")
-          .word("element", element_words(), " tetrahedra", &B::element)
+          .word("element", element_words, " tetrahedra", &B::element)
           .row({"fine", "", "false", "table: the fine body that corrects this one; false for none"},
                [](const SceneTable& table, const std::string& key, B& keys) {
                  keys.fine = read_fine(table, key);
@@ -173,7 +173,7 @@ const SceneRows<BelowKeys>& below_rows() {
   static const auto rows =
       SceneRows<B>("clamp.below",
                    "The part of the body that is clamped: clamp.below = { axis = \"z\", share = 0.15 }")
-          .word("axis", axis_words(), "", &B::axis)
+          .word("axis", axis_words, "", &B::axis)
           .required("one of x, y, z")
           .number("share", "1", {0, 1, true, true, "a number between 0 and 1"},
                   "of the body's extent along the axis, between 0 and 1", &B::share)

@@ -39,7 +39,7 @@ const SceneRows<Material>& rows_of_material() {
           "without.")
           .row({"group", "", "",
                 "name of a group of tetrahedra of the mesh; without it, the table is for the rest"})
-          .word("law", law_words(), "", &M::law)
+          .word("law", law_words, "", &M::law)
           .required_with_mesh("a material law")
           .number("young", "Pa",
                   {softest_young, stiffest_young, false, false, "a number above 0, from 1e-3 to 1e15 [Pa]"},

@@ -47,9 +47,10 @@ fs::path file_of(const BodyIdentity& identity, const AutoSpacingOptions& options
 
 Json to_file(const SpacingChoice& c) {
   const auto number = [](double v) { return std::isfinite(v) ? Json(v) : Json(nullptr); };
-  return {{"spacing", c.spacing}, {"p95", number(c.p95)}, {"max", number(c.max)},
-          {"safe", c.safe},       {"above", c.above},     {"share_above_bound", c.share_bound},
-          {"states", c.states},   {"solves", c.solves},   {"holds", c.holds}};
+  return {
+      {"spacing", c.found.spacing}, {"p95", number(c.found.p95)}, {"max", number(c.found.max)},
+      {"safe", c.found.safe},       {"above", c.found.above},     {"share_above_bound", c.found.share_bound},
+      {"states", c.found.states},   {"solves", c.solves},         {"holds", c.holds}};
 }
 
 // False if the file is missing, incomplete or of another form. If its checksum does not match, a warning says
@@ -67,24 +68,25 @@ bool read_kept(const fs::path& file, SpacingChoice& choice) {
       return false;
     }
   }
+  AutoSpacingTrial& found = choice.found;
   try {
     const auto number = [&](const char* key) {
       return kept.at(key).is_null() ? unknown : kept.at(key).get<double>();
     };
-    choice.spacing = kept.at("spacing").get<double>();
-    choice.p95 = number("p95");
-    choice.max = number("max");
-    choice.safe = kept.at("safe").get<std::size_t>();
-    choice.above = kept.at("above").get<std::size_t>();
-    choice.share_bound = kept.at("share_above_bound").get<double>();
-    choice.states = kept.at("states").get<std::size_t>();
+    found.spacing = kept.at("spacing").get<double>();
+    found.p95 = number("p95");
+    found.max = number("max");
+    found.safe = kept.at("safe").get<std::size_t>();
+    found.above = kept.at("above").get<std::size_t>();
+    found.share_bound = kept.at("share_above_bound").get<double>();
+    found.states = kept.at("states").get<std::size_t>();
     choice.solves = kept.at("solves").get<std::size_t>();
     choice.holds = kept.at("holds").get<bool>();
   } catch (const Json::exception&) {
     return false;
   }
   choice.kept = true;
-  return choice.spacing > 0;
+  return choice.found.spacing > 0;
 }
 
 }  // namespace
@@ -110,20 +112,9 @@ SpacingChoice automatic_spacing(const std::shared_ptr<const Body>& body, const B
   if (report.interrupted)
     throw Interrupted(
         "interrupted while the spacing was measured: nothing of it is kept, and nothing was written");
-  const AutoSpacingTrial& last = report.trials.back();
-  choice = {.spacing = report.spacing,
-            .tolerance = options.tolerance,
-            .p95 = last.p95,
-            .max = last.max,
-            .safe = last.safe,
-            .states = last.states,
-            .solves = report.solves,
-            .above = last.above,
-            .share_bound = last.share_bound,
-            .allowed_share = options.allowed_share,
-            .confidence = options.confidence,
-            .holds = report.holds,
-            .kept = false};
+  choice.found = report.trials.back();
+  choice.solves = report.solves;
+  choice.holds = report.holds;
   if (file.empty()) return choice;
   try {
     Json kept = to_file(choice);
@@ -136,25 +127,26 @@ SpacingChoice automatic_spacing(const std::shared_ptr<const Body>& body, const B
 
 std::string in_words(const SpacingChoice& c) {
   const std::string solves = fmt::format("; {} solves{}", c.solves, c.kept ? ", kept from before" : "");
-  if (c.safe == 0)
+  if (c.found.safe == 0)
     return fmt::format(
         "spacing \"auto\": {:.4g} mm; too few positions of the box are safe on it to judge by{}",
-        1e3 * c.spacing, solves);
+        1e3 * c.found.spacing, solves);
   const std::string worst =
-      std::isfinite(c.max) ? fmt::format("{:.2g} %", 100 * c.max) : "without an equilibrium";
+      std::isfinite(c.found.max) ? fmt::format("{:.2g} %", 100 * c.found.max) : "without an equilibrium";
   return fmt::format(
       "spacing \"auto\": {:.4g} mm; of {} safe positions {} above {:g} % error (p95 {:.2g} %, worst {}), so "
       "that with "
       "{:g} % confidence at most {:.2g} % of what is safe is above it (allowed: {:g} %{}){}",
-      1e3 * c.spacing, c.safe, c.above == 1 ? "1 is" : fmt::format("{} are", c.above), 100 * c.tolerance,
-      100 * c.p95, worst, 100 * c.confidence, 100 * c.share_bound, 100 * c.allowed_share,
-      c.holds ? "" : ", does not hold", solves);
+      1e3 * c.found.spacing, c.found.safe, c.found.above == 1 ? "1 is" : fmt::format("{} are", c.found.above),
+      100 * c.tolerance, 100 * c.found.p95, worst, 100 * c.confidence, 100 * c.found.share_bound,
+      100 * c.allowed_share, c.holds ? "" : ", does not hold", solves);
 }
 
 Json to_json(const SpacingChoice& c) {
   Json document = to_file(c);
-  document["share_above"] =
-      c.safe > 0 ? Json(static_cast<double>(c.above) / static_cast<double>(c.safe)) : Json();
+  document["share_above"] = c.found.safe > 0
+                                ? Json(static_cast<double>(c.found.above) / static_cast<double>(c.found.safe))
+                                : Json();
   document["share_above_allowed"] = c.allowed_share;
   document["confidence"] = c.confidence;
   document["tolerance"] = c.tolerance;

@@ -11,15 +11,11 @@
 namespace forefeel {
 
 struct SpacingChoice {
-  double spacing = unknown;             // h [m]
-  double tolerance = 0.07;              // of the error [1]
-  double p95 = unknown, max = unknown;  // errors at the safe positions checked [1]
-  std::size_t safe = 0, states = 0,
-              solves = 0;  // safe positions checked; states of the lattice; solves in all
-  std::size_t above = 0;   // safe positions checked whose error exceeds the tolerance
-  double share_bound = 1;  // upper bound on the share of all safe positions above the tolerance [1]
+  AutoSpacingTrial found;   // of the chosen spacing
+  std::size_t solves = 0;   // of all trials
+  double tolerance = 0.07;  // of the error [1]
   double allowed_share = 0.05, confidence = 0.95;
-  bool holds = false;  // share_bound <= allowed_share
+  bool holds = false;  // found.share_bound <= allowed_share
   bool kept = false;   // read from the cache folder; nothing was solved
 };
 

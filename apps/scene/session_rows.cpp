@@ -55,7 +55,7 @@ const SceneRows<PlanningOptions>& planning_rows() {
   using P = PlanningOptions;
   static const auto rows =
       SceneRows<P>("session", "")
-          .word("placement", placement_words(), ": where states may be placed", &P::placement)
+          .word("placement", placement_words, ": where states may be placed", &P::placement)
           .only_solving()
           .flag("preempt", "cancel a running solve where another is worth far more", &P::preempt)
           .only_solving()
@@ -125,25 +125,24 @@ SceneRows<Scene> run_rows() {
       .text("device", "motion of the hand: see forefeel help devices",
             path(&Scene::written, &SceneWritten::device))
       .standard(to_text(S().motion.device))
-      .word("clock", clock_words(), "", in_session(&S::clock, &ClockOptions::kind))
+      .word("clock", clock_words, "", in_session(&S::clock, &ClockOptions::kind))
       .number("seconds", "s", positive(), "length; a motion that ends earlier ends the session",
               in_session(&S::clock, &ClockOptions::seconds))
       .whole("seed", 0, INT64_MAX, "of everything random: device, policy, cost", in_session(&S::seed))
       .flag("record",
             "keep all that comes in, in session.inputs, 7 MB a minute: forefeel replay RUN renders it again",
             in_session(&S::record))
-      .word("switch", switch_words(), ": how the force changes from one model to the next",
+      .word("switch", switch_words, ": how the force changes from one model to the next",
             in_session(&S::switching, &SwitchOptions::rule))
-      .word("select", select_words(), ": the same as model.select",
-            path(&Scene::model, &ModelOptions::select))
+      .word("select", select_words, ": the same as model.select", path(&Scene::model, &ModelOptions::select))
       .standard("that of model")
-      .word("method", method_words(), ": kind of the models", in_session(&S::model, &M::method))
+      .word("method", method_words, ": kind of the models", in_session(&S::model, &M::method))
       .number("update_travel", "spacings", positive(), "travel of the tip after which a model is made anew",
               in_session(&S::model, &M::update_travel))
       .flag("first_guess", "while no state is known, render the body's stiffness at rest",
             in_session(&S::model, &M::first_guess))
       .only_solving()
-      .word("passivity", passivity_words(), ": control holds back force that would generate energy",
+      .word("passivity", passivity_words, ": control holds back force that would generate energy",
             in_session(&S::safety, &SafetyOptions::passivity))
       .table("jnd", "table: the just noticeable difference", jnd_rows(), in_session(&S::switching))
       .table("limits", "table: the safety rules", limit_rows(), in_session(&S::safety));

@@ -48,7 +48,7 @@ std::optional<Vec3> vector_of(const toml::node* node) {
   const toml::array* list = node ? node->as_array() : nullptr;
   if (!list || list->size() != 3) return {};
   Vec3 value;
-  for (std::size_t i = 0; i < 3; ++i) value[static_cast<Eigen::Index>(i)] = number_of((*list)[i]);
+  for (unsigned i = 0; i < 3; ++i) value[i] = number_of((*list)[i]);
   if (!value.allFinite()) return {};
   return value;
 }

@@ -274,8 +274,7 @@ SliceInput slices_of(const SessionResult& result) {
   SliceInput slice;
   for (const FrameRecord& f : result.frames) {
     slice.t.push_back(f.t);
-    for (std::size_t axis = 0; axis < 3; ++axis)
-      slice.path[axis].push_back(f.at[static_cast<Eigen::Index>(axis)]);
+    for (unsigned axis = 0; axis < 3; ++axis) slice.path[axis].push_back(f.at[axis]);
   }
   const auto take = [&](double known, const Vec3& at) {
     State state;

@@ -52,14 +52,12 @@ double largest(const std::vector<double>& values, double at_least) {
 
 // Runs of one label as boxes "x_low x_high" per label.
 std::string strip_blocks(Frames frames, const std::vector<double>& t) {
-  std::array<std::string, all_labels.size()> boxes;
+  ByLabel<std::string> boxes;
   for (std::size_t begin = 0, end = 0; begin < t.size(); begin = end) {
     const Label label = frames[begin].label;
     while (end < t.size() && frames[end].label == label) ++end;
     const double until = end < t.size() ? t[end] : t.back();
-    for (std::size_t i = 0; i < all_labels.size(); ++i)
-      if (label == all_labels[i])
-        boxes[i] += fmt::format("{:.6g} 0.5 {:.6g} {:.6g} 0 1\n", 0.5 * (t[begin] + until), t[begin], until);
+    boxes[label] += fmt::format("{:.6g} 0.5 {:.6g} {:.6g} 0 1\n", 0.5 * (t[begin] + until), t[begin], until);
   }
   std::string blocks;
   for (std::size_t i = 0; i < all_labels.size(); ++i)

@@ -20,9 +20,9 @@ LabelGrid sample(const StateSpace& space, const Box& box, double most, double ti
   const Vec3 size = box.size().cwiseMax(1e-3 * box.size().maxCoeff());
   const double cell = std::max(space.options().spacing / 4, std::cbrt(size.prod() / most));
   Vec3 step;
-  for (int axis = 0; axis < 3; ++axis) {
+  for (unsigned axis = 0; axis < 3; ++axis) {
     const double n = std::clamp(std::ceil(box.size()[axis] / cell - 1e-6), 1.0, most);
-    grid.count[static_cast<std::size_t>(axis)] = static_cast<std::uint32_t>(n);
+    grid.count[axis] = static_cast<std::uint32_t>(n);
     step[axis] = box.size()[axis] / n;
   }
   const std::uint32_t nx = grid.count[0], ny = grid.count[1], nz = grid.count[2];

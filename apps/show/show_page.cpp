@@ -119,8 +119,8 @@ Json states_json(const ShownStates& states) {
   for (const SolveStatus status : {SolveStatus::converged, SolveStatus::diverged, SolveStatus::stalled,
                                    SolveStatus::inverted, SolveStatus::cancelled, SolveStatus::measured})
     out["outcomes"].push_back(std::string(name(status)));
-  out["volume"] = states.regions.volume;
-  out["components"] = states.regions.component_count;
+  out["volume"] = states.regions.volume.values;
+  out["components"] = states.regions.component_count.values;
   out["labels"] = Json::array();
   for (const LabelGrid& grid : states.labels) out["labels"].push_back(grid_json(grid));
   return out;

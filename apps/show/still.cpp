@@ -99,8 +99,8 @@ Coarse coarse_surface(const ShownBody& body, const Box& extent) {
   std::vector<double> count;
   for (std::size_t i = 0; i < body.nodes.size(); ++i) {
     std::array<int, 3> cell{};
-    for (std::size_t axis = 0; axis < 3; ++axis)
-      cell[axis] = static_cast<int>(std::floor(body.nodes[i][static_cast<Eigen::Index>(axis)] / cube));
+    for (unsigned axis = 0; axis < 3; ++axis)
+      cell[axis] = static_cast<int>(std::floor(body.nodes[i][axis] / cube));
     const auto [found, fresh] = place.try_emplace(cell, static_cast<NodeIndex>(coarse.nodes.size()));
     if (fresh) coarse.nodes.emplace_back(Vec3::Zero()), coarse.role.push_back(Role::free), count.push_back(0);
     const NodeIndex to = found->second;

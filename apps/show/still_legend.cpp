@@ -80,9 +80,8 @@ void add_legend(const ShowContent& content, FlatPicture& picture) {
                              near_cut_only(*content.states) ? " (dots: those near it)" : " (dots)"));
     legend.words("through the labels:");
     for (const Label label : all_labels)
-      legend.swatch(name(label),
-                    fmt::format("{}, {:.4g} cm\u00b3", name(label),
-                                1e6 * content.states->regions.volume[static_cast<std::size_t>(label)]));
+      legend.swatch(name(label), fmt::format("{}, {:.4g} cm\u00b3", name(label),
+                                             1e6 * content.states->regions.volume[label]));
     if (std::ranges::any_of(content.states->all, [](const ShownState& s) { return !s.state.usable(); }))
       legend.swatch("failed", "solve failed");
   }

@@ -19,7 +19,7 @@ Agreement compare_indexes(const StateSpace& space, const OctreeIndex& octree) {
         const Vec3 q = grid.centre({i, j, k});
         const Label d = regions.label_at(q), o = octree.label(q, walk);
         const double volume = grid.cube({i, j, k}, 1).size().prod();
-        result.volume[static_cast<std::size_t>(d)][static_cast<std::size_t>(o)] += volume;
+        result.volume[d][o] += volume;
         if (d != Label::blank || o != Label::blank) known += volume;
         if (d == o && d != Label::blank) same += volume;
         run = d == o ? 0 : run + 1;

@@ -13,7 +13,7 @@ namespace forefeel {
 
 struct Agreement {
   // volume[d][o]: the triangulation says label d, the octree says label o [m^3]
-  std::array<std::array<double, 4>, 4> volume{};
+  ByLabel<ByLabel<double>> volume{};
   double share = 1;
   // The cube in the middle of the longest run of differing cubes along x, and its two labels.
   struct Difference {

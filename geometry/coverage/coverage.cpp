@@ -1,19 +1,11 @@
 #include "geometry/coverage/coverage.hpp"
 
+#include "geometry/common/enum_names.hpp"
+
 namespace forefeel {
 
 std::string_view name(Label label) {
-  switch (label) {
-    case Label::safe:
-      return "safe";
-    case Label::sparse:
-      return "sparse";
-    case Label::gap:
-      return "gap";
-    case Label::blank:
-      break;
-  }
-  return "blank";
+  return name_in<Label::blank>({"safe", "sparse", "gap", "blank"}, label);
 }
 
 }  // namespace forefeel

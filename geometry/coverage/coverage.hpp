@@ -26,6 +26,16 @@ enum class Label : std::uint8_t { safe, sparse, gap, blank };
 std::string_view name(Label label);
 inline constexpr std::array all_labels{Label::safe, Label::sparse, Label::gap, Label::blank};
 
+// One value for each label.
+template <class Value>
+struct ByLabel {
+  std::array<Value, all_labels.size()> values{};
+  Value& operator[](std::size_t label) { return values[label]; }
+  const Value& operator[](std::size_t label) const { return values[label]; }
+  Value& operator[](Label label) { return values[static_cast<std::size_t>(label)]; }
+  const Value& operator[](Label label) const { return values[static_cast<std::size_t>(label)]; }
+};
+
 struct CoverageOptions {
   double safe_spread = 0.95;       // kappa_s: safe needs pi <= kappa_s h
   double safe_cone_radius = 1.45;  // safe also needs gamma(q, safe_cone_radius h) < safe_angle_deg

@@ -169,13 +169,4 @@ Coverage OctreeIndex::coverage(const Vec3& q) const {
   return result;
 }
 
-std::vector<AdaptiveLattice::Point> OctreeIndex::proposals() const {
-  if (!lattice_) return {};
-  std::vector<AdaptiveLattice::Point> result = lattice_->points();
-  std::erase_if(result, [&](const AdaptiveLattice::Point& point) {
-    return points_.nearest(point.at, 0.5 * point.spacing * (1 - threshold_slack)).id != PointOctree::nobody;
-  });
-  return result;
-}
-
 }  // namespace forefeel

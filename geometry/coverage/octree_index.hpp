@@ -44,10 +44,6 @@ class OctreeIndex {
   void nearest(const Vec3& q, std::size_t n, std::vector<StateId>& out) const { points_.nearest(q, n, out); }
 
   const PointOctree& points() const { return points_; }
-  AdaptiveLattice* lattice() { return lattice_.get(); }
-  // Where to add states: points of the adaptive lattice without a state within half their spacing, outward
-  // from rest.
-  std::vector<AdaptiveLattice::Point> proposals() const;
 
  private:
   double spacing_at(const Vec3& q) const { return lattice_ ? lattice_->spacing_at(q) : spacing_; }

@@ -25,11 +25,10 @@ double tolerance(const std::vector<double>& sorted) {
 
 Planes planes_of(std::span<const RegionLeaf> leaves) {
   Planes planes;
-  for (std::size_t axis = 0; axis < 3; ++axis) {
+  for (unsigned axis = 0; axis < 3; ++axis) {
     std::vector<double>& all = planes[axis];
     for (const RegionLeaf& leaf : leaves)
-      for (const Vec3* corner : {&leaf.box.low, &leaf.box.high})
-        all.push_back((*corner)[static_cast<Eigen::Index>(axis)]);
+      for (const Vec3* corner : {&leaf.box.low, &leaf.box.high}) all.push_back((*corner)[axis]);
     std::ranges::sort(all);
     std::vector<double> apart;
     const double least = tolerance(all);
@@ -51,8 +50,8 @@ std::vector<Cell> cells_of(std::span<const RegionLeaf> leaves, const Planes& pla
   std::vector<Cell> cells(leaves.size());
   for (std::uint32_t i = 0; i < leaves.size(); ++i) {
     cells[i].leaf = i;
-    for (std::size_t axis = 0; axis < 3; ++axis) {
-      const auto a = static_cast<Eigen::Index>(axis);
+    for (unsigned axis = 0; axis < 3; ++axis) {
+      const auto a = axis;
       cells[i].low[axis] = plane_at(planes[axis], leaves[i].box.low[a]);
       cells[i].high[axis] = plane_at(planes[axis], leaves[i].box.high[a]);
     }

@@ -19,7 +19,7 @@ bool may_move(const RegionNode& node) {
 }  // namespace
 
 void RegionTree::mark(std::int32_t index) {
-  RegionNode& here = pool_.nodes[static_cast<std::size_t>(index)];
+  RegionNode& here = pool_.nodes[index];
   if (here.kind != RegionNode::Kind::leaf || here.label == Label::safe) return;
   here.kind = RegionNode::Kind::unresolved;
   if (progress_.complete) progress_.marked.push_back(index);
@@ -56,41 +56,41 @@ bool RegionTree::reaches(const RegionNode& node, const Vec3& at) const {
 }
 
 void RegionTree::pass_to(std::int32_t index, const Vec3& at) {
-  RegionNode& here = pool_.nodes[static_cast<std::size_t>(index)];
+  RegionNode& here = pool_.nodes[index];
   if (!reaches(here, at)) return;
   if (here.kind == RegionNode::Kind::leaf) {
     if (!breaks(here, at)) return;
     mark(index);
     for (std::int32_t up = here.parent; up >= 0 && node(up).below != RegionNode::anything;
          up = node(up).parent)
-      pool_.nodes[static_cast<std::size_t>(up)].below = RegionNode::anything;
+      pool_.nodes[up].below = RegionNode::anything;
     return;
   }
   std::int32_t link;
   if (waiting_.free.empty()) {
-    link = static_cast<std::int32_t>(waiting_.all.size());
+    link = waiting_.all.count();
     waiting_.all.emplace_back();
   } else {
     link = waiting_.free.back();
     waiting_.free.pop_back();
   }
-  waiting_.all[static_cast<std::size_t>(link)] = {at, here.waiting};
+  waiting_.all[link] = {at, here.waiting};
   here.waiting = link;
   here.waits = true;
 }
 
 void RegionTree::pass_on(std::int32_t index) {
   for (std::int32_t link = node(index).waiting; link >= 0;) {
-    const Insertion here = waiting_.all[static_cast<std::size_t>(link)];
+    const Insertion here = waiting_.all[link];
     waiting_.free.push_back(link);
     for (std::int32_t child = 0; child < 8; ++child) pass_to(node(index).children + child, here.at);
     link = here.next;
   }
-  pool_.nodes[static_cast<std::size_t>(index)].waiting = -1;
+  pool_.nodes[index].waiting = -1;
 }
 
 void RegionTree::pass_on_all(std::int32_t index) {
-  RegionNode& here = pool_.nodes[static_cast<std::size_t>(index)];
+  RegionNode& here = pool_.nodes[index];
   const bool waited = here.waits;
   here.waits = false;
   if (here.kind != RegionNode::Kind::branch || !waited) return;
@@ -102,7 +102,7 @@ void RegionTree::inserted(const Vec3& at, std::span<const std::uint32_t> disturb
   const auto wake = [&](std::int32_t index) {
     mark(index);
     for (std::int32_t up = node(index).parent; up >= 0; up = node(up).parent)
-      pool_.nodes[static_cast<std::size_t>(up)].below = RegionNode::anything;
+      pool_.nodes[up].below = RegionNode::anything;
   };
   // A watch may outlive its voxel. The node that replaced it is then marked without need, which only costs time.
   for (const std::uint32_t token : disturbed) wake(static_cast<std::int32_t>(token));
@@ -111,18 +111,18 @@ void RegionTree::inserted(const Vec3& at, std::span<const std::uint32_t> disturb
 
   const double far = std::max(thresholds_.widest.gap_radius, thresholds_.widest.sparse_distance) + grid_.side;
   const double side = grid_.side * static_cast<double>(1 << roots_.level);
-  std::array<std::int64_t, 3> first{}, last{};
-  for (std::size_t axis = 0; axis < 3; ++axis) {
-    const double where = at[static_cast<Eigen::Index>(axis)] - grid_.origin[static_cast<Eigen::Index>(axis)];
+  Voxel first{}, last{};
+  for (unsigned axis = 0; axis < 3; ++axis) {
+    const double where = at[axis] - grid_.origin[axis];
     const double top = static_cast<double>(roots_.count[axis] - 1);
     if ((where + far) / side < 0 || (where - far) / side > top + 1) return;
-    first[axis] = static_cast<std::int64_t>(std::clamp(std::floor((where - far) / side), 0.0, top));
-    last[axis] = static_cast<std::int64_t>(std::clamp(std::floor((where + far) / side), 0.0, top));
+    first[axis] = static_cast<std::int32_t>(std::clamp(std::floor((where - far) / side), 0.0, top));
+    last[axis] = static_cast<std::int32_t>(std::clamp(std::floor((where + far) / side), 0.0, top));
   }
-  for (std::int64_t k = first[2]; k <= last[2]; ++k)
-    for (std::int64_t j = first[1]; j <= last[1]; ++j)
-      for (std::int64_t i = first[0]; i <= last[0]; ++i) {
-        const auto root = static_cast<std::int32_t>((k * roots_.count[1] + j) * roots_.count[0] + i);
+  for (std::int32_t k = first[2]; k <= last[2]; ++k)
+    for (std::int32_t j = first[1]; j <= last[1]; ++j)
+      for (std::int32_t i = first[0]; i <= last[0]; ++i) {
+        const std::int32_t root = (k * roots_.count[1] + j) * roots_.count[0] + i;
         const bool waited = node(root).waits;
         pass_to(root, at);
         if (node(root).waits && !waited) waiting_.roots.push_back(root);

@@ -57,7 +57,7 @@ bool RegionTree::all_safe(const RegionNode& node, const Thresholds& limits) {
 }
 
 void RegionTree::resolve_voxel(std::int32_t index) {
-  RegionNode& here = pool_.nodes[static_cast<std::size_t>(index)];
+  RegionNode& here = pool_.nodes[index];
   const Thresholds& limits = *limits_over(here);
   const Vec3 q = centre(here);
   const bool was_sparse = here.label == Label::sparse;  // known: a state lies within kappa_p h
@@ -95,7 +95,7 @@ void RegionTree::resolve_voxel(std::int32_t index) {
 }
 
 void RegionTree::resolve(std::int32_t index) {
-  RegionNode& here = pool_.nodes[static_cast<std::size_t>(index)];
+  RegionNode& here = pool_.nodes[index];
   if (here.level == 0) return resolve_voxel(index);
   const Thresholds* limits = limits_over(here);
   if (!limits) return branch(index);

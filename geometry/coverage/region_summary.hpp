@@ -48,8 +48,8 @@ struct EmptyBall {
 struct RegionSummary {
   std::vector<RegionLeaf> leaves;
   std::vector<RegionComponent> components;  // by label, then by falling volume
-  std::array<double, 4> volume{};           // per label [m^3]
-  std::array<std::size_t, 4> component_count{};
+  ByLabel<double> volume{};                 // [m^3]
+  ByLabel<std::size_t> component_count{};
   std::size_t leaf_count = 0;  // also known where `leaves` is left out
 };
 

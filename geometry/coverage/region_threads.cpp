@@ -33,21 +33,21 @@ bool RegionTree::watch_place(const Vec3& q, std::int32_t index) {
 }
 
 bool RegionTree::is_fresh() const {
-  return pool_.nodes.size() == roots_.size() && std::ranges::all_of(pool_.nodes, [](const RegionNode& root) {
+  return pool_.nodes.count() == roots_.size() && std::ranges::all_of(pool_.nodes, [](const RegionNode& root) {
            return root.kind == RegionNode::Kind::unresolved && !root.waits;
          });
 }
 
 // Node 0 of the part becomes the root; the others are appended in their order.
 void RegionTree::take_root(std::int32_t root, RegionTree& part) {
-  const auto base = static_cast<std::int32_t>(pool_.nodes.size()) - 1;
+  const std::int32_t base = pool_.nodes.count() - 1;
   const auto here = [&](std::int32_t index) { return index < 0 ? index : index == 0 ? root : base + index; };
-  for (std::size_t i = 0; i < part.pool_.nodes.size(); ++i) {
+  for (std::int32_t i = 0; i < part.pool_.nodes.count(); ++i) {
     RegionNode node = part.pool_.nodes[i];
     node.children = here(node.children);
     node.parent = i == 0 ? -1 : here(node.parent);
     if (i == 0)
-      pool_.nodes[static_cast<std::size_t>(root)] = node;
+      pool_.nodes[root] = node;
     else
       pool_.nodes.push_back(node);
   }
@@ -73,7 +73,7 @@ std::exception_ptr RegionTree::settle_root(const RegionNode& root) {
 }
 
 void RegionTree::settle_fresh(const std::function<void(double)>& progress) {
-  std::vector<RegionNode> roots;
+  SignedVector<RegionNode> roots;
   roots.swap(pool_.nodes);
   RegionTree pattern(*this);  // options and grid, without nodes
   pattern.watches_.postponed = true;
@@ -83,15 +83,14 @@ void RegionTree::settle_fresh(const std::function<void(double)>& progress) {
   {
     RegionTree part(pattern);
 #pragma omp for schedule(dynamic) ordered
-    for (std::size_t root = 0; root < roots_.size(); ++root) {
+    for (std::int32_t root = 0; root < roots_.size(); ++root) {
       std::exception_ptr mine = part.settle_root(roots[root]);
 #pragma omp ordered
       {
         if (!failed && !mine)
           mine = caught([&] {
-            take_root(static_cast<std::int32_t>(root), part);
-            if (progress && root % 16 == 0)
-              progress(static_cast<double>(root) / static_cast<double>(roots_.size()));
+            take_root(root, part);
+            if (progress && root % 16 == 0) progress(double(root) / double(roots_.size()));
           });
         if (!failed) failed = mine;
       }

@@ -30,8 +30,8 @@ RegionTree::RegionTree(const PointOctree& points, DelaunayIndex& delaunay, const
       grid_(options.box, options.spacing / 4),
       roots_(grid_),
       far_(points) {
-  pool_.nodes.resize(roots_.size());
-  for (std::size_t root = 0; root < roots_.size(); ++root) {
+  pool_.nodes.resize(static_cast<std::size_t>(roots_.size()));
+  for (std::int32_t root = 0; root < roots_.size(); ++root) {
     pool_.nodes[root].level = static_cast<std::uint8_t>(roots_.level);
     pool_.nodes[root].low = roots_.low(root);
   }
@@ -67,7 +67,7 @@ const Thresholds* RegionTree::limits_over(const RegionNode& node) {
 Label RegionTree::label_at(const Vec3& q) {
   if (!grid_.box.contains(q)) return label_of(q, walk_);
   const Voxel voxel = grid_.voxel_of(q);
-  auto index = static_cast<std::int32_t>(roots_.root_of(voxel));
+  std::int32_t index = roots_.root_of(voxel);
   for (;;) {
     if (node(index).waiting >= 0) pass_on(index);
     if (node(index).kind == RegionNode::Kind::unresolved) resolve(index);
@@ -99,18 +99,18 @@ std::uint8_t RegionTree::summary(const RegionNode& node) const {
 void RegionTree::branch(std::int32_t index) {
   std::int32_t children;
   if (pool_.free.empty()) {
-    children = static_cast<std::int32_t>(pool_.nodes.size());
+    children = pool_.nodes.count();
     pool_.nodes.resize(pool_.nodes.size() + 8);
   } else {
     children = pool_.free.back();
     pool_.free.pop_back();
   }
-  RegionNode& parent = pool_.nodes[static_cast<std::size_t>(index)];
+  RegionNode& parent = pool_.nodes[index];
   parent.children = children;
   parent.kind = RegionNode::Kind::branch;
   const std::int32_t half = parent.width() / 2;
   for (std::int32_t child = 0; child < 8; ++child) {
-    RegionNode& made = pool_.nodes[static_cast<std::size_t>(children + child)];
+    RegionNode& made = pool_.nodes[children + child];
     made = RegionNode{};
     made.parent = index;
     made.level = static_cast<std::uint8_t>(parent.level - 1);
@@ -120,14 +120,13 @@ void RegionTree::branch(std::int32_t index) {
     if (outside(made)) made.kind = RegionNode::Kind::outside;
   }
   // All bits are set, here and above, until a visit finds out which hold.
-  for (std::int32_t up = index; up >= 0; up = node(up).parent)
-    pool_.nodes[static_cast<std::size_t>(up)].below = RegionNode::anything;
+  for (std::int32_t up = index; up >= 0; up = node(up).parent) pool_.nodes[up].below = RegionNode::anything;
 }
 
 // Replaces eight leaves that are all safe, or all gap, by their parent. Repeats this upwards as far as possible.
 void RegionTree::collapse(std::int32_t index) {
   for (; index >= 0; index = node(index).parent) {
-    RegionNode& parent = pool_.nodes[static_cast<std::size_t>(index)];
+    RegionNode& parent = pool_.nodes[index];
     if (parent.kind != RegionNode::Kind::branch) return;
     bool first = true;
     Label label = Label::blank;
@@ -140,7 +139,7 @@ void RegionTree::collapse(std::int32_t index) {
       first = false;
     }
     for (std::int32_t child = 0; child < 8; ++child)  // a watch that reports later must not mark them
-      pool_.nodes[static_cast<std::size_t>(parent.children + child)].kind = RegionNode::Kind::outside;
+      pool_.nodes[parent.children + child].kind = RegionNode::Kind::outside;
     pool_.free.push_back(parent.children);
     parent.children = -1;
     become_leaf(parent, label);
@@ -157,14 +156,14 @@ void RegionTree::settle_below(std::int32_t index) {
     if (node(index).kind != RegionNode::Kind::branch) return;  // collapsing the child reached this node
     below |= summary(node(node(index).children + child));
   }
-  pool_.nodes[static_cast<std::size_t>(index)].below = below;
+  pool_.nodes[index].below = below;
   collapse(index);
 }
 
 // After the labels below a node changed: computes the summaries of its ancestors anew.
 void RegionTree::refresh_above(std::int32_t index) {
   for (std::int32_t up = node(index).parent; up >= 0; up = node(up).parent) {
-    RegionNode& above = pool_.nodes[static_cast<std::size_t>(up)];
+    RegionNode& above = pool_.nodes[up];
     if (above.kind != RegionNode::Kind::branch) continue;
     std::uint8_t below = 0;
     for (std::int32_t child = 0; child < 8; ++child) below |= summary(node(above.children + child));
@@ -189,9 +188,9 @@ void RegionTree::settle(const std::function<void(double)>& progress) {
   waiting_.roots.clear();
   if (progress_.complete) return settle_marked();
   if (is_fresh()) settle_fresh(progress);
-  for (std::size_t root = 0; root < roots_.size(); ++root) {
-    settle_below(static_cast<std::int32_t>(root));
-    if (progress && root % 64 == 0) progress(static_cast<double>(root) / static_cast<double>(roots_.size()));
+  for (std::int32_t root = 0; root < roots_.size(); ++root) {
+    settle_below(root);
+    if (progress && root % 64 == 0) progress(double(root) / double(roots_.size()));
   }
   progress_.complete = true;
   progress_.marked.clear();

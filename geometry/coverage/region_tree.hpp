@@ -30,6 +30,7 @@
 #include <span>
 #include <vector>
 
+#include "geometry/common/signed_vector.hpp"
 #include "geometry/coverage/coverage_query.hpp"
 #include "geometry/coverage/far_proof.hpp"
 #include "geometry/coverage/state_space_options.hpp"
@@ -74,8 +75,7 @@ class RegionTree {
   // visit(node) for every resolved leaf inside the box.
   template <class Visit>
   void for_each_leaf(Visit&& visit) const {
-    for (std::size_t root = 0; root < roots_.size(); ++root)
-      visit_leaves(static_cast<std::int32_t>(root), visit);
+    for (std::int32_t root = 0; root < roots_.size(); ++root) visit_leaves(root, visit);
   }
   Box box_of(const RegionNode& node) const;  // clipped to the box of the states
   const VoxelGrid& grid() const { return grid_; }
@@ -84,7 +84,7 @@ class RegionTree {
   double gap_radius(const Vec3& q) const;  // [m]
 
  private:
-  const RegionNode& node(std::int32_t index) const { return pool_.nodes[static_cast<std::size_t>(index)]; }
+  const RegionNode& node(std::int32_t index) const { return pool_.nodes[index]; }
   template <class Visit>
   void visit_leaves(std::int32_t index, Visit& visit) const {
     const RegionNode& here = node(index);
@@ -134,7 +134,7 @@ class RegionTree {
     Thresholds scaled;                               // storage of what limits_over() returns
   };
   struct NodePool {
-    std::vector<RegionNode> nodes;
+    SignedVector<RegionNode> nodes;
     std::vector<std::int32_t> free;  // first of eight unused nodes, each
   };
   struct WishedWatch {
@@ -153,7 +153,7 @@ class RegionTree {
     std::int32_t next;
   };
   struct Insertions {
-    std::vector<Insertion> all;  // linked lists, one a node
+    SignedVector<Insertion> all;  // linked lists, one a node
     std::vector<std::int32_t> free;
     std::vector<std::int32_t> roots;
   };
@@ -182,7 +182,7 @@ inline bool RegionTree::outside(const RegionNode& node) const {
 inline void RegionTree::become_leaf(RegionNode& node, Label label, const Vec3& axis) {
   node.kind = RegionNode::Kind::leaf;
   node.label = label;
-  for (std::size_t i = 0; i < 3; ++i) node.axis[i] = static_cast<float>(axis[static_cast<Eigen::Index>(i)]);
+  for (unsigned i = 0; i < 3; ++i) node.axis[i] = static_cast<float>(axis[i]);
 }
 
 }  // namespace forefeel

@@ -22,8 +22,8 @@ struct VoxelGrid {
   Vec3 origin = Vec3::Zero();     // low corner of voxel (0, 0, 0) [m]
 
   VoxelGrid(const Box& around, double voxel) : box(around), side(voxel) {
-    for (std::size_t axis = 0; axis < 3; ++axis)
-      count[axis] = std::max(1.0, std::ceil(box.size()[static_cast<Eigen::Index>(axis)] / side - 1e-6));
+    for (unsigned axis = 0; axis < 3; ++axis)
+      count[axis] = std::max(1.0, std::ceil(box.size()[axis] / side - 1e-6));
     origin = box.centre() - 0.5 * side * Vec3(count[0], count[1], count[2]);
   }
 
@@ -31,8 +31,8 @@ struct VoxelGrid {
   // The voxel that contains a place of the box.
   Voxel voxel_of(const Vec3& q) const {
     Voxel voxel{};
-    for (std::size_t axis = 0; axis < 3; ++axis) {
-      const auto a = static_cast<Eigen::Index>(axis);
+    for (unsigned axis = 0; axis < 3; ++axis) {
+      const auto a = axis;
       const double last = std::min(count[axis] - 1, 2147483647.0);
       voxel[axis] = static_cast<std::int32_t>(std::clamp(std::floor((q[a] - origin[a]) / side), 0.0, last));
     }
@@ -71,27 +71,25 @@ struct VoxelGrid {
 // The cubes of 2^level voxels that cover a grid: of 32 voxels, or larger where there would be more than two million.
 struct RootCubes {
   int level = 5;
-  std::array<std::int64_t, 3> count{};
+  std::array<std::int32_t, 3> count{};
 
   explicit RootCubes(const VoxelGrid& grid) {
     for (;; ++level) {
       double all = 1;
       for (std::size_t axis = 0; axis < 3; ++axis) {
         count[axis] =
-            ((static_cast<std::int64_t>(std::min(grid.count[axis], 2147483647.0)) - 1) >> level) + 1;
+            ((static_cast<std::int32_t>(std::min(grid.count[axis], 2147483647.0)) - 1) >> level) + 1;
         all *= static_cast<double>(count[axis]);
       }
       if (all <= 1u << 21) return;
     }
   }
-  std::size_t size() const { return static_cast<std::size_t>(count[0] * count[1] * count[2]); }
-  Voxel low(std::size_t root) const {
-    const auto r = static_cast<std::int64_t>(root);
-    return {static_cast<std::int32_t>((r % count[0]) << level),
-            static_cast<std::int32_t>((r / count[0] % count[1]) << level),
-            static_cast<std::int32_t>((r / count[0] / count[1]) << level)};
+  std::int32_t size() const { return count[0] * count[1] * count[2]; }
+  Voxel low(std::int32_t root) const {
+    return {(root % count[0]) << level, (root / count[0] % count[1]) << level,
+            (root / count[0] / count[1]) << level};
   }
-  std::int64_t root_of(const Voxel& v) const {
+  std::int32_t root_of(const Voxel& v) const {
     return ((v[2] >> level) * count[1] + (v[1] >> level)) * count[0] + (v[0] >> level);
   }
 };

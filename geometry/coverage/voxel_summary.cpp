@@ -5,6 +5,7 @@
 #include <numeric>
 
 #include "geometry/common/error.hpp"
+#include "geometry/common/signed_vector.hpp"
 
 namespace forefeel {
 namespace {
@@ -43,7 +44,7 @@ class Leaves {
       : voxels_(voxels), runs_(runs), roots_(roots), tally(runs.components()) {}
 
   // Lists the leaves of a root in `cubes`.
-  void find(std::size_t root) {
+  void find(std::int32_t root) {
     cubes.clear();
     collect(roots_.low(root), 1 << roots_.level);
     for (const Cube& cube : cubes)
@@ -125,12 +126,13 @@ std::vector<RegionComponent> measure(const VoxelLabels& voxels, const VoxelRuns&
 std::vector<RegionLeaf> find_leaves(const VoxelLabels& voxels, const VoxelRuns& runs, const RootCubes& roots,
                                     bool with_leaves, std::vector<RegionComponent>& components) {
   std::vector<LeafTally> tally(components.size());
-  std::vector<std::vector<RegionLeaf>> of_root(with_leaves ? roots.size() : 0);
+  SignedVector<std::vector<RegionLeaf>> of_root;
+  if (with_leaves) of_root.resize(static_cast<std::size_t>(roots.size()));
 #pragma omp parallel
   {
     Leaves leaves(voxels, runs, roots);
 #pragma omp for schedule(dynamic, 8)
-    for (std::size_t root = 0; root < roots.size(); ++root) {
+    for (std::int32_t root = 0; root < roots.size(); ++root) {
       leaves.find(root);
       if (!with_leaves) continue;
       for (const Cube& cube : leaves.cubes) {
@@ -180,8 +182,8 @@ RegionSummary summarise(const VoxelLabels& voxels, const RimReach& rim, bool wit
   }
   for (RegionLeaf& leaf : result.leaves) leaf.component = rank[leaf.component];
   for (const RegionComponent& c : result.components) {
-    result.volume[static_cast<std::size_t>(c.label)] += c.volume;
-    ++result.component_count[static_cast<std::size_t>(c.label)];
+    result.volume[c.label] += c.volume;
+    ++result.component_count[c.label];
     result.leaf_count += c.leaves;
   }
   return result;

@@ -18,8 +18,8 @@ constexpr int finest = 12;  // levels that a cell number can address
 AdaptiveLattice::AdaptiveLattice(const Box& box, double coarsest) : asked_(box), coarsest_(coarsest) {
   if (!(coarsest > 0)) throw InputError("lattice", "spacing " + std::to_string(coarsest) + ", expected > 0");
   double count = 1;
-  for (std::size_t axis = 0; axis < 3; ++axis) {
-    const auto a = static_cast<Eigen::Index>(axis);
+  for (unsigned axis = 0; axis < 3; ++axis) {
+    const auto a = axis;
     const double low = std::floor(box.low[a] / coarsest + 1e-9),
                  high = std::ceil(box.high[a] / coarsest - 1e-9);
     const double steps = std::max(1.0, high - low);
@@ -50,11 +50,10 @@ Box AdaptiveLattice::box_of(const Node& node) const {
 AdaptiveLattice::Cell AdaptiveLattice::fine_cell(const Vec3& q) const {
   const double side = std::ldexp(coarsest_, -finest);
   Cell cell;
-  for (std::size_t axis = 0; axis < 3; ++axis) {
+  for (unsigned axis = 0; axis < 3; ++axis) {
     const double low = std::ldexp(static_cast<double>(low_[axis]), finest);
     const double high = std::ldexp(static_cast<double>(low_[axis] + roots_[axis]), finest) - 1;
-    cell[axis] = static_cast<std::int32_t>(
-        std::clamp(std::floor(q[static_cast<Eigen::Index>(axis)] / side), low, high));
+    cell[axis] = static_cast<std::int32_t>(std::clamp(std::floor(q[axis] / side), low, high));
   }
   return cell;
 }
@@ -62,8 +61,8 @@ AdaptiveLattice::Cell AdaptiveLattice::fine_cell(const Vec3& q) const {
 std::int32_t AdaptiveLattice::leaf_index(const Cell& fine) const {
   const Cell at{(fine[0] >> finest) - low_[0], (fine[1] >> finest) - low_[1], (fine[2] >> finest) - low_[2]};
   std::int32_t index = (at[2] * roots_[1] + at[1]) * roots_[0] + at[0];
-  while (nodes_[static_cast<std::size_t>(index)].children >= 0) {
-    const Node& here = nodes_[static_cast<std::size_t>(index)];
+  while (nodes_[index].children >= 0) {
+    const Node& here = nodes_[index];
     const int shift = finest - here.level - 1;
     index = here.children +
             (((fine[0] >> shift) & 1) | ((fine[1] >> shift) & 1) << 1 | ((fine[2] >> shift) & 1) << 2);
@@ -97,12 +96,12 @@ void AdaptiveLattice::for_each_touching(const Node& node, Visit&& visit) const {
 }
 
 void AdaptiveLattice::split(std::int32_t index) {
-  const auto children = static_cast<std::int32_t>(nodes_.size());
+  const std::int32_t children = nodes_.count();
   nodes_.resize(nodes_.size() + 8);
-  Node& parent = nodes_[static_cast<std::size_t>(index)];
+  Node& parent = nodes_[index];
   parent.children = children;
   for (std::int32_t child = 0; child < 8; ++child)
-    nodes_[static_cast<std::size_t>(children + child)] = {
+    nodes_[children + child] = {
         .children = -1,
         .level = parent.level + 1,
         .widest = 0,
@@ -112,11 +111,11 @@ void AdaptiveLattice::split(std::int32_t index) {
 
 // Splits a leaf, after its coarser neighbours have been split.
 void AdaptiveLattice::split_balanced(std::int32_t index, std::size_t& count) {
-  const Node node = nodes_[static_cast<std::size_t>(index)];
+  const Node node = nodes_[index];
   if (node.children >= 0) return;
   std::vector<std::int32_t> coarser;
   for_each_touching(node, [&](std::int32_t other) {
-    if (nodes_[static_cast<std::size_t>(other)].level < node.level) coarser.push_back(other);
+    if (nodes_[other].level < node.level) coarser.push_back(other);
   });
   for (const std::int32_t other : coarser) split_balanced(other, count);
   split(index);
@@ -127,41 +126,39 @@ std::size_t AdaptiveLattice::refine(const std::function<double(const LatticeLeaf
   std::size_t count = 0;
   max_level = std::min(max_level, finest - 2);
   // Nodes are appended as they are split, so one pass sees all leaves, new ones included.
-  for (std::size_t i = 0; i < nodes_.size(); ++i) {
+  for (std::int32_t i = 0; i < nodes_.count(); ++i) {
     const Node node = nodes_[i];
     if (node.children >= 0 || node.level >= max_level) continue;
     const LatticeLeaf leaf{box_of(node), side_of(node), node.level};
-    if (leaf.spacing > target(leaf) * (1 + 1e-9)) split_balanced(static_cast<std::int32_t>(i), count);
+    if (leaf.spacing > target(leaf) * (1 + 1e-9)) split_balanced(i, count);
   }
   if (count > 0) find_widest();
   return count;
 }
 
 void AdaptiveLattice::find_widest() {
-  for (std::size_t i = 0; i < nodes_.size(); ++i) {
+  for (std::int32_t i = 0; i < nodes_.count(); ++i) {
     if (nodes_[i].children >= 0) continue;
     std::int32_t widest = nodes_[i].level;
-    for_each_touching(nodes_[i], [&](std::int32_t other) {
-      widest = std::min(widest, nodes_[static_cast<std::size_t>(other)].level);
-    });
+    for_each_touching(nodes_[i], [&](std::int32_t other) { widest = std::min(widest, nodes_[other].level); });
     nodes_[i].widest = widest;
   }
 }
 
 LatticeLeaf AdaptiveLattice::leaf_at(const Vec3& q) const {
-  const Node& node = nodes_[static_cast<std::size_t>(leaf_index(fine_cell(q)))];
+  const Node& node = nodes_[leaf_index(fine_cell(q))];
   return {box_of(node), side_of(node), node.level};
 }
 
 double AdaptiveLattice::spacing_at(const Vec3& q) const {
-  return std::ldexp(coarsest_, -nodes_[static_cast<std::size_t>(leaf_index(fine_cell(q)))].widest);
+  return std::ldexp(coarsest_, -nodes_[leaf_index(fine_cell(q))].widest);
 }
 
 std::optional<double> AdaptiveLattice::spacing_over(const Box& box) const {
   const std::int32_t leaf = leaf_index(fine_cell(box.low));
   // Leaves are cubes: one that holds two opposite corners holds the box.
   if (leaf_index(fine_cell(box.high)) != leaf) return std::nullopt;
-  return std::ldexp(coarsest_, -nodes_[static_cast<std::size_t>(leaf)].widest);
+  return std::ldexp(coarsest_, -nodes_[leaf].widest);
 }
 
 std::vector<LatticeLeaf> AdaptiveLattice::leaves() const {

@@ -11,6 +11,7 @@
 #include <span>
 #include <vector>
 
+#include "geometry/common/signed_vector.hpp"
 #include "geometry/states/state.hpp"
 
 namespace forefeel {
@@ -67,7 +68,7 @@ class AdaptiveLattice {
   Box asked_;
   double coarsest_;
   Cell low_{}, roots_{};
-  std::vector<Node> nodes_;
+  SignedVector<Node> nodes_;
 };
 
 // The lattice on which states with target spacings (State::spacing) lie. Its coarsest spacing is the largest

@@ -6,7 +6,7 @@
 #include <cmath>
 #include <limits>
 
-#include "geometry/common/simd.hpp"
+#include "geometry/common/in_best_set.hpp"
 
 namespace forefeel {
 namespace {
@@ -15,9 +15,9 @@ constexpr double tolerance = 1e-9;       // on cosines
 constexpr double beyond = 1e-11;         // a direction lies beyond a facet when it is farther by this
 constexpr double flat_direction = 1e-7;  // height below which directions count as coplanar
 
-FOREFEEL_CLONES
-double largest_product(const double* __restrict x, const double* __restrict y, const double* __restrict z,
-                       std::size_t count, double a, double b, double c) {
+FOREFEEL_INLINE double largest_product(const double* __restrict x, const double* __restrict y,
+                                       const double* __restrict z, std::size_t count, double a, double b,
+                                       double c) {
   // Eight separate maxima can be vectorised; the compiler may not reorder a single one.
   double best[8];
   for (double& b8 : best) b8 = -std::numeric_limits<double>::infinity();
@@ -37,7 +37,8 @@ double largest_product(const double* __restrict x, const double* __restrict y, c
 std::size_t Directions::farthest(const Vec3& axis, double& value) const {
   const std::size_t count = x_.size();
   // Two passes: the maximum vectorises, its index need not.
-  const double best = largest_product(x_.data(), y_.data(), z_.data(), count, axis.x(), axis.y(), axis.z());
+  const double best =
+      in_best_set<largest_product>(x_.data(), y_.data(), z_.data(), count, axis.x(), axis.y(), axis.z());
   std::size_t index = 0;
   double closest = -std::numeric_limits<double>::infinity();
   for (std::size_t i = 0; i < count; ++i) {

@@ -5,6 +5,7 @@
 #include <cassert>
 #include <cmath>
 
+#include "geometry/common/signed_vector.hpp"
 #include "geometry/index/delaunay_cgal.hpp"
 
 namespace forefeel {
@@ -37,7 +38,7 @@ struct DelaunayIndex::Impl {
     std::uint32_t token;
     std::int32_t next;
   };
-  std::vector<Link> links;
+  SignedVector<Link> links;
   std::int32_t free_link = -1;
   std::vector<std::uint32_t> disturbed;
 
@@ -60,18 +61,18 @@ struct DelaunayIndex::Impl {
 void DelaunayIndex::Impl::add_watch(CellHandle cell, std::uint32_t token) {
   std::int32_t link = free_link;
   if (link >= 0) {
-    free_link = links[static_cast<std::size_t>(link)].next;
+    free_link = links[link].next;
   } else {
-    link = static_cast<std::int32_t>(links.size());
+    link = links.count();
     links.emplace_back();
   }
-  links[static_cast<std::size_t>(link)] = {token, cell->info().watches};
+  links[link] = {token, cell->info().watches};
   cell->info().watches = link;
 }
 
 void DelaunayIndex::Impl::release_watches(CellHandle cell) {
   for (std::int32_t link = cell->info().watches; link >= 0;) {
-    Link& here = links[static_cast<std::size_t>(link)];
+    Link& here = links[link];
     disturbed.push_back(here.token);
     const std::int32_t next = here.next;
     here.next = free_link;

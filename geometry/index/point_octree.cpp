@@ -14,12 +14,12 @@ std::int32_t PointOctree::new_bucket() {
   if (!free_buckets_.empty()) {
     const std::int32_t bucket = free_buckets_.back();
     free_buckets_.pop_back();
-    buckets_[static_cast<std::size_t>(bucket)].count = 0;
-    buckets_[static_cast<std::size_t>(bucket)].next = -1;
+    buckets_[bucket].count = 0;
+    buckets_[bucket].next = -1;
     return bucket;
   }
   buckets_.emplace_back();
-  return static_cast<std::int32_t>(buckets_.size() - 1);
+  return buckets_.count() - 1;
 }
 
 // Doubles the root towards `at` until it contains it. The first two distinct points set the scale.
@@ -38,10 +38,10 @@ void PointOctree::grow_to(const Vec3& at) {
   while ((at - centre_).cwiseAbs().maxCoeff() > half_) {
     const int towards = octant(centre_, at);
     const Vec3 grown = child_centre(centre_, 2 * half_, towards);
-    const auto children = static_cast<std::int32_t>(nodes_.size());
+    const std::int32_t children = nodes_.count();
     nodes_.resize(nodes_.size() + 8);
     // The old root lies on the side away from `at`: the octant opposite to the direction of growth.
-    nodes_[static_cast<std::size_t>(children + (7 - towards))] = nodes_[0];
+    nodes_[children + (7 - towards)] = nodes_[0];
     nodes_[0] = {.children = children, .bucket = -1};
     centre_ = grown;
     half_ *= 2;
@@ -49,15 +49,15 @@ void PointOctree::grow_to(const Vec3& at) {
 }
 
 void PointOctree::append(std::int32_t node, std::uint32_t id, const Vec3& at) {
-  std::int32_t target = nodes_[static_cast<std::size_t>(node)].bucket;
-  if (target < 0 || buckets_[static_cast<std::size_t>(target)].count == capacity) {
+  std::int32_t target = nodes_[node].bucket;
+  if (target < 0 || buckets_[target].count == capacity) {
     const std::int32_t fresh = new_bucket();
-    buckets_[static_cast<std::size_t>(fresh)].next = target;
-    nodes_[static_cast<std::size_t>(node)].bucket = fresh;
+    buckets_[fresh].next = target;
+    nodes_[node].bucket = fresh;
     target = fresh;
   }
-  Bucket& bucket = buckets_[static_cast<std::size_t>(target)];
-  const auto k = static_cast<std::size_t>(bucket.count++);
+  Bucket& bucket = buckets_[target];
+  const std::uint32_t k = bucket.count++;
   bucket.x[k] = at.x();
   bucket.y[k] = at.y();
   bucket.z[k] = at.z();
@@ -65,17 +65,16 @@ void PointOctree::append(std::int32_t node, std::uint32_t id, const Vec3& at) {
 }
 
 void PointOctree::split(std::int32_t node, const Vec3& centre, double) {
-  const auto children = static_cast<std::int32_t>(nodes_.size());
+  const std::int32_t children = nodes_.count();
   nodes_.resize(nodes_.size() + 8);
-  std::int32_t next = nodes_[static_cast<std::size_t>(node)].bucket;
-  nodes_[static_cast<std::size_t>(node)] = {.children = children, .bucket = -1};
+  std::int32_t next = nodes_[node].bucket;
+  nodes_[node] = {.children = children, .bucket = -1};
   while (next >= 0) {
     const std::int32_t current = next;
-    const Bucket moved = buckets_[static_cast<std::size_t>(current)];
+    const Bucket moved = buckets_[current];
     next = moved.next;
     free_buckets_.push_back(current);
-    for (int i = 0; i < moved.count; ++i) {
-      const auto k = static_cast<std::size_t>(i);
+    for (std::uint32_t k = 0; k < moved.count; ++k) {
       const Vec3 at(moved.x[k], moved.y[k], moved.z[k]);
       append(children + octant(centre, at), moved.id[k], at);
     }
@@ -93,14 +92,14 @@ void PointOctree::insert(std::uint32_t id, const Vec3& at) {
   double half = last_.half;
   int depth = last_.depth;
   for (;; ++depth) {
-    const Node& n = nodes_[static_cast<std::size_t>(node)];
+    const Node& n = nodes_[node];
     if (n.children < 0) {
-      const bool full = n.bucket >= 0 && buckets_[static_cast<std::size_t>(n.bucket)].count == capacity;
+      const bool full = n.bucket >= 0 && buckets_[n.bucket].count == capacity;
       if (!full || depth >= deepest || half == 0) break;
       split(node, centre, half);
     }
     const int child = octant(centre, at);
-    node = nodes_[static_cast<std::size_t>(node)].children + child;
+    node = nodes_[node].children + child;
     centre = child_centre(centre, half, child);
     half *= 0.5;
   }
@@ -114,27 +113,26 @@ bool PointOctree::erase(std::uint32_t id, const Vec3& at) {
   std::int32_t node = 0;
   Vec3 centre = centre_;
   double half = half_;
-  while (nodes_[static_cast<std::size_t>(node)].children >= 0) {
+  while (nodes_[node].children >= 0) {
     const int child = octant(centre, at);
-    node = nodes_[static_cast<std::size_t>(node)].children + child;
+    node = nodes_[node].children + child;
     centre = child_centre(centre, half, child);
     half *= 0.5;
   }
-  const std::int32_t head = nodes_[static_cast<std::size_t>(node)].bucket;
-  for (std::int32_t b = head; b >= 0; b = buckets_[static_cast<std::size_t>(b)].next) {
-    Bucket& bucket = buckets_[static_cast<std::size_t>(b)];
-    for (int i = 0; i < bucket.count; ++i) {
-      const auto k = static_cast<std::size_t>(i);
+  const std::int32_t head = nodes_[node].bucket;
+  for (std::int32_t b = head; b >= 0; b = buckets_[b].next) {
+    Bucket& bucket = buckets_[b];
+    for (std::uint32_t k = 0; k < bucket.count; ++k) {
       if (bucket.id[k] != id) continue;
       // The freed place is filled from the first bucket, the only one of a chain that may be partly full.
-      Bucket& first = buckets_[static_cast<std::size_t>(head)];
+      Bucket& first = buckets_[head];
       const auto last = static_cast<std::size_t>(--first.count);
       bucket.x[k] = first.x[last];
       bucket.y[k] = first.y[last];
       bucket.z[k] = first.z[last];
       bucket.id[k] = first.id[last];
       if (first.count == 0) {
-        nodes_[static_cast<std::size_t>(node)].bucket = first.next;
+        nodes_[node].bucket = first.next;
         free_buckets_.push_back(head);
       }
       --size_;
@@ -146,13 +144,13 @@ bool PointOctree::erase(std::uint32_t id, const Vec3& at) {
 
 void PointOctree::nearest_below(std::int32_t node, const Vec3& centre, double half, const Vec3& q,
                                 Neighbour& best) const {
-  const Node& n = nodes_[static_cast<std::size_t>(node)];
+  const Node& n = nodes_[node];
   if (n.children >= 0) {
     const int first = octant(centre, q);
     // XOR by 0, 1, 2, 4, 3, 5, 6, 7 visits q's own octant, then across one, two and three planes.
     for (const int flip : {0, 1, 2, 4, 3, 5, 6, 7}) {
       const int child = first ^ flip;
-      const Node& c = nodes_[static_cast<std::size_t>(n.children + child)];
+      const Node& c = nodes_[n.children + child];
       if (c.children < 0 && c.bucket < 0) continue;
       const Vec3 at = child_centre(centre, half, child);
       if (squared_to_cube(at, 0.5 * half, q) <= best.squared * (1 + 1e-12))
@@ -160,10 +158,9 @@ void PointOctree::nearest_below(std::int32_t node, const Vec3& centre, double ha
     }
     return;
   }
-  for (std::int32_t b = n.bucket; b >= 0; b = buckets_[static_cast<std::size_t>(b)].next) {
-    const Bucket& bucket = buckets_[static_cast<std::size_t>(b)];
-    for (int i = 0; i < bucket.count; ++i) {
-      const auto k = static_cast<std::size_t>(i);
+  for (std::int32_t b = n.bucket; b >= 0; b = buckets_[b].next) {
+    const Bucket& bucket = buckets_[b];
+    for (std::uint32_t k = 0; k < bucket.count; ++k) {
       const double dx = bucket.x[k] - q.x(), dy = bucket.y[k] - q.y(), dz = bucket.z[k] - q.z();
       const Neighbour found{dx * dx + dy * dy + dz * dz, bucket.id[k]};
       if (found < best) best = found;
@@ -173,7 +170,7 @@ void PointOctree::nearest_below(std::int32_t node, const Vec3& centre, double ha
 
 bool PointOctree::find_in_cone(std::int32_t node, const Vec3& centre, double half, const Cone& cone,
                                double& best, Vec3& offset) const {
-  const Node& n = nodes_[static_cast<std::size_t>(node)];
+  const Node& n = nodes_[node];
   if (n.children < 0 && n.bucket < 0) return false;
   if (squared_to_cube(centre, half, cone.apex) > cone.squared) return false;
   // The value is Lipschitz with 1 + |cosine|; half the cube's diagonal is sqrt(3) half.
@@ -186,10 +183,9 @@ bool PointOctree::find_in_cone(std::int32_t node, const Vec3& centre, double hal
                             cone, best, offset);
     return found;
   }
-  for (std::int32_t b = n.bucket; b >= 0; b = buckets_[static_cast<std::size_t>(b)].next) {
-    const Bucket& bucket = buckets_[static_cast<std::size_t>(b)];
-    for (int i = 0; i < bucket.count; ++i) {
-      const auto k = static_cast<std::size_t>(i);
+  for (std::int32_t b = n.bucket; b >= 0; b = buckets_[b].next) {
+    const Bucket& bucket = buckets_[b];
+    for (std::uint32_t k = 0; k < bucket.count; ++k) {
       const Vec3 d(bucket.x[k] - cone.apex.x(), bucket.y[k] - cone.apex.y(), bucket.z[k] - cone.apex.z());
       if (d.squaredNorm() > cone.squared) continue;
       if (const double value = cone.value(d); value >= best) best = value, offset = d, found = true;
@@ -205,10 +201,10 @@ PointOctree::Neighbour PointOctree::nearest(const Vec3& q, double reach) const {
   std::int32_t node = 0;
   Vec3 centre = centre_;
   double half = half_;
-  while (nodes_[static_cast<std::size_t>(node)].children >= 0 &&
+  while (nodes_[node].children >= 0 &&
          (q - centre).cwiseAbs().minCoeff() > reach * (1 + 1e-9) + 1e-12 * half) {
     const int child = octant(centre, q);
-    node = nodes_[static_cast<std::size_t>(node)].children + child;
+    node = nodes_[node].children + child;
     centre = child_centre(centre, half, child);
     half *= 0.5;
   }
@@ -219,12 +215,12 @@ PointOctree::Neighbour PointOctree::nearest(const Vec3& q, double reach) const {
 
 void PointOctree::nearest_below(std::int32_t node, const Vec3& centre, double half, const Vec3& q,
                                 std::size_t n, std::vector<Neighbour>& heap) const {
-  const Node& here = nodes_[static_cast<std::size_t>(node)];
+  const Node& here = nodes_[node];
   if (here.children >= 0) {
     const int first = octant(centre, q);
     for (const int flip : {0, 1, 2, 4, 3, 5, 6, 7}) {
       const int child = first ^ flip;
-      const Node& c = nodes_[static_cast<std::size_t>(here.children + child)];
+      const Node& c = nodes_[here.children + child];
       if (c.children < 0 && c.bucket < 0) continue;
       const Vec3 at = child_centre(centre, half, child);
       if (heap.size() < n || squared_to_cube(at, 0.5 * half, q) <= heap.front().squared * (1 + 1e-12))
@@ -232,10 +228,9 @@ void PointOctree::nearest_below(std::int32_t node, const Vec3& centre, double ha
     }
     return;
   }
-  for (std::int32_t b = here.bucket; b >= 0; b = buckets_[static_cast<std::size_t>(b)].next) {
-    const Bucket& bucket = buckets_[static_cast<std::size_t>(b)];
-    for (int i = 0; i < bucket.count; ++i) {
-      const auto k = static_cast<std::size_t>(i);
+  for (std::int32_t b = here.bucket; b >= 0; b = buckets_[b].next) {
+    const Bucket& bucket = buckets_[b];
+    for (std::uint32_t k = 0; k < bucket.count; ++k) {
       const double dx = bucket.x[k] - q.x(), dy = bucket.y[k] - q.y(), dz = bucket.z[k] - q.z();
       const Neighbour found{dx * dx + dy * dy + dz * dz, bucket.id[k]};
       if (heap.size() < n) {

@@ -11,6 +11,7 @@
 #include <utility>
 #include <vector>
 
+#include "geometry/common/signed_vector.hpp"
 #include "geometry/common/types.hpp"
 #include "geometry/states/state.hpp"
 
@@ -69,11 +70,11 @@ class PointOctree {
   }
 
  private:
-  static constexpr int capacity = 16;
+  static constexpr std::uint32_t capacity = 16;
   struct Bucket {
     std::array<double, capacity> x, y, z;
     std::array<std::uint32_t, capacity> id;
-    std::int32_t count = 0;
+    std::uint32_t count = 0;
     std::int32_t next = -1;
   };
   struct Node {
@@ -103,16 +104,15 @@ class PointOctree {
                     Visit& visit) const {
     // A cube is skipped only when it is farther by more than rounding.
     if (squared_to_cube(centre, half, q) > squared * (1 + 1e-12)) return;
-    const Node& n = nodes_[static_cast<std::size_t>(node)];
+    const Node& n = nodes_[node];
     if (n.children >= 0) {
       for (int child = 0; child < 8; ++child)
         visit_within(n.children + child, child_centre(centre, half, child), 0.5 * half, q, squared, visit);
       return;
     }
-    for (std::int32_t b = n.bucket; b >= 0; b = buckets_[static_cast<std::size_t>(b)].next) {
-      const Bucket& bucket = buckets_[static_cast<std::size_t>(b)];
-      for (int i = 0; i < bucket.count; ++i) {
-        const auto k = static_cast<std::size_t>(i);
+    for (std::int32_t b = n.bucket; b >= 0; b = buckets_[b].next) {
+      const Bucket& bucket = buckets_[b];
+      for (std::uint32_t k = 0; k < bucket.count; ++k) {
         const Vec3 offset(bucket.x[k] - q.x(), bucket.y[k] - q.y(), bucket.z[k] - q.z());
         const double d = offset.squaredNorm();
         if (d <= squared) visit(bucket.id[k], offset, d);
@@ -124,7 +124,7 @@ class PointOctree {
   bool visit_leaves(std::int32_t node, const Vec3& centre, double half, const Vec3& q, double squared,
                     Visit& visit) const {
     if (squared_to_cube(centre, half, q) > squared) return true;
-    const Node& n = nodes_[static_cast<std::size_t>(node)];
+    const Node& n = nodes_[node];
     if (n.children >= 0) {
       for (int child = 0; child < 8; ++child)
         if (!visit_leaves(n.children + child, child_centre(centre, half, child), 0.5 * half, q, squared,
@@ -135,10 +135,9 @@ class PointOctree {
     const bool small = 16 * half * half <= (centre - q).squaredNorm();
     Vec3 sum = Vec3::Zero();
     int count = 0;
-    for (std::int32_t b = n.bucket; b >= 0; b = buckets_[static_cast<std::size_t>(b)].next) {
-      const Bucket& bucket = buckets_[static_cast<std::size_t>(b)];
-      for (int i = 0; i < bucket.count; ++i) {
-        const auto k = static_cast<std::size_t>(i);
+    for (std::int32_t b = n.bucket; b >= 0; b = buckets_[b].next) {
+      const Bucket& bucket = buckets_[b];
+      for (std::uint32_t k = 0; k < bucket.count; ++k) {
         const Vec3 offset(bucket.x[k] - q.x(), bucket.y[k] - q.y(), bucket.z[k] - q.z());
         if (offset.squaredNorm() > squared) continue;
         if (small) {
@@ -175,8 +174,8 @@ class PointOctree {
   };
 
   Place last_;  // the leaf of the last insert()
-  std::vector<Node> nodes_;
-  std::vector<Bucket> buckets_;
+  SignedVector<Node> nodes_;
+  SignedVector<Bucket> buckets_;
   std::vector<std::int32_t> free_buckets_;
   Vec3 centre_ = Vec3::Zero();
   double half_ = 0;

@@ -40,8 +40,7 @@ VtuSeries::VtuSeries(const TetMesh& mesh, const std::vector<NodeIndex>& nodes, b
 std::string VtuSeries::frame(double t, const Vec3& tip, std::span<const float> u) const {
   std::vector<float> points(3 * rest_.size());
   for (std::size_t i = 0; i < rest_.size(); ++i)
-    for (std::size_t c = 0; c < 3; ++c)
-      points[3 * i + c] = rest_[i][static_cast<Eigen::Index>(c)] + u[3 * i + c];
+    for (unsigned c = 0; c < 3; ++c) points[3 * i + c] = rest_[i][c] + u[3 * i + c];
   std::string text;
   VtuWriter out(text, VtuData::packed);
   out.begin(

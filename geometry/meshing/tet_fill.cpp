@@ -8,6 +8,7 @@
 #include <cstring>
 #include <map>
 
+#include "geometry/common/packer.hpp"
 #include "geometry/meshing/child_process.hpp"
 #include "geometry/meshing/tet_improve.hpp"
 
@@ -80,7 +81,7 @@ bool is_too_large(REAL* a, REAL* b, REAL* c, REAL* d, REAL*, REAL) {
   return std::abs(u.cross(v).dot(w)) / 6 > bound_in_child->options.max_volume * edge * edge * edge;
 }
 
-// In the child: writes two counts, coordinates, indices.
+// In the child: writes coordinates and indices, each behind their count, as unpack() reads them.
 int run_tetgen(int out, const Surface& surface, double scale, const TetFillOptions& options) {
   // No destructors: the child process ends soon.
   auto& in = *new tetgenio;
@@ -96,11 +97,11 @@ int run_tetgen(int out, const Surface& surface, double scale, const TetFillOptio
   } catch (...) {
     return 100;
   }
-  const std::int64_t counts[2] = {result.numberofpoints, result.numberoftetrahedra};
+  const auto points = static_cast<std::uint64_t>(result.numberofpoints);
+  const auto tets = static_cast<std::uint64_t>(result.numberoftetrahedra);
   const bool written =
-      write_to(out, counts, sizeof counts) &&
-      write_to(out, result.pointlist, sizeof(REAL) * 3 * static_cast<std::size_t>(counts[0])) &&
-      write_to(out, result.tetrahedronlist, sizeof(int) * 4 * static_cast<std::size_t>(counts[1]));
+      write_to(out, &points, sizeof points) && write_to(out, result.pointlist, sizeof(Vec3) * points) &&
+      write_to(out, &tets, sizeof tets) && write_to(out, result.tetrahedronlist, sizeof(Tet) * tets);
   return written ? 0 : child_cut_short;
 }
 
@@ -136,20 +137,20 @@ std::string reason(const ChildOutcome& outcome) {
 }
 
 std::optional<TetMesh> unpack(const std::string& data, double scale) {
-  std::int64_t counts[2];
-  if (data.size() < sizeof counts) return std::nullopt;
-  std::memcpy(counts, data.data(), sizeof counts);
-  const auto points = static_cast<std::size_t>(counts[0]), tets = static_cast<std::size_t>(counts[1]);
-  if (data.size() != sizeof counts + 24 * points + 16 * tets) return std::nullopt;
   TetMesh mesh;
-  mesh.nodes.resize(points), mesh.tets.resize(tets);
-  std::memcpy(static_cast<void*>(mesh.nodes.data()), data.data() + sizeof counts, 24 * points);
-  std::memcpy(mesh.tets.data(), data.data() + sizeof counts + 24 * points, 16 * tets);
+  try {
+    Unpacker in(Bytes(data.begin(), data.end()));
+    mesh.nodes = in.values<Vec3>();
+    mesh.tets = in.values<Tet>();
+    in.expect_end();
+  } catch (const MalformedMessage&) {
+    return std::nullopt;
+  }
   for (const Tet& tet : mesh.tets)
     for (const NodeIndex node : tet)
-      if (node >= points) return std::nullopt;
+      if (node >= mesh.nodes.size()) return std::nullopt;
   for (Vec3& node : mesh.nodes) node /= scale;
-  for (std::size_t t = 0; t < tets; ++t)  // TetGen's own orientation is the opposite of ours
+  for (std::size_t t = 0; t < mesh.tets.size(); ++t)  // TetGen's own orientation is the opposite of ours
     if (tet_volume(mesh, t) < 0) std::swap(mesh.tets[t][2], mesh.tets[t][3]);
   return mesh;
 }

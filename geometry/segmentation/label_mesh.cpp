@@ -8,6 +8,7 @@
 #include <cstring>
 #include <unordered_map>
 
+#include "geometry/common/enum_names.hpp"
 #include "geometry/common/error.hpp"
 #include "geometry/meshing/child_process.hpp"
 #include "geometry/segmentation/label_domain.hpp"
@@ -194,18 +195,11 @@ TetMesh assembled(LabelledTets& made, const std::vector<LabelRegion>& regions, d
 
 }  // namespace
 
-const char* name(LabelMeshStep step) {
-  switch (step) {
-    case LabelMeshStep::size:
-      return "looking for the size of the tetrahedra";
-    case LabelMeshStep::perturb:
-      return "moving nodes of flat tetrahedra";
-    case LabelMeshStep::exude:
-      return "removing flat tetrahedra";
-    case LabelMeshStep::compare:
-      break;
-  }
-  return "comparing with the voxels";
+std::string_view name(LabelMeshStep step) {
+  return name_in<LabelMeshStep::compare>(
+      {"looking for the size of the tetrahedra", "moving nodes of flat tetrahedra",
+       "removing flat tetrahedra", "comparing with the voxels"},
+      step);
 }
 
 TetMesh mesh_labels(const LabelVolume& volume, const LabelMeshOptions& options, LabelMeshReport& report,

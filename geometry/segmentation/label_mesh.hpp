@@ -10,6 +10,7 @@
 #include <map>
 #include <optional>
 #include <string>
+#include <string_view>
 #include <vector>
 
 #include "geometry/mesh/tet_mesh.hpp"
@@ -44,7 +45,7 @@ struct LabelMeshReport {
 };
 
 enum class LabelMeshStep : int { size, perturb, exude, compare };
-const char* name(LabelMeshStep step);
+std::string_view name(LabelMeshStep step);
 struct LabelMeshProgress {
   LabelMeshStep step = LabelMeshStep::size;
   int meshes = 0;  // so far, in the search for the size

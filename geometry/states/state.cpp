@@ -1,23 +1,12 @@
 #include "geometry/states/state.hpp"
 
+#include "geometry/common/enum_names.hpp"
+
 namespace forefeel {
 
 std::string_view name(SolveStatus status) {
-  switch (status) {
-    case SolveStatus::converged:
-      return "converged";
-    case SolveStatus::diverged:
-      return "diverged";
-    case SolveStatus::stalled:
-      return "stalled";
-    case SolveStatus::inverted:
-      return "inverted";
-    case SolveStatus::cancelled:
-      return "cancelled";
-    case SolveStatus::measured:
-      return "measured";
-  }
-  return "unknown";
+  return name_in<SolveStatus::measured>(
+      {"converged", "diverged", "stalled", "inverted", "cancelled", "measured"}, status);
 }
 
 std::optional<SolveStatus> solve_status(std::string_view text) {

@@ -6,8 +6,8 @@
 #include <iterator>
 #include <map>
 
+#include "geometry/common/csv_columns.hpp"
 #include "geometry/common/csv_rows.hpp"
-#include "geometry/common/declared.hpp"
 #include "geometry/common/error.hpp"
 #include "geometry/common/output_file.hpp"
 #include "geometry/common/scanner.hpp"
@@ -98,8 +98,8 @@ class NamedRows {
 Mat3 read_stiffness(NamedRows& in) {
   Mat3 stiffness;
   int known = 0;
-  for (int i = 0; i < 9; ++i) {
-    stiffness(i / 3, i % 3) = in.optional(stiffness_columns[static_cast<std::size_t>(i)]);
+  for (unsigned i = 0; i < 9; ++i) {
+    stiffness(i / 3, i % 3) = in.optional(stiffness_columns[i]);
     known += std::isfinite(stiffness(i / 3, i % 3));
   }
   if (known != 0 && known != 9)
@@ -136,9 +136,8 @@ SolveStatus read_status(NamedRows& in) {
 class CsvWriter {
  public:
   explicit CsvWriter(const std::filesystem::path& file) : output_(file) {}
-  template <class... Args>
-  void put(fmt::format_string<Args...> format, Args&&... args) {
-    fmt::format_to(std::back_inserter(text_), format, std::forward<Args>(args)...);
+  void put(std::string_view text) {
+    text_ += text;
     if (text_.size() > (1u << 20)) flush();
   }
   void commit() {
@@ -148,21 +147,51 @@ class CsvWriter {
 
  private:
   void flush() {
-    output_.write({text_.data(), text_.size()});
+    output_.write(text_);
     text_.clear();
   }
   OutputFile output_;
-  fmt::memory_buffer text_;
+  std::string text_;
 };
 
-std::string cell(double value) {
-  return std::isfinite(value) ? fmt::format("{}", value) : std::string();
+std::string stiffness_cells(const State& state) {
+  std::string text;
+  for (int i = 0; i < 9; ++i) text += (i > 0 ? "," : "") + known_cell(state.stiffness(i / 3, i % 3));
+  return text;
 }
 
-void put_jet(CsvWriter& out, const EnergyJet* jet) {
-  const JetCells cells = cells_of(jet);
-  for (const double e : cells.coefficients) out.put(",{}", cell(e));
-  out.put(",{}", std::isinf(cells.limit) ? "inf" : cell(cells.limit));
+// The coefficients that a jet of order `to` has beyond one of order `from`.
+CsvColumn<State> jet_column(int from, int to, const char* unit, const char* meaning) {
+  const std::span names(jet_names());
+  const std::size_t begin = jet_terms_of_order(from), end = jet_terms_of_order(to);
+  return {fmt::format("{}", fmt::join(names.subspan(begin, end - begin), ",")), unit, meaning, [=](const State& s) {
+            const JetCells cells = cells_of(s.jet.get());
+            std::string text;
+            for (std::size_t i = begin; i < end; ++i) text += (i > begin ? "," : "") + known_cell(cells.coefficients[i]);
+            return text;
+          }};
+}
+
+std::string limit_cell(const State& s) {
+  const double limit = cells_of(s.jet.get()).limit;
+  return std::isinf(limit) ? "inf" : known_cell(limit);
+}
+
+const CsvColumns<State>& state_columns() {
+  static const CsvColumns<State> columns{
+      {"x,y,z", "m", "position of the tip, from its rest position",
+       [](const State& s) { return cells(s.at); }},
+      {"fx,fy,fz", "N", "force of the body on the tip", [](const State& s) { return cells(s.force); }},
+      {fmt::format("{}", fmt::join(stiffness_columns, ",")), "N/m",
+       "stiffness, -d force_i / d x_j, row by row; where some state has it", stiffness_cells},
+      {"h", "m", "spacing of the lattice that the state belongs to; where known",
+       [](const State& s) { return known_cell(s.spacing); }},
+      {"energy", "J", "stored energy; where known", [](const State& s) { return known_cell(s.energy); }},
+      jet_column(0, 2, "N/m^2", "energy jet: E = … + sum of e_abc dx^a dy^b dz^c; where some state has one"),
+      jet_column(2, 3, "N/m^3", "its fourth degree; empty where it has none"),
+      jet_column(3, 4, "N/m^4", "its fifth degree; empty where it has none"),
+      {"limit", "m", "distance to which the jet keeps the material within its limit; inf: everywhere", limit_cell}};
+  return columns;
 }
 
 }  // namespace
@@ -216,56 +245,26 @@ std::vector<Vec3> read_points_csv(const std::filesystem::path& file) {
   return points;
 }
 
-namespace {
-
-// The coefficients that a jet of order `to` has beyond one of order `from`.
-Declared jet_row(int from, int to, const char* unit, const char* meaning) {
-  const std::span names(jet_names());
-  const std::size_t begin = jet_terms_of_order(from), end = jet_terms_of_order(to);
-  return {fmt::format("{}", fmt::join(names.subspan(begin, end - begin), ",")), unit, "", meaning};
-}
-
-}  // namespace
-
 std::vector<Declared> declared_states() {
-  return {
-      {"x,y,z", "m", "", "position of the tip, from its rest position"},
-      {"fx,fy,fz", "N", "", "force of the body on the tip"},
-      {fmt::format("{}", fmt::join(stiffness_columns, ",")), "N/m", "",
-       "stiffness, -d force_i / d x_j, row by row; where some state has it"},
-      {"h", "m", "", "spacing of the lattice that the state belongs to; where known"},
-      {"energy", "J", "", "stored energy; where known"},
-      jet_row(0, 2, "N/m^2", "energy jet: E = … + sum of e_abc dx^a dy^b dz^c; where some state has one"),
-      jet_row(2, 3, "N/m^3", "its fourth degree; empty where it has none"),
-      jet_row(3, 4, "N/m^4", "its fifth degree; empty where it has none"),
-      {"limit", "m", "", "distance to which the jet keeps the material within its limit; inf: everywhere"}};
+  return declared(state_columns());
 }
 
 void write_states_csv(const std::filesystem::path& file, std::span<const State> states) {
   const auto some = [&](auto&& has) {
     return std::ranges::any_of(states, [&](const State& s) { return s.usable() && has(s); });
   };
-  const bool with_k = some([](const State& s) { return s.has_stiffness(); });
-  const bool with_h = some([](const State& s) { return std::isfinite(s.spacing); });
-  const bool with_energy = some([](const State& s) { return std::isfinite(s.energy); });
   const bool with_jet = some([](const State& s) { return s.jet != nullptr; });
+  const bool has[] = {true, true, some([](const State& s) { return s.has_stiffness(); }),
+                      some([](const State& s) { return std::isfinite(s.spacing); }),
+                      some([](const State& s) { return std::isfinite(s.energy); }),
+                      with_jet, with_jet, with_jet, with_jet};
+  CsvColumns<State> columns;
+  for (std::size_t i = 0; i < std::size(has); ++i)
+    if (has[i]) columns.push_back(state_columns()[i]);
   CsvWriter out(file);
-  const bool has[] = {true, true, with_k, with_h, with_energy, with_jet, with_jet, with_jet, with_jet};
-  const std::vector<Declared> all = declared_states();
-  std::vector<Declared> columns;
-  for (std::size_t i = 0; i < all.size(); ++i)
-    if (has[i]) columns.push_back(all[i]);
-  out.put("{}\n", header_of(columns));
-  for (const State& state : states) {
-    if (!state.usable()) continue;
-    out.put("{},{},{},{},{},{}", state.at.x(), state.at.y(), state.at.z(), state.force.x(), state.force.y(),
-            state.force.z());
-    for (int i = 0; with_k && i < 9; ++i) out.put(",{}", cell(state.stiffness(i / 3, i % 3)));
-    if (with_h) out.put(",{}", cell(state.spacing));
-    if (with_energy) out.put(",{}", cell(state.energy));
-    if (with_jet) put_jet(out, state.jet.get());
-    out.put("\n");
-  }
+  out.put(csv_header(columns));
+  for (const State& state : states)
+    if (state.usable()) out.put(csv_row(columns, state));
   out.commit();
 }
 

@@ -4,6 +4,7 @@
 
 #include <fmt/format.h>
 
+#include <algorithm>
 #include <exception>
 #include <functional>
 #include <map>
@@ -14,6 +15,7 @@
 #include <utility>
 #include <vector>
 
+#include "geometry/common/declared.hpp"
 #include "geometry/common/error.hpp"
 #include "scheduling/common/arguments.hpp"
 
@@ -22,12 +24,25 @@ namespace forefeel {
 template <class Factory>
 class Registry {
  public:
-  // kind: for errors, as "policy".
-  Registry(std::string kind, std::map<std::string, Factory> built_in)
-      : kind_(std::move(kind)), factories_(std::move(built_in)) {}
+  struct BuiltIn {
+    const char* name;
+    Factory factory;
+    const char* meaning;
+  };
+
+  // kind: for errors, as "policy". reserved: names that are built in without a factory.
+  Registry(std::string kind, const std::vector<BuiltIn>& built_in, std::vector<std::string> reserved = {})
+      : kind_(std::move(kind)), reserved_(std::move(reserved)) {
+    for (const BuiltIn& one : built_in) {
+      factories_.emplace(one.name, one.factory);
+      declared_.push_back({one.name, "", "", one.meaning});
+    }
+  }
 
   // InputError for a name that is taken or that a scene cannot express.
   void add(const std::string& name, Factory factory) {
+    if (std::ranges::find(reserved_, name) != reserved_.end())
+      throw InputError("register " + kind_, fmt::format("'{}' is built in, expected another name", name));
     if constexpr (requires { factory == nullptr; })
       if (factory == nullptr) throw InputError("register " + kind_, fmt::format("'{}' has no factory", name));
     if (name.empty() || name.find_first_of(":,= \t\n\"'") != std::string::npos)
@@ -47,6 +62,15 @@ class Registry {
     return names;
   }
 
+  // The built-in ones with their meanings, then the others.
+  std::vector<Declared> declared() const {
+    std::vector<Declared> rows = declared_;
+    for (const std::string& name : names())
+      if (std::ranges::find(declared_, name, &Declared::name) == declared_.end())
+        rows.push_back({name, "", "", "registered by this program"});
+    return rows;
+  }
+
   std::optional<Factory> find(const std::string& name) const {
     const std::lock_guard lock(mutex_);
     const auto found = factories_.find(name);
@@ -63,6 +87,8 @@ class Registry {
 
  private:
   std::string kind_;
+  std::vector<std::string> reserved_;
+  std::vector<Declared> declared_;
   std::map<std::string, Factory> factories_;
   mutable std::mutex mutex_;
 };

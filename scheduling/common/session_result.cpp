@@ -2,20 +2,12 @@
 
 #include <fmt/format.h>
 
+#include "geometry/common/enum_names.hpp"
+
 namespace forefeel {
 
 std::string_view name(SessionPhase phase) {
-  switch (phase) {
-    case SessionPhase::arrivals:
-      return "arrivals";
-    case SessionPhase::session:
-      return "session";
-    case SessionPhase::labels:
-      return "labels";
-    case SessionPhase::references:
-      return "references";
-  }
-  return "";
+  return name_in<SessionPhase::references>({"arrivals", "session", "labels", "references"}, phase);
 }
 
 std::string phase_in_words(const SessionProgress& progress) {

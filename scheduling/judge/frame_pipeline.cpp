@@ -22,19 +22,23 @@ struct FramePipeline::Impl {
     std::vector<Frame> frames;
     std::vector<State> states;
   };
+  struct Given {
+    Batch batch;
+    std::size_t frames = 0, states = 0;
+  };
   static constexpr std::size_t batch_size = 100;
 
   explicit Impl(const StateSpaceOptions& options) : space(options) {}
 
   // ---- of the run's thread
   void flush() {
-    if (batch.frames.empty()) return;
+    if (given.batch.frames.empty()) return;
     {
       const std::lock_guard lock(mutex);
-      batches.push_back(std::move(batch));
+      batches.push_back(std::move(given.batch));
       if (!thread.joinable()) thread = std::jthread([this](const std::stop_token& stop) { work(stop); });
     }
-    batch = {};
+    given.batch = {};
     changed.notify_all();
   }
 
@@ -71,9 +75,7 @@ struct FramePipeline::Impl {
     for (const std::shared_ptr<FrameStage>& stage : stages) stage->frame(passed);
   }
 
-  // of the run's thread
-  Batch batch;
-  std::size_t given = 0, states = 0;
+  Given given;  // of the run's thread
   // of the pipeline's
   StateSpace space;
   std::vector<std::shared_ptr<FrameStage>> stages;
@@ -100,36 +102,37 @@ const StateSpace& FramePipeline::known() const {
 }
 
 void FramePipeline::pass(const Vec3& at, std::uint32_t known, const StateSpace& space, bool ending) {
-  impl_->batch.frames.push_back({at, known, ending});
-  ++impl_->given;
-  if (impl_->batch.frames.size() == Impl::batch_size) flush(space);
+  impl_->given.batch.frames.push_back({at, known, ending});
+  ++impl_->given.frames;
+  if (impl_->given.batch.frames.size() == Impl::batch_size) flush(space);
 }
 
 void FramePipeline::flush(const StateSpace& space) {
   Impl& my = *impl_;
-  for (; my.states < space.size(); ++my.states)
-    my.batch.states.push_back(space[StateId{static_cast<std::uint32_t>(my.states)}]);
+  for (; my.given.states < space.size(); ++my.given.states)
+    my.given.batch.states.push_back(space[StateId{static_cast<std::uint32_t>(my.given.states)}]);
   my.flush();
 }
 
 void FramePipeline::pass_rest(std::span<const FrameRecord> frames, std::span<const State> states) {
   Impl& my = *impl_;
-  for (; my.states < states.size(); ++my.states) my.batch.states.push_back(states[my.states]);
-  for (; my.given < frames.size(); ++my.given)
-    my.batch.frames.push_back({frames[my.given].at, frames[my.given].known});
+  for (; my.given.states < states.size(); ++my.given.states)
+    my.given.batch.states.push_back(states[my.given.states]);
+  for (; my.given.frames < frames.size(); ++my.given.frames)
+    my.given.batch.frames.push_back({frames[my.given.frames].at, frames[my.given.frames].known});
   my.flush();
 }
 
 void FramePipeline::wait(const ShowProgress& show) {
   Impl& my = *impl_;
   std::unique_lock lock(my.mutex);
-  const auto done = [&] { return my.failure || my.worked == my.given; };
+  const auto done = [&] { return my.failure || my.worked == my.given.frames; };
   while (!my.changed.wait_for(lock, std::chrono::milliseconds(show ? 50 : 10'000), done))
     if (show)
       show({.phase = SessionPhase::labels,
             .t = static_cast<double>(my.worked),
-            .seconds = static_cast<double>(my.given),
-            .known = my.states});
+            .seconds = static_cast<double>(my.given.frames),
+            .known = my.given.states});
   if (my.failure) std::rethrow_exception(my.failure);
 }
 

@@ -45,14 +45,21 @@ class HandDevice final : public Device {
   }
 
  private:
+  // To a force that came as a surprise.
+  struct Reaction {
+    Vec3 expected = Vec3::Zero();  // force [N]
+    double level = 0;              // [1]
+    double due = 0;                // when it begins [s]
+  };
+
   void reset() noexcept {
     last_t_ = 0;
     target_at_ = target_->position(0, Vec3::Zero());
     x_ = target_at_;
     v_.setZero();
-    expected_.setZero();
-    level_ = 0;
-    due_ = std::numeric_limits<double>::infinity();
+    reaction_.expected.setZero();
+    reaction_.level = 0;
+    reaction_.due = std::numeric_limits<double>::infinity();
     set_grip(usual_.grip);
   }
 
@@ -65,14 +72,15 @@ class HandDevice final : public Device {
   void react(double t, const Vec3& force) noexcept {
     constexpr double memory = 0.1;  // [s]
     const double dt = t - last_t_;
-    level_ *= std::exp(-dt / usual_.calm);
-    if (t >= due_) {
-      level_ = 1;
-      due_ = std::numeric_limits<double>::infinity();
+    reaction_.level *= std::exp(-dt / usual_.calm);
+    if (t >= reaction_.due) {
+      reaction_.level = 1;
+      reaction_.due = std::numeric_limits<double>::infinity();
     }
-    if ((force - expected_).norm() > usual_.surprise) due_ = std::min(due_, t + usual_.delay);
-    expected_ += (1 - std::exp(-dt / memory)) * (force - expected_);
-    set_grip(usual_.grip * (1 + usual_.stiffening * level_));
+    if ((force - reaction_.expected).norm() > usual_.surprise)
+      reaction_.due = std::min(reaction_.due, t + usual_.delay);
+    reaction_.expected += (1 - std::exp(-dt / memory)) * (force - reaction_.expected);
+    set_grip(usual_.grip * (1 + usual_.stiffening * reaction_.level));
   }
 
   // With y = x - x_t - F / k the equation is y'' + 2 zeta omega y' + omega^2 y = 0, omega^2 = k / m.
@@ -100,8 +108,7 @@ class HandDevice final : public Device {
   std::unique_ptr<Device> target_;
   HandOptions usual_;
   double grip_, zeta_, omega_;
-  Vec3 expected_ = Vec3::Zero();  // force [N]
-  double level_ = 0, due_ = 0;    // of the reaction [1]; when it begins [s]
+  Reaction reaction_;
   double last_t_ = 0;
   Vec3 x_ = Vec3::Zero(), v_ = Vec3::Zero(), target_at_ = Vec3::Zero();
 };

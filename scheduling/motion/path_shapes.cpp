@@ -23,10 +23,12 @@ double reach(const Box& box, const Vec3& direction) {
   return distance > 0 && std::isfinite(distance) ? distance : 0.25 * size;
 }
 
-// Axes of the hand (w into the body, u and v along its surface), and the extent of the box along each [m].
+// Axes of the hand (w into the body, u and v along its surface), and the extent of the box along each [m]. The seed is for
+// drawn targets.
 struct Frame {
   Vec3 u, v, w;
   double u_low, u_high, v_low, v_high, depth;
+  std::uint64_t seed;
 
   // The point at fractions of these extents: a along u and b along v in [-1, 1], c along w in [0, 1].
   Vec3 at(double a, double b, double c) const {
@@ -47,6 +49,7 @@ Frame frame_of(const FactoryContext& context) {
   f.u_high = reach(context.box, f.u);
   f.v_low = reach(context.box, -f.v);
   f.v_high = reach(context.box, f.v);
+  f.seed = context.seed;
   return f;
 }
 
@@ -79,10 +82,10 @@ PathShape lissajous(const Frame& f) {
 }
 
 // Moves from target to target; 16 random targets in the box.
-PathShape reach_targets(const Frame& f, std::uint64_t seed) {
+PathShape reach_targets(const Frame& f) {
   PathShape shape{{Vec3::Zero()}, {}};
   for (std::uint64_t i = 0; i < 16; ++i) {
-    const auto draw = [&](std::uint64_t k) { return random::uniform(random::mix(seed, 3 * i + k)); };
+    const auto draw = [&](std::uint64_t k) { return random::uniform(random::mix(f.seed, 3 * i + k)); };
     shape.loop.push_back(f.at(1.6 * draw(0) - 0.8, 1.6 * draw(1) - 0.8, 0.1 + 0.75 * draw(2)));
   }
   return shape;
@@ -137,28 +140,10 @@ PathShape raster(const Frame& f) {
 }  // namespace
 
 PathShape path_shape(PathName path, const FactoryContext& context) {
-  const Frame f = frame_of(context);
-  switch (path) {
-    case PathName::press:
-      return press(f);
-    case PathName::line:
-      return line(f);
-    case PathName::circle:
-      return circle(f);
-    case PathName::lissajous:
-      return lissajous(f);
-    case PathName::reach:
-      return reach_targets(f, context.seed);
-    case PathName::palpation:
-      return palpation(f);
-    case PathName::tour:
-      return tour(f);
-    case PathName::mower:
-      return mower(f);
-    case PathName::raster:
-      return raster(f);
-  }
-  return press(f);
+  // In the order of PathName.
+  static constexpr PathShape (*shapes[])(const Frame&) = {press,     line, circle, lissajous, reach_targets,
+                                                          palpation, tour, mower,  raster};
+  return shapes[static_cast<std::size_t>(path)](frame_of(context));
 }
 
 }  // namespace forefeel

@@ -45,13 +45,6 @@ std::vector<PredictionError> PredictionScore::report() const {
   return report;
 }
 
-std::vector<PredictionError> prediction_error(Predictor& predictor, const std::vector<Vec3>& motion,
-                                              double step, std::span<const double> horizons) {
-  PredictionScore score(predictor, step, horizons);
-  for (const Vec3& at : motion) score.add(at);
-  return score.report();
-}
-
 PredictorScores::PredictorScores(double step) : names_(predictor_names()) {
   constexpr double horizons[] = {0.02, 0.05, 0.1, 0.2, 0.5};  // [s]
   for (const std::string& name : names_) {

@@ -41,9 +41,6 @@ class PredictionScore {
   std::size_t seen_ = 0;
   std::vector<Ahead> ahead_;
 };
-// The same for a whole motion at once.
-std::vector<PredictionError> prediction_error(Predictor& predictor, const std::vector<Vec3>& motion,
-                                              double step, std::span<const double> horizons);
 
 // The errors of one predictor by horizon.
 struct PredictorErrors {

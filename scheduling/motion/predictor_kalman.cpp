@@ -46,7 +46,8 @@ class Kalman final : public Predictor {
     seen_ = true;
     const Prediction p = unscaled(probe);
     made_.push_back({.t = sample.t + probe, .at = p.at, .deviation = p.deviation});
-    gone_.push_back({.t = sample.t + long_probe, .at = sample.at, .velocity = mean_.row(1).transpose()});
+    persistence_.gone.push_back(
+        {.t = sample.t + long_probe, .at = sample.at, .velocity = mean_.row(1).transpose()});
   }
 
   Prediction predict(double horizon) const override {
@@ -67,6 +68,12 @@ class Kalman final : public Predictor {
     double deviation;
   };
 
+  // Of the velocity; see persist().
+  struct Persistence {
+    std::deque<HipSample> gone;  // position and velocity 0.4 s ago; t: when to measure the distance
+    double along = 0, length2 = 0, tau_v = forever;
+  };
+
   // Compares this sample with the predictions made for its time or earlier.
   void compare(const HipSample& sample, double dt) {
     for (; !made_.empty() && made_.front().t <= sample.t; made_.pop_front()) {
@@ -78,16 +85,17 @@ class Kalman final : public Predictor {
   // beta = distance covered along v / (|v| T) over T = 0.4 s, averaged over the last seconds. tau_v solves
   //   tau_v (1 - exp(-T / tau_v)) = beta T
   void persist(const HipSample& sample, double dt) {
+    Persistence& p = persistence_;
     constexpr double long_memory = 2;  // [s]
-    for (; !gone_.empty() && gone_.front().t <= sample.t; gone_.pop_front()) {
-      const Vec3 foretold = long_probe * gone_.front().velocity;
+    for (; !p.gone.empty() && p.gone.front().t <= sample.t; p.gone.pop_front()) {
+      const Vec3 foretold = long_probe * p.gone.front().velocity;
       const double keep = std::exp(-dt / long_memory);
-      along_ = keep * along_ + (1 - keep) * foretold.dot(sample.at - gone_.front().at);
-      length2_ = keep * length2_ + (1 - keep) * foretold.squaredNorm();
+      p.along = keep * p.along + (1 - keep) * foretold.dot(sample.at - p.gone.front().at);
+      p.length2 = keep * p.length2 + (1 - keep) * foretold.squaredNorm();
     }
-    const double beta = std::clamp(length2_ > 0 ? along_ / length2_ : 1.0, 0.05, 1.0);
+    const double beta = std::clamp(p.length2 > 0 ? p.along / p.length2 : 1.0, 0.05, 1.0);
     if (beta > 1 - 1e-4) {
-      tau_v_ = forever;
+      p.tau_v = forever;
       return;
     }
     double u = beta < 0.5 ? 1 / beta : 4 * (1 - beta);  // T / tau_v: Newton's method from above, monotone
@@ -96,11 +104,11 @@ class Kalman final : public Predictor {
       if (next == u) break;  // converged
       u = next;
     }
-    tau_v_ = long_probe / u;
+    p.tau_v = long_probe / u;
   }
   Prediction unscaled(double horizon) const {
-    const Mat3 f = transition(horizon, tau_v_);
-    const Mat3 p = f * covariance_ * f.transpose() + process(horizon, tau_v_);
+    const Mat3 f = transition(horizon, persistence_.tau_v);
+    const Mat3 p = f * covariance_ * f.transpose() + process(horizon, persistence_.tau_v);
     return {.horizon = horizon,
             .at = (f.row(0) * mean_).transpose(),
             .deviation = std::sqrt(std::max(p(0, 0), 0.0))};
@@ -132,10 +140,9 @@ class Kalman final : public Predictor {
   double t_ = 0, step_ = 0;
   Mat3 mean_ = Mat3::Zero();  // rows x, v, a; a column per axis
   Mat3 covariance_ = Mat3::Zero(), transition_ = Mat3::Identity(), process_ = Mat3::Zero();
-  std::deque<Made> made_;       // predictions, by target time
-  std::deque<HipSample> gone_;  // position and velocity 0.4 s ago; t: when to measure the distance
-  double ratio2_ = 1;           // mean of (measured error / expected error)^2
-  double along_ = 0, length2_ = 0, tau_v_ = forever;
+  std::deque<Made> made_;  // predictions, by target time
+  double ratio2_ = 1;      // mean of (measured error / expected error)^2
+  Persistence persistence_;
 };
 
 }  // namespace

@@ -120,17 +120,17 @@ class Placement {
         points_(options.space.box),
         solver_(body_) {
     report_.threads = options.threads > 0 ? options.threads : omp_get_max_threads();
-    limit_ = most_states(options);
+    report_.most_states = most_states(options);
     for (const State& state : known) {
       if (state.usable())
         report_.resumed += space_.insert(state).is_new ? 1 : 0;
       else
-        failed_.push_back(state.at);
+        failed_.at.push_back(state.at);
     }
-    report_.failed = failed_.size();
+    report_.failed = failed_.at.size();
     report_.linear = is_linear(*body_);
-    // No position is tried within half a grid cell, or a spacing, of a position without an equilibrium.
-    reach_failed_ = std::min(options.space.spacing, options.space.box.size().maxCoeff() / 12);
+    // Half a grid cell, or a spacing.
+    failed_.reach = std::min(options.space.spacing, options.space.box.size().maxCoeff() / 12);
   }
 
   PlacementReport run() {
@@ -140,17 +140,21 @@ class Placement {
     else
       place();
     report_.states = space_.size();
-    report_.most_states = limit_;
     report_.stopped = options_.stop.stop_requested();
     report_.seconds = std::chrono::duration<double>(std::chrono::steady_clock::now() - start).count();
     return report_;
   }
 
  private:
-  bool open() const { return !options_.stop.stop_requested() && space_.size() < limit_; }
+  struct Failed {
+    std::vector<Vec3> at;  // positions without an equilibrium
+    double reach = 0;      // no position within it is tried [m]
+  };
+
+  bool open() const { return !options_.stop.stop_requested() && space_.size() < report_.most_states; }
 
   bool has_failed(const Vec3& x) const {
-    return std::ranges::any_of(failed_, [&](const Vec3& f) { return (f - x).norm() < reach_failed_; });
+    return std::ranges::any_of(failed_.at, [&](const Vec3& f) { return (f - x).norm() < failed_.reach; });
   }
 
   // Into the space and out to the file.
@@ -160,7 +164,7 @@ class Placement {
       space_.insert(state);
       ++report_.solved;
     } else {
-      failed_.push_back(state.at);
+      failed_.at.push_back(state.at);
       ++report_.failed;
     }
     sink_(std::move(state));
@@ -242,7 +246,8 @@ class Placement {
     }
     report_.estimate = quantiles_of(values, points_.uniform);
     report_.estimate_holds = report_.estimate.held() <= options_.error;
-    progress_({.states = space_.size(), .most_states = limit_, .estimate = report_.estimate.held()});
+    progress_(
+        {.states = space_.size(), .most_states = report_.most_states, .estimate = report_.estimate.held()});
   }
 
   // Random positions in the box, then its corners and random positions on its edges and faces, where the model
@@ -285,7 +290,7 @@ class Placement {
       const std::vector<Vec3> at = truth_positions(round);
       truth = solve_all(body_, at, options_, report_.threads, [&](std::size_t done) {
         progress_({.states = space_.size(),
-                   .most_states = limit_,
+                   .most_states = report_.most_states,
                    .estimate = report_.estimate.held(),
                    .truth_done = done,
                    .truth_total = at.size()});
@@ -339,10 +344,9 @@ class Placement {
   ErrorEstimator estimator_;
   EstimatePoints points_;
   Solver solver_;
-  std::vector<Vec3> failed_;
+  Failed failed_;
   std::vector<std::vector<State>> rounds_;  // of truth
-  std::size_t round_ = 0, limit_ = 0;       // the round that was looked at last
-  double reach_failed_ = 0;
+  std::size_t round_ = 0;                   // the round that was looked at last
   PlacementReport report_;
 };
 

@@ -13,7 +13,7 @@ constexpr std::size_t kept_fits = 512;
 std::array<bool, 3> flat_axes(const Box& box) {
   const Vec3 size = box.size();
   std::array<bool, 3> flat{};
-  for (int a = 0; a < 3; ++a) flat[static_cast<std::size_t>(a)] = size[a] <= 1e-6 * size.maxCoeff();
+  for (unsigned a = 0; a < 3; ++a) flat[a] = size[a] <= 1e-6 * size.maxCoeff();
   return flat;
 }
 

@@ -30,8 +30,7 @@ CandidateRows::CandidateRows(std::span<const Candidate> candidates, double side)
   for (std::size_t i = 0; i < count_; ++i) {
     const std::size_t place = next[of[i]]++;
     order_[place] = static_cast<std::uint32_t>(i);
-    for (std::size_t k = 0; k < 3; ++k)
-      xyz_[k * count_ + place] = candidates[i].at[static_cast<Eigen::Index>(k)];
+    for (unsigned k = 0; k < 3; ++k) xyz_[k * count_ + place] = candidates[i].at[k];
   }
 }
 

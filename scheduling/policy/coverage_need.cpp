@@ -7,7 +7,7 @@
 #include <tuple>
 #include <utility>
 
-#include "geometry/common/simd.hpp"
+#include "geometry/common/in_best_set.hpp"
 #include "geometry/coverage/coverage_query.hpp"
 #include "scheduling/motion/random.hpp"
 #include "scheduling/policy/candidate_rows.hpp"
@@ -37,9 +37,9 @@ double lack(Label label, int scale) {
 
 // out_i += sum_s need_s (1 - |q - x_i|^2 inverse_s)_+ for first <= i < last; xyz: 3 x #candidates, a
 // coordinate a row.
-FOREFEEL_CLONES
-void add_worth(std::size_t first, std::size_t last, std::size_t count, const double* __restrict xyz,
-               const double* q, const double* need, const double* inverse, double* __restrict out) {
+FOREFEEL_INLINE void add_worth(std::size_t first, std::size_t last, std::size_t count,
+                               const double* __restrict xyz, const double* q, const double* need,
+                               const double* inverse, double* __restrict out) {
   const double* __restrict x = xyz;
   const double* __restrict y = xyz + count;
   const double* __restrict z = xyz + 2 * count;
@@ -169,25 +169,16 @@ void CoverageNeed::weigh_scales(bool with_stiffness) {
   }
 }
 
-// path_share of the weight is on the path. A prediction with deviation s puts 1 / (1 + (s / 2 h)^2) of its
-// weight on the predicted point, and the rest on the places of the box around it, as a Gaussian of width s.
-// The remaining weight is on the whole box, by the time to reach each place. Before the hand has moved there
-// is no path, and all weight is on the box: the first states spread over it.
+// A prediction with deviation s puts 1 / (1 + (s / 2 h)^2) of its weight on the predicted point, and the rest on the
+// places of the box around it, as a Gaussian of width s.
 void CoverageNeed::weigh(const PlannerView& view) {
   const double solve = std::max(view.solve_seconds, 1e-3), h = view.space.options().spacing;
   const Box& box = view.space.options().box;
-  const bool truth = !view.predicted.empty() && view.predicted.back().deviation == 0;
-  const bool still = !truth && view.space.empty() && !(view.hip.velocity.norm() > 0);
-  const double path_share = still ? 0.0 : options_.path_share;
-  double on_path = 0, in_box = 0;
-  for (const Prediction& p : view.predicted) on_path += urgency(p.horizon, solve);
-  for (Place& place : box_) in_box += place.weight = urgency(time_to_reach(place.at, view), solve);
-  for (Place& place : box_) place.weight *= in_box > 0 ? (1 - path_share) / in_box : 0;
-
+  const auto weight_at = weigh_box(view, solve, options_.path_share, box_);
   places_.clear();
   std::vector<double> near(box_.size());
   for (const Prediction& p : view.predicted) {
-    const double weight = on_path > 0 ? path_share * urgency(p.horizon, solve) / on_path : 0;
+    const double weight = weight_at(p.horizon);
     const double sure = sureness(p.deviation, h), width = std::max(p.deviation, h);
     Place place{.at = folded(p.at, box), .weight = weight * sure};
     const auto nearest = index_->points.nearest(
@@ -303,7 +294,7 @@ void CoverageNeed::worth(std::span<const Candidate> candidates, std::span<double
     if (!(farthest > 0)) continue;
     const Vec3 q = left_.at(i);
     rows.near(q, 1.001 * farthest, [&](std::size_t first, std::size_t last) {
-      add_worth(first, last, count, rows.xyz(), q.data(), needs.data(), inverses, worth.data());
+      in_best_set<add_worth>(first, last, count, rows.xyz(), q.data(), needs.data(), inverses, worth.data());
     });
   }
   for (std::size_t place = 0; place < count; ++place) out[rows.candidate(place)] = worth[place];

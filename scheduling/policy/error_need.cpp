@@ -101,20 +101,13 @@ void ErrorNeed::learn(const PlannerView& view) {
   }
 }
 
-// path_share of the weight is on the predicted path. An uncertain prediction passes a part of its weight to the cubes
-// around it. The rest of the weight is on the whole box, by the time to reach each cube.
+// An uncertain prediction passes a part of its weight to the cubes around it.
 void ErrorNeed::weigh(const PlannerView& view) {
   const Box& box = view.space.options().box;
-  const bool truth = !view.predicted.empty() && view.predicted.back().deviation == 0;
-  const bool still = !truth && view.space.empty() && !(view.hip.velocity.norm() > 0);
-  const double path_share = still ? 0.0 : options_.path_share;
-  double on_path = 0, in_box = 0;
-  for (const Prediction& p : view.predicted) on_path += urgency(p.horizon, solve_);
-  for (Place& place : box_) in_box += place.weight = urgency(time_to_reach(place.at, view), solve_);
-  for (Place& place : box_) place.weight *= in_box > 0 ? (1 - path_share) / in_box : 0;
+  const auto weight_at = weigh_box(view, solve_, options_.path_share, box_);
   places_.clear();
   for (const Prediction& p : view.predicted) {
-    const double weight = on_path > 0 ? path_share * urgency(p.horizon, solve_) / on_path : 0;
+    const double weight = weight_at(p.horizon);
     const double sure = sureness(p.deviation, spacing_);
     Place place{.at = folded(p.at, box), .weight = weight * sure};
     see(place, known_);

@@ -1,10 +1,10 @@
-// Compiled with -ffp-contract=off: without fused products the clones for different processors round
+// Compiled with -ffp-contract=off: without fused products the versions for different instruction sets round
 // identically.
 #include "scheduling/policy/need_left.hpp"
 
 #include <algorithm>
 
-#include "geometry/common/simd.hpp"
+#include "geometry/common/in_best_set.hpp"
 
 namespace forefeel {
 namespace {
@@ -17,9 +17,8 @@ constexpr std::size_t few = 32;
 constexpr double nothing = 1e-200;
 
 // left_i *= 1 - m(q_i, p), one scale
-FOREFEEL_CLONES
-void mend(std::size_t count, const double* __restrict xyz, const double* p, double inverse,
-          double* __restrict left) {
+FOREFEEL_INLINE void mend(std::size_t count, const double* __restrict xyz, const double* p, double inverse,
+                          double* __restrict left) {
   const double* __restrict x = xyz;
   const double* __restrict y = xyz + count;
   const double* __restrict z = xyz + 2 * count;
@@ -51,7 +50,7 @@ void NeedLeft::begin(std::span<const Vec3> at, std::span<const Needs> needs, con
     const std::size_t n = row.place.size();
     row.xyz.resize(3 * n);
     for (std::size_t j = 0; j < n; ++j)
-      for (std::size_t k = 0; k < 3; ++k) row.xyz[k * n + j] = at[row.place[j]][static_cast<Eigen::Index>(k)];
+      for (unsigned k = 0; k < 3; ++k) row.xyz[k * n + j] = at[row.place[j]][k];
     row.left = row.need;
   }
   counted_.clear();
@@ -59,7 +58,8 @@ void NeedLeft::begin(std::span<const Vec3> at, std::span<const Needs> needs, con
 }
 
 void NeedLeft::multiply(const Vec3& p) {
-  for (Row& row : rows_) mend(row.place.size(), row.xyz.data(), p.data(), row.inverse, row.left.data());
+  for (Row& row : rows_)
+    in_best_set<mend>(row.place.size(), row.xyz.data(), p.data(), row.inverse, row.left.data());
   counted_.push_back(p);
 }
 

@@ -1,45 +1,33 @@
 #include "scheduling/policy/policy.hpp"
 
 #include <algorithm>
-#include <iterator>
 #include <limits>
-#include <map>
 
-#include "geometry/common/declared.hpp"
 #include "scheduling/common/registry.hpp"
 #include "scheduling/policy/policies.hpp"
 
 namespace forefeel {
 namespace {
 
-struct BuiltIn {
-  const char* name;
-  std::unique_ptr<Policy> (*make)(FactoryContext&);
-  const char* meaning;
-};
-
-constexpr BuiltIn built_in[] = {
-    {"coverage", make_coverage, "places that the hand may reach soon and that are blank, gap or sparse"},
-    {"fifo", make_fifo, "first come, first served: in the order in which the hand came near"},
-    {"nearest", make_nearest, "the unknown state nearest to the tip"},
-    {"direction", make_direction, "states along the predicted motion, the soonest first"},
-    {"coarse-to-fine", make_coarse_to_fine,
-     "coarse lattice points far around the predicted path, fine ones near it"},
-    {"error", make_error, "expected error times the chance that the state is needed"},
-    {"clairvoyant", make_clairvoyant, "upper bound: knows the motion, simulates every policy, runs the best"},
-    {"clairvoyant-greedy", make_clairvoyant, "coverage with the motion known"},
-    {"shuffled", make_shuffled, "placebo of coverage: its labels, permuted among the places"},
-    {"clairvoyant-shuffled", make_clairvoyant_shuffled, "placebo of clairvoyant-greedy"},
-    {"worth", make_worth,
-     "chance of an error above the JND on the path ahead that a solve removes per second"},
-    {"worth-shuffled", make_worth_shuffled, "placebo of worth: its estimates, permuted among the places"}};
-
 Registry<PolicyFactory>& registry() {
-  static Registry<PolicyFactory> policies("policy", [] {
-    std::map<std::string, PolicyFactory> factories;
-    for (const BuiltIn& one : built_in) factories.emplace(one.name, one.make);
-    return factories;
-  }());
+  static Registry<PolicyFactory> policies(
+      "policy",
+      {{"coverage", make_coverage, "places that the hand may reach soon and that are blank, gap or sparse"},
+       {"fifo", make_fifo, "first come, first served: in the order in which the hand came near"},
+       {"nearest", make_nearest, "the unknown state nearest to the tip"},
+       {"direction", make_direction, "states along the predicted motion, the soonest first"},
+       {"coarse-to-fine", make_coarse_to_fine,
+        "coarse lattice points far around the predicted path, fine ones near it"},
+       {"error", make_error, "expected error times the chance that the state is needed"},
+       {"clairvoyant", make_clairvoyant,
+        "upper bound: knows the motion, simulates every policy, runs the best"},
+       {"clairvoyant-greedy", make_clairvoyant, "coverage with the motion known"},
+       {"shuffled", make_shuffled, "placebo of coverage: its labels, permuted among the places"},
+       {"clairvoyant-shuffled", make_clairvoyant_shuffled, "placebo of clairvoyant-greedy"},
+       {"worth", make_worth,
+        "chance of an error above the JND on the path ahead that a solve removes per second"},
+       {"worth-shuffled", make_worth_shuffled,
+        "placebo of worth: its estimates, permuted among the places"}});
   return policies;
 }
 
@@ -70,12 +58,7 @@ std::vector<std::string> policy_names() {
 }
 
 std::vector<Declared> declared_policies() {
-  std::vector<Declared> rows;
-  for (const BuiltIn& one : built_in) rows.push_back({one.name, "", "", one.meaning});
-  for (const std::string& name : policy_names())
-    if (std::ranges::find(built_in, name, &BuiltIn::name) == std::end(built_in))
-      rows.push_back({name, "", "", "registered by this program"});
-  return rows;
+  return registry().declared();
 }
 
 std::unique_ptr<Policy> make_policy(const PolicySpec& policy, const FactoryContext& context) {

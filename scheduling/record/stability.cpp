@@ -56,7 +56,7 @@ void observe_energy(Frames frames, const Quantum& quantum, std::size_t second, S
       report.hold -= 0.5 * (f.sent - frames[k - 1].sent).dot(step);
     }
     const double now = std::max(0.0, -energy);
-    report.generated_in[static_cast<std::size_t>(f.label)] += std::max(0.0, now - deficit);
+    report.generated_in[f.label] += std::max(0.0, now - deficit);
     deficits[k] = deficit = now;
     while (!least.empty() && deficits[least.back()] >= now) least.pop_back();
     least.push_back(k);

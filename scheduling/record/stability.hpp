@@ -36,11 +36,11 @@ struct HandNumbers {
 
 struct StabilityReport {
   bool stable = true;
-  double since = unknown;                // time of the first instability [s]
-  double generated = 0;                  // largest growth of D in a second, less its quantum [J]
-  double put_in = 0, given_back = 0;     // by the hand, to the hand [J]
-  double hold = 0;                       // by forces held for a frame [J]
-  std::array<double, 4> generated_in{};  // growth of D by label [J], in the order of Label
+  double since = unknown;             // time of the first instability [s]
+  double generated = 0;               // largest growth of D in a second, less its quantum [J]
+  double put_in = 0, given_back = 0;  // by the hand, to the hand [J]
+  double hold = 0;                    // by forces held for a frame [J]
+  ByLabel<double> generated_in{};     // growth of D [J]
   double by_switches = 0,
          by_a_switch = 0;      // work of rendered less newest model: all, the most of one switch [J]
   double frequency = unknown;  // dominant in the second of strongest vibration, if above the floor [Hz]

@@ -33,14 +33,6 @@ namespace forefeel {
 struct SessionInput;
 struct SessionPlan;
 
-// One value for each label.
-template <class Value>
-struct ByLabel {
-  std::array<Value, all_labels.size()> values{};
-  Value& operator[](Label label) { return values[static_cast<std::size_t>(label)]; }
-  const Value& operator[](Label label) const { return values[static_cast<std::size_t>(label)]; }
-};
-
 struct SessionSummary {
   // Nearest-rank quantiles of times per frame [us]; unknown under the virtual clock.
   struct Timing {

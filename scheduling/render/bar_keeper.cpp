@@ -50,9 +50,9 @@ void BarKeeper::learn_from(const State& state, const Model* model) {
   if (guessed_.has_stiffness() && state.at.isZero(0)) return;
   if (const RenderedFrame* frame = rendered_at(state.at)) {
     if (!std::isfinite(frame->scale)) return;
-    ++audits_[static_cast<std::size_t>(frame->label)];
+    ++audits_[frame->label];
     for (const Label label : labels)
-      if (label == frame->label || audits_[static_cast<std::size_t>(label)] < enough_audits)
+      if (label == frame->label || audits_[label] < enough_audits)
         factors_.learn(label, frame->score(state.force));
     return;
   }

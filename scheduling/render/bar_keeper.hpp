@@ -42,7 +42,7 @@ class BarKeeper {
   PathWalk walk_;
   std::vector<RenderedFrame> rendered_;  // a ring
   std::size_t next_ = 0, seen_;          // place in the ring; states scored so far
-  std::array<std::size_t, 4> audits_{};  // by label
+  ByLabel<std::size_t> audits_{};
   BarEstimate newest_;
   std::vector<State> near_;
 };

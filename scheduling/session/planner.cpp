@@ -42,8 +42,7 @@ Planner::Planner(PlannerSetup setup, Generator& generator, Hooks hooks)
       on_state_(std::move(hooks.on_state)),
       space_(known_space(setup_)),
       ranking_(setup_, space_, std::move(hooks.future)),
-      starts_(setup_.body.nodes),
-      times_(hooks.expected_solve) {
+      solves_{SolveStarts(setup_.body.nodes), SolveTimes(hooks.expected_solve)} {
   for (std::uint32_t id = 0; id < space_.size(); ++id) {
     const State& state = space_[StateId{id}];
     log_.know(-1);
@@ -51,7 +50,7 @@ Planner::Planner(PlannerSetup setup, Generator& generator, Hooks hooks)
     auto known = std::make_shared<Equilibrium>();
     known->at = state.at;
     known->displacements = *state.displacements;
-    starts_.remember({.at = state.at, .dispatch = -1, .equilibrium = std::move(known)}, hip_.at);
+    solves_.starts.remember({.at = state.at, .dispatch = -1, .equilibrium = std::move(known)}, hip_.at);
   }
   log_.counts.start = space_.size();
   if (setup_.policy->reads_surprises()) surprises_.emplace(space_, setup_.model, setup_.jnd);
@@ -67,9 +66,8 @@ bool Planner::insert(const State& state, std::int64_t dispatch) {
 
 // Whether the worker has this dispatch and has not returned it yet.
 bool Planner::is_held(const JobResult& result) const {
-  const auto worker = static_cast<std::size_t>(result.worker);
-  if (result.worker < 0 || worker >= slots_.size()) return false;
-  const auto& members = slots_[worker].members;
+  if (result.worker < 0 || result.worker >= slots_.count()) return false;
+  const auto& members = slots_[result.worker].members;
   return std::ranges::find(members, result.dispatch, &Member::dispatch) != members.end();
 }
 
@@ -86,7 +84,7 @@ void Planner::receive(JobResult result, double now) {
     result.state.at = record.at;
     result.state.solve.status = SolveStatus::diverged;
   }
-  Slot& slot = slots_[static_cast<std::size_t>(result.worker)];
+  Slot& slot = slots_[result.worker];
   const auto member = std::ranges::find(slot.members, result.dispatch, &Member::dispatch);
   const Candidate candidate = member->candidate;
   slot.members.erase(member);
@@ -98,7 +96,7 @@ void Planner::receive(JobResult result, double now) {
   record.status = began ? DispatchStatus::preempted : DispatchStatus::withdrawn;
   log_.counts.preempted += began ? 1 : 0;
   ++preemption_.counts[candidate.order];
-  starts_.keep_partial(candidate, std::move(result.partial));
+  solves_.starts.keep_partial(candidate, std::move(result.partial));
   if (!record.choice.audit) ranking_.candidates().put_back(candidate);
 }
 
@@ -113,7 +111,8 @@ void Planner::learn(Slot& slot, const Candidate& candidate, JobResult result, do
   log_.jobs += slot.counted || slot.purpose == Purpose::rest ? 0 : 1;
   slot.counted = true;
   // The time of the state at rest is not typical of other states, so it is left out.
-  if (!setup_.options.rest_first || !result.state.at.isZero(0)) times_.note(result.finished - result.started);
+  if (!setup_.options.rest_first || !result.state.at.isZero(0))
+    solves_.times.note(result.finished - result.started);
   if (record.parent >= 0) result.state.solve.parent = log_[static_cast<std::uint32_t>(record.parent)].at;
   const bool aside = set_aside(result.state, space_, setup_.body.stiffest);
   if (on_state_) on_state_(result.state);
@@ -128,7 +127,7 @@ void Planner::learn(Slot& slot, const Candidate& candidate, JobResult result, do
   record.status = DispatchStatus::solved;
   ++log_.counts.solved;
   insert(result.state, result.dispatch);
-  starts_.remember({result.state.at, result.dispatch, std::move(result.equilibrium)}, hip_.at);
+  solves_.starts.remember({result.state.at, result.dispatch, std::move(result.equilibrium)}, hip_.at);
 }
 
 void Planner::arrive(State state, double now) {
@@ -155,15 +154,15 @@ void Planner::plan(double now) {
   Candidates& candidates = ranking_.candidates();
   if (slots_.empty() || (candidates.empty() && !candidates.may_grow())) return;
   std::size_t idle_workers = 0;
-  for (std::size_t worker = 0; worker < slots_.size(); ++worker) idle_workers += is_idle(worker) ? 1 : 0;
+  for (int worker = 0; worker < slots_.count(); ++worker) idle_workers += is_idle(worker) ? 1 : 0;
   if (idle_workers == 0) return consider_preemption(now);
   if (rest_comes_first(now)) return;
   look(now);
   const bool many = idle_workers > 1 && setup_.options.batch == 1 && ranking_.ranks_many();
   if (many) ranking_.begin_many();
-  for (std::size_t worker = 0; worker < slots_.size() && idle_workers > 0 && !candidates.empty(); ++worker) {
+  for (int worker = 0; worker < slots_.count() && idle_workers > 0 && !candidates.empty(); ++worker) {
     if (!is_idle(worker)) continue;
-    if (!audits(static_cast<int>(worker), now)) dispatch_best(static_cast<int>(worker), many, now);
+    if (!audits(worker, now)) dispatch_best(worker, many, now);
     if (--idle_workers > 0) ranking_.tell();
   }
 }
@@ -180,14 +179,14 @@ void Planner::dispatch_best(int worker, bool many, double now) {
   for (const Candidate& c : beside) ranking_.pend(c.at);
 }
 
-bool Planner::is_idle(std::size_t worker) const {
-  return !slots_[worker].busy() && generator_.takes_jobs(static_cast<int>(worker));
+bool Planner::is_idle(int worker) const {
+  return !slots_[worker].busy() && generator_.takes_jobs(worker);
 }
 
 void Planner::look(double now) {
   ranking_.look({.now = now,
                  .hip = hip_,
-                 .solve_seconds = times_.expected(),
+                 .solve_seconds = solves_.times.expected(),
                  .workers = generator_.workers(),
                  .surprises = surprises_ ? surprises_->by_id() : std::span<const float>()},
                 pending());
@@ -230,15 +229,15 @@ std::vector<Candidate> Planner::take_beside(std::vector<Candidate> near) {
 
 Planner::Slot& Planner::dispatch(int worker, const Candidate& candidate, double priority,
                                  const std::vector<Candidate>& beside, double now) {
-  const SolveStarts::Start* start = starts_.nearest(candidate.at);
-  Slot& slot = slots_[static_cast<std::size_t>(worker)];
+  const SolveStarts::Start* start = solves_.starts.nearest(candidate.at);
+  Slot& slot = slots_[worker];
   slot = {.members = {}, .since = now, .hip = hip_.at};
   Job job{.dispatch = log_.begin(worker, candidate, priority, start ? start->dispatch : -1, now,
                                  now + setup_.latency),
           .at = candidate.at,
           .start = start ? start->equilibrium : nullptr,
           .beside = {}};
-  if (auto partial = starts_.take_partial(candidate)) job.start = std::move(partial);
+  if (auto partial = solves_.starts.take_partial(candidate)) job.start = std::move(partial);
   slot.members.push_back({job.dispatch, candidate});
   for (const Candidate& c : beside) {  // none begins before the one before it is done
     job.beside.push_back(
@@ -255,7 +254,7 @@ Planner::Slot& Planner::dispatch(int worker, const Candidate& candidate, double 
 // states are solved. No candidate is cancelled more than twice, so each is solved in the end.
 void Planner::consider_preemption(double now) {
   if (!setup_.options.preempt || ranking_.candidates().empty() ||
-      now - preemption_.checked < std::max(0.02, 0.25 * times_.expected()))
+      now - preemption_.checked < std::max(0.02, 0.25 * solves_.times.expected()))
     return;
   preemption_.checked = now;
   look(now);
@@ -278,7 +277,7 @@ Planner::Slot* Planner::weakest(double now) {
     if (slot.cancelling || slot.purpose != Purpose::policy || enough) continue;
     ranking_.pend(pending(&slot));
     const double gain = ranking_.worth(waiting);
-    const double left = std::max(1 - (now - slot.since) / times_.expected(), 0.1);
+    const double left = std::max(1 - (now - slot.since) / solves_.times.expected(), 0.1);
     double worth = 0;
     for (const Member& member : slot.members)
       worth = std::max(worth, ranking_.worth(ranking_.candidates().refreshed(member.candidate)) / left);
@@ -298,7 +297,7 @@ void Planner::finish(SessionResult& result, ModelKeeper& models) {
   for (std::size_t i = 0; i < space_.size(); ++i)
     result.states.push_back(space_[StateId{static_cast<std::uint32_t>(i)}]);
   log_.finish(result, models);
-  result.solver.seconds = times_.take();
+  result.solver.seconds = solves_.times.take();
   for (std::string& line : ranking_.complaints()) result.notes.push_back(std::move(line));
   if (log_.strays > 0)
     result.notes.push_back(fmt::format(

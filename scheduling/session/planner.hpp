@@ -11,6 +11,7 @@
 #include <unordered_map>
 #include <vector>
 
+#include "geometry/common/signed_vector.hpp"
 #include "scheduling/render/model_keeper.hpp"
 #include "scheduling/session/dispatch_log.hpp"
 #include "scheduling/session/planner_setup.hpp"
@@ -66,9 +67,13 @@ class Planner {
     std::unordered_map<std::uint32_t, int> counts;  // by candidate order
     double checked = 0;                             // when it was considered last [s]
   };
+  struct Solves {
+    SolveStarts starts;  // where they start
+    SolveTimes times;    // how long they take
+  };
   bool insert(const State& state, std::int64_t dispatch);
   bool is_held(const JobResult& result) const;
-  bool is_idle(std::size_t worker) const;
+  bool is_idle(int worker) const;
   void learn(Slot& slot, const Candidate& candidate, JobResult result, double now);
   void look(double now);
   std::vector<Vec3> pending(const Slot* but = nullptr) const;
@@ -88,10 +93,9 @@ class Planner {
   std::optional<Surprises> surprises_;  // none unless requested
   Ranking ranking_;
   HipSample hip_;
-  std::vector<Slot> slots_;
+  SignedVector<Slot> slots_;
   Preemption preemption_;
-  SolveStarts starts_;
-  SolveTimes times_;
+  Solves solves_;
   DispatchLog log_;
   std::uint64_t audit_draws_ = 0;
 };

@@ -169,10 +169,10 @@ class VirtualRun {
   }
 
   void take_results(const Event& event) {
-    results_.clear();
-    workers_->take_event(results_);
-    for (JobResult& done : results_) planner_.receive(std::move(done), seconds(event.t));
-    if (!results_.empty()) events_.push(event.t, Kind::plan, 0);
+    std::vector<JobResult> results;
+    workers_->take_event(results);
+    for (JobResult& done : results) planner_.receive(std::move(done), seconds(event.t));
+    if (!results.empty()) events_.push(event.t, Kind::plan, 0);
   }
 
   // Returns whether another frame follows.
@@ -212,7 +212,6 @@ class VirtualRun {
   const VirtualParts& parts_;
   const ShowProgress& show_;
   EventQueue events_;
-  std::vector<JobResult> results_;
   std::shared_ptr<VirtualWorkers> workers_;
   StateLog states_;
   Planner planner_;

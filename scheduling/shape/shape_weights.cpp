@@ -5,6 +5,8 @@
 #include <cmath>
 #include <optional>
 
+#include "geometry/common/enum_names.hpp"
+
 namespace forefeel {
 namespace {
 
@@ -101,15 +103,7 @@ std::optional<ShapeWeights> interpolate(const Frame& frame, ShapeOrder order) {
 }  // namespace
 
 std::string_view name(ShapeOrder order) {
-  switch (order) {
-    case ShapeOrder::slope:
-      return "slope";
-    case ShapeOrder::cubic:
-      return "cubic";
-    case ShapeOrder::quintic:
-      return "quintic";
-  }
-  return "";
+  return name_in<ShapeOrder::quintic>({"slope", "cubic", "quintic"}, order);
 }
 
 ShapeWeights shape_weights(const Vec3& x, std::span<const Vec3> places) {

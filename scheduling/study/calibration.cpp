@@ -229,7 +229,7 @@ Calibration calibrate(const std::vector<State>& pool, const std::vector<State>& 
     parts[set] = judge_set(sets[set].states, set, truth, result.kinds, options);
   for (std::vector<CalibrationSample>& part : parts) {
     for (const CalibrationSample& s : part)
-      if (s.kind == 0) ++result.positions[static_cast<std::size_t>(s.label)];
+      if (s.kind == 0) ++result.positions[s.label];
     result.samples.insert(result.samples.end(), part.begin(), part.end());
   }
   for (std::size_t kind = 0; kind < result.kinds.size(); ++kind) {

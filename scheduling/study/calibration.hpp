@@ -63,8 +63,8 @@ struct CalibrationRanks {  // Spearman's rho with the true error
 
 struct Calibration {
   std::vector<CalibrationKind> kinds;
-  std::vector<KnownSet> sets;              // without states
-  std::array<std::size_t, 4> positions{};  // per label, over all sets
+  std::vector<KnownSet> sets;        // without states
+  ByLabel<std::size_t> positions{};  // over all sets
   std::vector<CalibrationSample> samples;
   std::vector<CalibrationCell> table;  // kind by kind, safe to blank
   std::vector<CalibrationRanks> ranks;

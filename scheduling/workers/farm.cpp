@@ -10,6 +10,7 @@
 #include <thread>
 #include <utility>
 
+#include "geometry/common/signed_vector.hpp"
 #include "scheduling/workers/rank_listener.hpp"
 
 namespace forefeel {
@@ -183,7 +184,7 @@ class Farm {
         }
         break;
       case RankEvent::Kind::lost:
-        for (const std::uint64_t id : std::exchange(held_[static_cast<std::size_t>(event.rank)], {}))
+        for (const std::uint64_t id : std::exchange(held_[event.rank], {}))
           if (open_.contains(id)) work_.again(id);
         work_.lost(event.rank);
         break;
@@ -192,14 +193,14 @@ class Farm {
 
   // If a piece was given out twice, the result that arrives first counts.
   void take(int worker, std::uint64_t id, Bytes content) {
-    std::erase(held_[static_cast<std::size_t>(worker)], id);
+    std::erase(held_[worker], id);
     if (!open_.contains(id)) return;
     try {
       work_.done(id, worker, Unpacker(std::move(content)));
       open_.erase(id);
     } catch (const MalformedMessage&) {
       if (worker == 0) throw;
-      held_[static_cast<std::size_t>(worker)].push_back(id);
+      held_[worker].push_back(id);
       pool_.distrust(worker);
     }
   }
@@ -208,7 +209,7 @@ class Farm {
   void give_out() {
     for (int depth = 1; depth <= options_.queue; ++depth)
       for (int worker = 0; worker <= pool_.ranks(); ++worker) {
-        auto& held = held_[static_cast<std::size_t>(worker)];
+        auto& held = held_[worker];
         if (static_cast<int>(held.size()) >= depth || (worker > 0 && !pool_.takes_jobs(worker))) continue;
         std::optional<FarmWork::Piece> piece = work_.next(worker);
         if (!piece) continue;
@@ -230,8 +231,8 @@ class Farm {
   FarmWork& work_;
   const FarmOptions& options_;
   OwnThread own_;
-  std::vector<std::vector<std::uint64_t>> held_;  // by each worker
-  std::set<std::uint64_t> open_;                  // given out, not done
+  SignedVector<std::vector<std::uint64_t>> held_;  // by each worker
+  std::set<std::uint64_t> open_;                   // given out, not done
   std::set<int> taken_part_;
   std::size_t notes_sent_ = 0;
 };

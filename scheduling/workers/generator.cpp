@@ -8,7 +8,7 @@ namespace {
 
 Registry<WorkersKind>& workers_registry() {
   static Registry<WorkersKind> kinds(
-      "workers", {{"threads", {.real = make_worker_threads, .simulated = make_simulated_workers}}});
+      "workers", {{"threads", {.real = make_worker_threads, .simulated = make_simulated_workers}, ""}});
   return kinds;
 }
 

@@ -136,8 +136,8 @@ struct WorkersKind {
 // May be called from any thread, and before main() begins. InputError for a name that is taken.
 void register_workers(const std::string& name, WorkersKind kind);
 std::vector<std::string> workers_names();  // sorted
-// The workers of a name and its settings. Throws InputError for an unknown name (the error lists the known ones), and for a kind without workers for
-// that clock.
+// The workers of a name and its settings. Throws InputError for an unknown name (the error lists the known ones), and
+// for a kind without workers for that clock.
 std::unique_ptr<RealWorkers> make_real_workers(const Registered& workers, const RealWorkersContext& context);
 std::unique_ptr<VirtualWorkers> make_virtual_workers(const Registered& workers,
                                                      const VirtualWorkersContext& context);

@@ -33,7 +33,7 @@ RankPool::RankPool(Transport& transport, double patience, Clock clock)
       beaten_(polled_) {}
 
 int RankPool::ranks() const {
-  return static_cast<int>(ranks_.size());
+  return ranks_.count();
 }
 
 bool RankPool::takes_jobs(int rank) const {

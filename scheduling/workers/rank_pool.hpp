@@ -8,6 +8,7 @@
 #include <string>
 #include <vector>
 
+#include "geometry/common/signed_vector.hpp"
 #include "scheduling/workers/rank_protocol.hpp"
 #include "scheduling/workers/transport.hpp"
 
@@ -62,8 +63,8 @@ class RankPool {
     double silence = 0;   // [s]
     bool answers() const { return !silent && life != Life::failed && life != Life::left; }
   };
-  Rank& of(int rank) { return ranks_[static_cast<std::size_t>(rank - 1)]; }
-  const Rank& of(int rank) const { return ranks_[static_cast<std::size_t>(rank - 1)]; }
+  Rank& of(int rank) { return ranks_[rank - 1]; }
+  const Rank& of(int rank) const { return ranks_[rank - 1]; }
   void send(int rank, RankTag tag, Bytes bytes = {});
   void take(Message message, std::vector<RankEvent>& events);
   void receive(int rank, std::vector<RankEvent>& events);
@@ -76,7 +77,7 @@ class RankPool {
   double patience_;
   std::string identity_;
   Clock clock_;
-  std::vector<Rank> ranks_;
+  SignedVector<Rank> ranks_;
   std::vector<std::string> notes_;
   std::vector<RankEvent> later_;  // for the next poll()
   double polled_ = 0, beaten_ = 0;

@@ -30,7 +30,7 @@ class SolvingThread : public std::enable_shared_from_this<SolvingThread> {
   // Receives the data that rank 0 sends when the work begins.
   void receive_begin(Bytes message) {
     const std::lock_guard lock(mutex_);
-    if (!std::exchange(begin_received_, true)) begin_message_ = std::move(message);
+    if (!begin_message_) begin_message_ = std::move(message);
     wake_.notify_all();
   }
   void begin() {
@@ -121,7 +121,7 @@ class SolvingThread : public std::enable_shared_from_this<SolvingThread> {
 
   std::optional<Bytes> wait_until_begun() {
     std::unique_lock lock(mutex_);
-    wake_.wait(lock, [&] { return end_.stop_requested() || begin_received_; });
+    wake_.wait(lock, [&] { return end_.stop_requested() || begin_message_; });
     if (end_.stop_requested()) return {};
     return begin_message_;
   }
@@ -142,8 +142,7 @@ class SolvingThread : public std::enable_shared_from_this<SolvingThread> {
   std::condition_variable wake_, outgoing_ready_;
   std::deque<Waiting> jobs_;
   std::deque<Outgoing> outgoing_;
-  Bytes begin_message_;
-  bool begin_received_ = false;
+  std::optional<Bytes> begin_message_;
   RankListener listener_;
   std::stop_source end_, running_;  // running_ is set by the solving thread alone
   bool begun_ = false, ended_ = false;

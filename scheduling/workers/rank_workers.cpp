@@ -4,6 +4,7 @@
 #include <thread>
 #include <utility>
 
+#include "geometry/common/signed_vector.hpp"
 #include "geometry/states/state_message.hpp"
 #include "scheduling/workers/solve_job.hpp"
 #include "solver/equilibrium/linear_body.hpp"
@@ -87,7 +88,7 @@ class RankWorkers final : public RealWorkers {
   bool takes_jobs(int worker) const override { return pool_.takes_jobs(worker + 1); }
 
   void dispatch(int worker, Job job) override {
-    std::vector<Given>& given = given_[static_cast<std::size_t>(worker)];
+    std::vector<Given>& given = given_[worker];
     given.push_back({job.dispatch, job.at});
     for (const Job::Neighbour& n : job.beside) given.push_back({n.dispatch, n.at});
     if (takes_jobs(worker))
@@ -136,7 +137,7 @@ class RankWorkers final : public RealWorkers {
     if (event.kind != RankEvent::Kind::result) return;
     try {
       JobResult result = unpacked_result(Unpacker(std::move(event.content)), now_());
-      std::vector<Given>& given = given_[static_cast<std::size_t>(worker)];
+      std::vector<Given>& given = given_[worker];
       const auto asked = std::ranges::find(given, result.dispatch, &Given::dispatch);
       if (asked == given.end()) return;  // of a rank that was lost and is back: others do it
       if (result.state.at != asked->at) return pool_.distrust(event.rank);
@@ -150,7 +151,7 @@ class RankWorkers final : public RealWorkers {
 
   // What the worker was given, as cancelled results.
   void give_back(int worker) {
-    for (const Given& given : std::exchange(given_[static_cast<std::size_t>(worker)], {})) {
+    for (const Given& given : std::exchange(given_[worker], {})) {
       JobResult result;
       result.dispatch = given.dispatch;
       result.worker = worker;
@@ -163,7 +164,7 @@ class RankWorkers final : public RealWorkers {
 
   RankPool& pool_;
   std::function<double()> now_;
-  std::vector<std::vector<Given>> given_;  // to each worker, not returned yet
+  SignedVector<std::vector<Given>> given_;  // to each worker, not returned yet
   std::vector<JobResult> late_;
   bool ended_ = false;
   int lost_ = 0;  // times that a rank was

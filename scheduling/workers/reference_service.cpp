@@ -29,15 +29,16 @@ ReferenceService::Key ReferenceService::key(const Vec3& x) {
 }
 
 ReferenceService::ReferenceService(const ReferenceOptions& options, int threads)
-    : basis_(std::make_shared<SolverBasis>(options.body)),
-      linear_(linear_basis(options.body, options.spacing)),
-      solver_options_{.spacing = options.spacing,
-                      .tolerance = 1e-6,
-                      .displacements = options.displacements,
-                      .jet = options.jet},
-      thread_count_(static_cast<std::size_t>(reference_threads(threads))),
-      cache_(options, linear_ != nullptr),
-      costs_([this] { return StateSolver(basis_, linear_, solver_options_); }, options, cache_.name()) {
+    : solver_{.basis = std::make_shared<SolverBasis>(options.body),
+              .linear = linear_basis(options.body, options.spacing),
+              .options = {.spacing = options.spacing,
+                          .tolerance = 1e-6,
+                          .displacements = options.displacements,
+                           .jet = options.jet}},
+      cache_(options, solver_.linear != nullptr),
+      costs_([this] { return StateSolver(solver_.basis, solver_.linear, solver_.options); }, options,
+             cache_.name()),
+      threads_{.most = static_cast<std::size_t>(reference_threads(threads)), .running = {}} {
   for (State& state : cache_.take_states()) {
     const Key place = key(state.at);
     entries_.try_emplace(place, Entry{.ready = true, .state = std::move(state)});
@@ -50,9 +51,9 @@ ReferenceService::~ReferenceService() {
     queue_.clear();
     sharing_.granted.clear();
   }
-  for (auto& thread : threads_) thread.request_stop();
+  for (auto& thread : threads_.running) thread.request_stop();
   wake_.notify_all();
-  threads_.clear();
+  threads_.running.clear();
 }
 
 int reference_threads(int wanted) {
@@ -61,8 +62,8 @@ int reference_threads(int wanted) {
 }
 
 void ReferenceService::start_thread() {
-  if (threads_.size() < thread_count_)
-    threads_.emplace_back([this](const std::stop_token& stop) { work(stop); });
+  if (threads_.running.size() < threads_.most)
+    threads_.running.emplace_back([this](const std::stop_token& stop) { work(stop); });
 }
 
 void ReferenceService::request(const Vec3& x) {
@@ -171,7 +172,7 @@ void ReferenceService::put_off(const Vec3& x) {
 std::vector<Vec3> ReferenceService::next_to_ask() {
   std::vector<Vec3> next;
   while (sharing_.exchange && !queue_.empty() &&
-         sharing_.asked.size() + sharing_.granted.size() <= thread_count_) {
+         sharing_.asked.size() + sharing_.granted.size() <= threads_.most) {
     const Vec3 x = queue_.front();
     queue_.pop_front();
     if (entries_.at(key(x)).ready) continue;
@@ -188,7 +189,7 @@ std::optional<std::string> ReferenceService::cache_failure() {
 
 void ReferenceService::work(std::stop_token stop) {
   try {
-    StateSolver solver(basis_, linear_, solver_options_);
+    StateSolver solver(solver_.basis, solver_.linear, solver_.options);
     std::unique_lock lock(mutex_);
     for (;;) {
       const std::vector<Vec3> asking = next_to_ask();
@@ -197,7 +198,7 @@ void ReferenceService::work(std::stop_token stop) {
         for (const Vec3& x : asking) exchange->ask(x);
         lock.lock();
       }
-      const auto may_ask = [&] { return sharing_.asked.size() + sharing_.granted.size() <= thread_count_; };
+      const auto may_ask = [&] { return sharing_.asked.size() + sharing_.granted.size() <= threads_.most; };
       wake_.wait(lock, [&] {
         return stop.stop_requested() || !sharing_.granted.empty() ||
                (!queue_.empty() && (!sharing_.exchange || may_ask()));

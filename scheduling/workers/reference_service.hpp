@@ -104,10 +104,18 @@ class ReferenceService {
   void take(const State& state);    // under the mutex
   std::vector<Vec3> next_to_ask();  // under the mutex
 
-  std::shared_ptr<SolverBasis> basis_;
-  std::shared_ptr<LinearBasis> linear_;
-  StateSolverOptions solver_options_;
-  std::size_t thread_count_;  // at most
+  // Of which each thread makes its solver.
+  struct SolverParts {
+    std::shared_ptr<SolverBasis> basis;
+    std::shared_ptr<LinearBasis> linear;
+    StateSolverOptions options;
+  };
+  struct Threads {
+    std::size_t most = 0;
+    std::vector<std::jthread> running;
+  };
+
+  SolverParts solver_;
 
   mutable std::mutex mutex_;
   std::condition_variable wake_, ready_;
@@ -118,7 +126,7 @@ class ReferenceService {
   Sharing sharing_;
   std::size_t solved_ = 0;
   std::exception_ptr failure_;
-  std::vector<std::jthread> threads_;
+  Threads threads_;
 };
 
 }  // namespace forefeel

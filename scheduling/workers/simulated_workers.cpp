@@ -10,6 +10,7 @@
 #include <queue>
 #include <tuple>
 
+#include "geometry/common/signed_vector.hpp"
 #include "scheduling/workers/built_in_workers.hpp"
 #include "scheduling/workers/cost.hpp"
 #include "scheduling/workers/generator.hpp"
@@ -35,11 +36,11 @@ class SimulatedWorkers final : public VirtualWorkers {
   explicit SimulatedWorkers(const VirtualWorkersContext& with)
       : with_(with), latency_(time_of(with.latency)), running_(static_cast<std::size_t>(with.count)) {}
 
-  int workers() const override { return static_cast<int>(running_.size()); }
+  int workers() const override { return running_.count(); }
   void set_now(Time now) override { now_ = now; }
 
   void dispatch(int worker, Job job) override {
-    std::vector<Solve>& solves = running_[static_cast<std::size_t>(worker)];
+    std::vector<Solve>& solves = running_[worker];
     solves.clear();
     Time begin = add(solves, worker, job.dispatch, job.at, 1, now_ + latency_);
     for (const Job::Neighbour& neighbour : job.beside)
@@ -49,7 +50,7 @@ class SimulatedWorkers final : public VirtualWorkers {
   void cancel(int worker) override {
     const Time arrives = now_ + latency_;
     bool any = false;
-    for (Solve& solve : running_[static_cast<std::size_t>(worker)]) {
+    for (Solve& solve : running_[worker]) {
       if (solve.returned || arrives >= solve.finished) continue;  // solved before the message arrives
       if (arrives > solve.started) done_[solve.at] += arrives - solve.started;
       solve.cancelled = any = true;
@@ -69,7 +70,7 @@ class SimulatedWorkers final : public VirtualWorkers {
     const Event event = events_.top();
     events_.pop();
     results.clear();
-    for (Solve& solve : running_[static_cast<std::size_t>(event.worker)]) {
+    for (Solve& solve : running_[event.worker]) {
       if (solve.returned || solve.due != event.t) continue;
       solve.returned = true;
       JobResult& result = results.emplace_back();
@@ -120,7 +121,7 @@ class SimulatedWorkers final : public VirtualWorkers {
 
   const VirtualWorkersContext with_;
   Time latency_, now_{};
-  std::vector<std::vector<Solve>> running_;
+  SignedVector<std::vector<Solve>> running_;
   std::map<Vec3, Time, ByPlace> done_;  // time already spent on states whose solve was cancelled
   std::priority_queue<Event, std::vector<Event>, std::greater<>> events_;
   std::uint64_t sequence_ = 0;

@@ -23,7 +23,7 @@ void WorkerThreads::serve() {
     {
       const std::lock_guard lock(mutex_);
       if (stopped_) return;
-      worker = static_cast<int>(slots_.size());
+      worker = slots_.count();
       slots_.emplace_back();
     }
     work(worker, solver);
@@ -34,7 +34,7 @@ void WorkerThreads::serve() {
 
 void WorkerThreads::work(int worker, StateSolver& solver) {
   std::unique_lock lock(mutex_);
-  Slot& slot = slots_[static_cast<std::size_t>(worker)];
+  Slot& slot = slots_[worker];
   for (;;) {
     slot.wake.wait(lock, [&] { return stopped_ || slot.job; });
     if (stopped_) return;
@@ -52,7 +52,7 @@ void WorkerThreads::work(int worker, StateSolver& solver) {
 
 void WorkerThreads::give(JobResult result) {
   const std::lock_guard lock(mutex_);
-  std::erase_if(slots_[static_cast<std::size_t>(result.worker)].open,
+  std::erase_if(slots_[result.worker].open,
                 [&](const Job::Neighbour& state) { return state.dispatch == result.dispatch; });
   results_.push_back(std::move(result));
   done_.notify_one();
@@ -70,7 +70,7 @@ void WorkerThreads::lose(int worker, const std::exception_ptr& why) {
   }
   lost_.push_back(line + "; the others went on");
   if (worker >= 0) {
-    slots_[static_cast<std::size_t>(worker)].lost = true;
+    slots_[worker].lost = true;
     give_back(worker, SolveStatus::diverged);
   }
   done_.notify_one();
@@ -83,7 +83,7 @@ void WorkerThreads::give_back(int worker, SolveStatus first) {
     now = now_();
   } catch (...) {  // the clock itself may be what failed
   }
-  for (const Job::Neighbour& state : std::exchange(slots_[static_cast<std::size_t>(worker)].open, {})) {
+  for (const Job::Neighbour& state : std::exchange(slots_[worker].open, {})) {
     JobResult result;
     result.dispatch = state.dispatch;
     result.worker = worker;
@@ -105,12 +105,12 @@ void WorkerThreads::stop() {
 
 int WorkerThreads::workers() const {
   const std::lock_guard lock(mutex_);
-  return static_cast<int>(slots_.size());
+  return slots_.count();
 }
 
 void WorkerThreads::dispatch(int worker, Job job) {
   const std::lock_guard lock(mutex_);
-  Slot& slot = slots_[static_cast<std::size_t>(worker)];
+  Slot& slot = slots_[worker];
   slot.open = {{.dispatch = job.dispatch, .at = job.at}};
   slot.open.insert(slot.open.end(), job.beside.begin(), job.beside.end());
   if (slot.lost) {  // the planner did not know it yet
@@ -125,7 +125,7 @@ void WorkerThreads::dispatch(int worker, Job job) {
 
 void WorkerThreads::cancel(int worker) {
   const std::lock_guard lock(mutex_);
-  slots_[static_cast<std::size_t>(worker)].stop.request_stop();
+  slots_[worker].stop.request_stop();
 }
 
 void WorkerThreads::collect(std::vector<JobResult>& out, double timeout) {
@@ -143,7 +143,7 @@ std::exception_ptr WorkerThreads::failure() const {
 
 bool WorkerThreads::takes_jobs(int worker) const {
   const std::lock_guard lock(mutex_);
-  return !slots_[static_cast<std::size_t>(worker)].lost;
+  return !slots_[worker].lost;
 }
 
 int WorkerThreads::lost() const {

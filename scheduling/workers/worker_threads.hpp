@@ -16,6 +16,7 @@
 #include <utility>
 #include <vector>
 
+#include "geometry/common/signed_vector.hpp"
 #include "scheduling/workers/generator.hpp"
 #include "scheduling/workers/state_solver.hpp"
 
@@ -63,7 +64,7 @@ class WorkerThreads final : public RealWorkers {
   std::shared_ptr<LinearBasis> linear_;
   Now now_;
   mutable std::mutex mutex_;
-  std::deque<Slot> slots_;  // references stay valid while it grows
+  SignedVector<Slot, std::deque<Slot>> slots_;  // references stay valid while it grows
   std::vector<JobResult> results_;
   std::condition_variable done_;
   bool stopped_ = false;

@@ -223,10 +223,8 @@ SolveOutcome Solver::reference(const Vec3& x, double spacing, const SolveOptions
   return out;
 }
 
-std::optional<bool> second_way(Solver& solver, const State& state, double spacing,
-                               const SolveOptions& options) {
-  if (state.solve.status != SolveStatus::converged) return std::nullopt;
-  if (is_linear(solver.body())) return false;
+bool second_way_differs(Solver& solver, const State& state, double spacing, const SolveOptions& options) {
+  if (state.solve.status != SolveStatus::converged || is_linear(solver.body())) return false;
   std::array<int, 3> axes{0, 1, 2};  // the longest part last
   std::stable_sort(axes.begin(), axes.end(),
                    [&](int a, int b) { return std::abs(state.at[a]) < std::abs(state.at[b]); });
@@ -239,15 +237,11 @@ std::optional<bool> second_way(Solver& solver, const State& state, double spacin
     if (state.at[axis] == 0) continue;
     target[axis] = state.at[axis];
     const SolveOutcome outcome = solver.from(*at, target, leg);
-    if (!outcome.equilibrium) return std::nullopt;
+    if (!outcome.equilibrium) return false;
     at = outcome.equilibrium;
     force = outcome.state.force;
   }
   return (force - state.force).norm() > 1e-4 * std::max(force.norm(), state.force.norm());
-}
-
-bool second_way_differs(Solver& solver, const State& state, double spacing, const SolveOptions& options) {
-  return second_way(solver, state, spacing, options).value_or(false);
 }
 
 SolveOutcome Solver::from(const Equilibrium& start, const Vec3& x, const SolveOptions& wanted,

@@ -154,16 +154,16 @@ struct Fronts : Vectors<Real> {
   // others to the parent's update matrix.
   static void extend_add(const FrontTree& tree, const Front& child, const Front& parent,
                          const Real* stack_from, Real* panel, Real* update) {
-    const ExtendRun* runs = tree.runs + child.runs;
+    const ExtendRun* runs = tree.runs + child.runs.first;
     const std::int64_t pivots = 3 * static_cast<std::int64_t>(parent.pivots);
-    for (std::int64_t r = 0; r < child.run_count; ++r)
+    for (std::int64_t r = 0; r < child.runs.count; ++r)
       for (std::int64_t i = 0; i < 3 * runs[r].length; ++i) {
         const Real* from = stack_from + (3 * runs[r].from + i) * child.update_ld;
         const std::int64_t row = 3 * runs[r].to + i;
         Real* to =
             row < pivots ? panel + row * parent.ld : update + (row - pivots) * parent.update_ld - pivots;
         add_rows(from + 3 * runs[r].from + i, to + row, 3 * runs[r].length - i);
-        for (std::int64_t q = r + 1; q < child.run_count; ++q)
+        for (std::int64_t q = r + 1; q < child.runs.count; ++q)
           add_rows(from + 3 * runs[q].from, to + 3 * runs[q].to, 3 * runs[q].length);
       }
   }
@@ -191,8 +191,8 @@ struct Fronts : Vectors<Real> {
             for (int b = 0; b < 3; ++b)
               to[a * front.ld + b] = static_cast<Real>(blocks[9 * block + 3 * a + b]);
         }
-      for (std::int64_t c = 0; c < front.child_count; ++c) {
-        const Front& child = tree.fronts[tree.children[front.children + c]];
+      for (std::int64_t c = 0; c < front.children.count; ++c) {
+        const Front& child = tree.fronts[tree.children[front.children.first + c]];
         extend_add(tree, child, front, stack + child.update, panel, update);
       }
       if (!eliminate(panel, pivots, front.ld, front.ld)) return false;

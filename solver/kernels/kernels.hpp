@@ -87,14 +87,16 @@ struct LawEntry {
 // (fronts); front s eliminates `pivots` consecutive nodes from `first` on and updates `rest` later ones, the
 // contact last among them. Its panel is row-major, (3 pivots) x ld, and holds the rows of U, with 1/U_pp on
 // the diagonal.
+struct Part {  // entries of an array, from `first` on
+  std::int64_t first = 0, count = 0;
+};
 struct Front {
   std::int32_t first = 0, pivots = 0, rest = 0;
-  std::int32_t parent = -1;                    // -1: the update matrix is added to the contact's corner, K
-  std::int64_t panel = 0, ld = 0;              // offset and row length in the panel store
-  std::int64_t rows = 0;                       // offset of the `rest` local nodes in FrontTree::rows
-  std::int64_t update = 0, update_ld = 0;      // offset and row length of the update matrix in the stack
-  std::int64_t runs = 0, run_count = 0;        // extend-add into the parent
-  std::int64_t children = 0, child_count = 0;  // in FrontTree::children
+  std::int32_t parent = -1;                // -1: the update matrix is added to the contact's corner, K
+  std::int64_t panel = 0, ld = 0;          // offset and row length in the panel store
+  std::int64_t rows = 0;                   // offset of the `rest` local nodes in FrontTree::rows
+  std::int64_t update = 0, update_ld = 0;  // offset and row length of the update matrix in the stack
+  Part runs, children;                     // of FrontTree: extend-add into the parent; the fronts below
 };
 // `length` nodes that are consecutive in a front's rest and in its parent.
 struct ExtendRun {
@@ -108,7 +110,6 @@ struct FrontTree {
   const ExtendRun* runs = nullptr;
   const std::int64_t* row_start = nullptr;  // blocks of H, as in BlockPattern
   const std::int32_t* place = nullptr;      // per block: node position of its column in the row's front
-  std::int64_t block_count = 0;
 };
 
 // Real: type of the factor and of the vectors that are solved with it. A factor in single precision takes half the time

@@ -35,7 +35,7 @@ class Sweep {
 
   GenerateReport run() {
     if (!plan_.missing().empty()) is_linear(*body_) ? run_linear() : run_sweep();
-    if (failure_) std::rethrow_exception(failure_);
+    if (failure_.first) std::rethrow_exception(failure_.first);
     return report_;
   }
 
@@ -47,6 +47,10 @@ class Sweep {
         : sweep(d, options), states(d, body, wanted) {}
     SweepWorker sweep;
     NodeStates states;
+  };
+  struct Failure {
+    std::exception_ptr first;
+    std::atomic<bool> seen = false;
   };
 
   void run_linear() {
@@ -114,14 +118,14 @@ class Sweep {
 
   void keep_failure() {
 #pragma omp critical(forefeel_generate)
-    if (!failure_) {
-      failure_ = std::current_exception();
-      broken_.store(true);
+    if (!failure_.first) {
+      failure_.first = std::current_exception();
+      failure_.seen.store(true);
     }
   }
 
   bool stopped() const {
-    return options_.stop.stop_requested() || broken_.load();
+    return options_.stop.stop_requested() || failure_.seen.load();
   }
 
   void emit(State state) {
@@ -155,8 +159,7 @@ class Sweep {
   };
   std::vector<std::unique_ptr<Worker>> workers_;
   GenerateReport report_;
-  std::exception_ptr failure_;
-  std::atomic<bool> broken_ = false;
+  Failure failure_;
 };
 
 }  // namespace

@@ -1,14 +1,14 @@
 // The predictions of a sweep.
 #include <algorithm>
 
-#include "geometry/common/simd.hpp"
+#include "geometry/common/in_best_set.hpp"
 #include "solver/lattice/sweep.hpp"
 
 namespace forefeel {
 namespace {
 
 // One corner's contribution in predict_hermite.
-FOREFEEL_CLONES void add_corner(std::size_t size, const double* __restrict u, const double* __restrict v,
+FOREFEEL_INLINE void add_corner(std::size_t size, const double* __restrict u, const double* __restrict v,
                                 double share, const double* move, const double* slope, const double* keep,
                                 double* __restrict to, double* __restrict tangent) {
   const double* __restrict va = v, * __restrict vb = v + size, * __restrict vc = v + 2 * size;
@@ -116,8 +116,8 @@ bool SweepWorker::predict_hermite(SweepNode& node, const std::vector<const Sweep
       slope[j] = mid ? (move[j] > 0 ? -1.5 : 1.5) / h * share : 0.0;
       keep[j] = (mid ? -0.5 : 1.0) * share;
     }
-    add_corner(size, corner->field.u.data(), corner->field.tangent.data(), share, move.data(), slope.data(),
-               keep.data(), f.u.data(), f.tangent.data());
+    in_best_set<add_corner>(size, corner->field.u.data(), corner->field.tangent.data(), share, move.data(),
+                            slope.data(), keep.data(), f.u.data(), f.tangent.data());
   }
   return true;
 }

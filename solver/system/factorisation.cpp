@@ -95,14 +95,13 @@ struct FactorLayout {
             .children = children.data(),
             .runs = runs.data(),
             .row_start = row_start.data(),
-            .place = place.data(),
-            .block_count = static_cast<std::int64_t>(place.size())};
+            .place = place.data()};
   }
 
  private:
   const Front* parent_of(const Front& f) const { return f.parent < 0 ? nullptr : fronts.data() + f.parent; }
   const Front& first_child_of(const Front& f) const {
-    return *(fronts.data() + *(children.data() + f.children));
+    return *(fronts.data() + *(children.data() + f.children.first));
   }
 
   // Position of a node within a front: pivots first, then the rest.
@@ -136,22 +135,22 @@ struct FactorLayout {
     for (std::size_t s = 0; s < fronts.size(); ++s)
       if (fronts[s].parent >= 0) (of.begin() + fronts[s].parent)->push_back(static_cast<std::int32_t>(s));
     for (std::size_t s = 0; s < fronts.size(); ++s) {
-      fronts[s].children = static_cast<std::int64_t>(children.size());
-      fronts[s].child_count = static_cast<std::int64_t>(of[s].size());
+      fronts[s].children = {static_cast<std::int64_t>(children.size()),
+                            static_cast<std::int64_t>(of[s].size())};
       children.insert(children.end(), of[s].begin(), of[s].end());
     }
     for (Front& f : fronts) {
-      f.runs = static_cast<std::int64_t>(runs.size());
+      f.runs.first = static_cast<std::int64_t>(runs.size());
       const Front* const parent = parent_of(f);
       if (!parent) continue;
       const std::int32_t* const rest = rows.data() + f.rows;
       for (std::int32_t i = 0; i < f.rest; ++i) {
         const std::int32_t to = position(*parent, rest[i]);
-        const bool goes_on = f.run_count > 0 && runs.back().to + runs.back().length == to;
+        const bool goes_on = f.runs.count > 0 && runs.back().to + runs.back().length == to;
         if (goes_on)
           ++runs.back().length;
         else
-          runs.push_back({i, to, 1}), ++f.run_count;
+          runs.push_back({i, to, 1}), ++f.runs.count;
       }
     }
   }
@@ -178,7 +177,7 @@ struct FactorLayout {
       const std::size_t mine = odd[s] != 0 ? 1 : 0;
       f.update = top[mine];
       size[mine] = std::max(size[mine], f.update + 3 * f.rest * f.update_ld);
-      if (f.child_count > 0) top[1 - mine] = first_child_of(f).update;
+      if (f.children.count > 0) top[1 - mine] = first_child_of(f).update;
       if (f.parent >= 0) top[mine] = f.update + 3 * f.rest * f.update_ld;
     }
     for (std::size_t s = 0; s < fronts.size(); ++s)

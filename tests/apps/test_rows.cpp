@@ -43,7 +43,7 @@ const SceneRows<Sample>& sample_rows() {
                                .flag("open", "at the end", &S::open)
                                .number("limit", "N", positive(), "of the force", &S::limit)
                                .standard("none")
-                               .word("clock", clock_words(), "", &S::clock)
+                               .word("clock", clock_words, "", &S::clock)
                                .row({"other", "", "", "read elsewhere"})
                                .alternative()
                                .table("inner", "table: more", inner_rows(), &S::inner);

@@ -88,7 +88,6 @@ void read_specs(std::string_view input) {
       break;
     default:
       above_zero(text);
-      zero_or_more(text);
   }
 }
 

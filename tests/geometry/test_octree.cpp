@@ -98,15 +98,13 @@ TEST_CASE("the adaptive lattice is balanced, refined where wanted, and covers it
   }
 }
 
-TEST_CASE("a lattice without refinement proposes {k h} around rest, except known states") {
-  OctreeIndex octree(AdaptiveLattice({Vec3(-0.012, -0.012, -0.012), Vec3(0.012, 0.012, 0.012)}, h));
-  CHECK(octree.proposals().size() == 125);
-  CHECK(octree.proposals()[0].at == Vec3::Zero());
-  octree.insert({0}, Vec3::Zero());
-  CHECK(octree.proposals().size() == 124);
-  octree.lattice()->refine([](const LatticeLeaf& leaf) { return leaf.box.low.x() >= 0 ? 0.5 * h : h; }, 1);
-  for (const auto& proposal : octree.proposals())
-    octree.insert({1000 + static_cast<std::uint32_t>(octree.size())}, proposal.at);
-  CHECK(octree.proposals().empty());
+TEST_CASE("the points of a lattice without refinement are {k h} around rest, outward") {
+  AdaptiveLattice lattice({Vec3(-0.012, -0.012, -0.012), Vec3(0.012, 0.012, 0.012)}, h);
+  CHECK(lattice.points().size() == 125);
+  CHECK(lattice.points()[0].at == Vec3::Zero());
+  lattice.refine([](const LatticeLeaf& leaf) { return leaf.box.low.x() >= 0 ? 0.5 * h : h; }, 1);
+  OctreeIndex octree(lattice);
+  for (const auto& point : lattice.points())
+    octree.insert({static_cast<std::uint32_t>(octree.size())}, point.at);
   CHECK(octree.label({0.0076, 0.0011, 0.0013}) == Label::safe);
 }

@@ -67,7 +67,7 @@ TEST_CASE("parts connected over shared corners are the components, for states of
     const RegionSummary regions = space.regions().summary();
     const RegionCells cells = cells_with_shared_corners(regions.leaves);
     INFO("seed " << seed);
-    CHECK(parts(cells, regions.leaves) == regions.component_count);
+    CHECK(parts(cells, regions.leaves) == regions.component_count.values);
     CHECK(volume(cells) == Approx(box.size().prod()));
     CHECK(every_box_lies_in_its_leaf(cells, regions.leaves));
     CHECK(cells.points.size() < 4 * cells.corners.size());

@@ -360,7 +360,10 @@ TEST_CASE("predictors: exact on uniform motion, honest about their deviation") {
     std::vector<Vec3> motion;
     for (int k = 0; k < 8000; ++k) motion.push_back(device->position(1e-3 * k, {}));
     const double horizons[] = {0.02, 0.1, 0.3};
-    const auto errors = prediction_error(*make_predictor(name), motion, 1e-3, horizons);
+    const auto scored = make_predictor(name);
+    PredictionScore score(*scored, 1e-3, horizons);
+    for (const Vec3& at : motion) score.add(at);
+    const auto errors = score.report();
     REQUIRE(errors.size() == 3);
     // Looking back from where the hand came to be.
     const auto again = make_predictor(name);

@@ -101,7 +101,7 @@ TEST_CASE("a loop that gives more than it was given is unstable, by the energy o
   CHECK(report.generated >= extra - quantum);
   CHECK(report.since > 1);
   double labels = 0;
-  for (const double joule : report.generated_in) labels += joule;
+  for (const double joule : report.generated_in.values) labels += joule;
   CHECK(labels == Approx(extra).epsilon(1e-3));
   // The other way round the hand loses energy, and nothing is generated.
   for (FrameRecord& f : frames) f.force = f.sent = f.undamped = -(f.t <= 1 ? 700 : 500) * f.at;
