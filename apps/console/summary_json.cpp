@@ -30,6 +30,11 @@ const JsonKeys<SessionSummary>& extra_keys() {
        [](const S&) {
          return json_numbers({0.90, 0.95, 0.99});
        }},
+      {"discretisation_interval", "1",
+       "[low, high]: an interval that holds discretisation_error; high null: not known",
+       [](const S& s) {
+         return json_numbers({s.error.mesh.low, s.error.mesh.high});
+       }},
       {"safety.force_limit", "N", "force limit of this session: that of the scene or of the device",
        [](const S& s) { return s.safety.force_limit; }},
       {"attention", "", "list of lines: warnings to read before the figures", attention},

@@ -126,14 +126,14 @@ std::vector<SolveOutcome> solve_all(const Scene& scene, const std::vector<Vec3>&
 
 // Error of the mesh itself at each position (solver/equilibrium/mesh_error.hpp).
 std::vector<double> discretisation_errors(const Scene& scene, const std::vector<SolveOutcome>& outcomes) {
-  Solver finer(finer_body(*scene.body));
   std::vector<State> states;
   for (const SolveOutcome& outcome : outcomes) states.push_back(outcome.state);
-  return mesh_errors(finer, states, scene.space.spacing);
+  return mesh_errors(*scene.body, states, scene.space.spacing);
 }
 
 // Before anything is solved: a finer body that no memory holds.
 void check_finer(const Body& body) {
+  if (body.fine) return;
   const std::int64_t nodes = nodes_of_finer(body), most = MeshErrorOptions().most_nodes;
   if (nodes > most)
     throw InputError(

@@ -221,7 +221,7 @@ std::unique_ptr<Run> run(const PyScene& scene, const std::function<void(double)>
     made->summary = summarise(made->result, plan.input, plan.options);
     if (!made->result.interrupted() && !plan.input.foreign) {
       const MeshError mesh = MeshErrorTask(*scene.scene, MeshErrorTask::When::at_the_end).get();
-      made->summary.error.mesh = {mesh.error, mesh.positions, measured_by(mesh)};
+      made->summary.error.mesh = {mesh.error, mesh.positions, measured_by(mesh), mesh.low, mesh.high};
     }
   }
   failure->throw_again();

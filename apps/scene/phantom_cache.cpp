@@ -20,15 +20,26 @@ constexpr std::string_view magic = "forefeel mesh 1\n";
 constexpr std::size_t digest = 64;              // hexadecimal digits at the end
 constexpr std::size_t most_elements = 100'000;  // larger meshes are not cached
 
-fs::path file_of(std::string_view name, std::size_t elements) {
+fs::path file_of(const PhantomRequest& request) {
   const fs::path folder = cache_folder();
-  if (folder.empty() || elements > most_elements) return {};
+  if (folder.empty() || request.elements > most_elements) return {};
   Sha256 hash;
-  hash.add(name)
-      .add(static_cast<std::int64_t>(elements))
+  hash.add(request.name)
+      .add(static_cast<std::int64_t>(request.elements))
       .add(FOREFEEL_GEOMETRY_SOURCES)
       .add(solver_revision());
+  if (request.toward) {
+    for (const double value : request.toward->site) hash.add(value);
+    hash.add(request.toward->radius);
+  }
+  if (request.rim) hash.add(static_cast<std::int64_t>(request.rim->axis)).add(request.rim->share);
   return folder / (hash.hex().substr(0, 32) + ".mesh");
+}
+
+TetMesh made(const PhantomRequest& request) {
+  if (!request.toward) return phantom(request.name, request.elements);
+  return graded_phantom(request.name,
+                        {.elements = request.elements, .toward = *request.toward, .rim = request.rim});
 }
 
 }  // namespace
@@ -68,14 +79,14 @@ std::optional<TetMesh> mesh_of_bytes(std::string_view bytes) {
   return mesh;
 }
 
-TetMesh cached_phantom(std::string_view name, std::size_t elements) {
-  const fs::path file = file_of(name, elements);
+TetMesh cached_phantom(const PhantomRequest& request) {
+  const fs::path file = file_of(request);
   if (std::ifstream in(file, std::ios::binary); !file.empty() && in) {
     std::ostringstream bytes;
     bytes << in.rdbuf();
     if (std::optional<TetMesh> mesh = mesh_of_bytes(bytes.view())) return std::move(*mesh);
   }
-  TetMesh mesh = phantom(name, elements);
+  TetMesh mesh = made(request);
   if (file.empty()) return mesh;
   try {
     write_whole(file, mesh_bytes(mesh));

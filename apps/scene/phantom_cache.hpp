@@ -8,11 +8,18 @@
 #include <string_view>
 
 #include "geometry/mesh/tet_mesh.hpp"
+#include "geometry/meshing/toward.hpp"
 
 namespace forefeel {
 
-// phantom(name, elements), from the cache if possible. The result has the same bits either way.
-TetMesh cached_phantom(std::string_view name, std::size_t elements);
+struct PhantomRequest {
+  std::string name;
+  std::size_t elements = 0;           // 0: the default of the phantom
+  std::optional<Toward> toward = {};  // graded toward a contact
+  std::optional<LowEnd> rim = {};     // with toward: of another clamp than the group's
+};
+// phantom() or graded_phantom(), from the cache if possible. The result has the same bits either way.
+TetMesh cached_phantom(const PhantomRequest& request);
 
 // The mesh as bytes with their SHA-256 at the end, and back. Returns nothing if the sum does not match.
 std::string mesh_bytes(const TetMesh& mesh);

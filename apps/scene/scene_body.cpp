@@ -60,6 +60,7 @@ struct BodyKeys {
   std::optional<double> length;  // [m]
   Element element = Body().element;
   std::optional<FineKeys> fine;
+  bool uniform = false;
 };
 
 constexpr double shortest = 1e-6,
@@ -86,11 +87,28 @@ const SceneRows<BodyKeys>& rows_of_body() {
                [](const SceneTable& table, const std::string& key, B& keys) {
                  keys.fine = read_fine(table, key);
                })
-          .within(fine_rows());
+          .within(fine_rows())
+          .flag("uniform",
+                "a surface or phantom with a pad is meshed with elements of one size, not smaller ones under "
+                "the pad",
+                &B::uniform);
   return rows;
 }
 
-TetMesh read_volume_or_surface(const SceneTable& body, const BodyKeys& keys, const fs::path& folder) {
+// Where elements are small: the place and radius of the pad [m], on the body as it is meshed, before body.length.
+using Pressed = std::optional<Toward>;
+
+double scale_of(const BodyKeys& keys, const Surface& surface) {
+  return keys.length ? *keys.length / bounding_box(surface).size().maxCoeff() : 1.0;
+}
+
+Pressed before_scaling(Pressed pressed, double scale) {
+  if (pressed) pressed = Toward{pressed->site / scale, pressed->radius / scale};
+  return pressed;
+}
+
+TetMesh read_volume_or_surface(const SceneTable& body, const BodyKeys& keys, const fs::path& folder,
+                               const Pressed& pressed, const std::optional<LowEnd>& rim) {
   const fs::path file = folder / keys.mesh;
   if (!fs::is_regular_file(file))
     throw InputError(body.where("mesh"),
@@ -102,13 +120,25 @@ TetMesh read_volume_or_surface(const SceneTable& body, const BodyKeys& keys, con
   }
   if (!keys.elements)
     throw InputError(body.where("elements"), "missing, expected a tetrahedron count, for mesh is a surface");
-  return tetrahedralise(read_surface(file),
-                        {.elements = *keys.elements, .length = {}, .name = file.string()});
+  const Surface surface = read_surface(file);
+  TetrahedraliseOptions options{.elements = *keys.elements, .length = {}, .name = file.string()};
+  if (pressed && !keys.uniform) {
+    options.toward = before_scaling(pressed, scale_of(keys, surface));
+    options.rim = rim;
+  }
+  return tetrahedralise(surface, options);
 }
 
-TetMesh make_phantom(const SceneTable& body, const BodyKeys& keys) {
+TetMesh make_phantom(const SceneTable& body, const BodyKeys& keys, Pressed pressed,
+                     const std::optional<LowEnd>& rim) {
   chosen_word(body, "phantom", keys.phantom, phantom_names());
-  return cached_phantom(keys.phantom, keys.elements.value_or(0));
+  if (pressed && !keys.uniform) {
+    const double scale = scale_of(keys, phantom_surface(keys.phantom));
+    pressed = before_scaling(pressed, scale);
+    return cached_phantom(
+        {.name = keys.phantom, .elements = keys.elements.value_or(0), .toward = pressed, .rim = rim});
+  }
+  return cached_phantom({.name = keys.phantom, .elements = keys.elements.value_or(0)});
 }
 
 // ---- sets of nodes
@@ -315,6 +345,28 @@ InputError at_key(const InputError& error, const BodySections& sections, const s
   return error;
 }
 
+// The ball of the pad, before there is a mesh. tip: of a phantom, at its own size.
+Pressed pressed_of(const BodySections& sections, const BodyKeys& keys, bool is_phantom) {
+  const SceneTable& contact = sections.contact;
+  if (!contact.has("pad")) return {};
+  const std::optional<Vec3> place = contact.vector("nearest");
+  if (!place && !is_phantom) return {};  // read_pad() says what is missing
+  const double radius = contact.number("radius", positive()).value_or(Pad().radius);
+  if (place) return Toward{*place, radius};
+  chosen_word(sections.body, "phantom", keys.phantom, phantom_names());
+  return Toward{scale_of(keys, phantom_surface(keys.phantom)) * phantom_tip(keys.phantom), radius};
+}
+
+// The clamp, where it is a low end of the body: its rim becomes edges of a graded mesh.
+std::optional<LowEnd> rim_of(const SceneTable& clamp) {
+  if (!clamp.has("below")) return {};
+  BelowKeys keys;
+  const SceneTable below = clamp.sub("below", below_rows().names());
+  below_rows().read(below, keys);
+  below_rows().check_required(below);
+  return LowEnd{keys.axis, keys.share};
+}
+
 struct BodyInput {
   const BodySections& sections;
   const fs::path& folder;
@@ -328,8 +380,10 @@ struct BodyInput {
 Body assemble(const BodyInput& in, const BodyKeys& keys, std::vector<std::string>& warnings) {
   Body body;
   body.element = keys.element;
-  body.mesh = in.is_phantom ? make_phantom(in.sections.body, keys)
-                            : read_volume_or_surface(in.sections.body, keys, in.folder);
+  const Pressed pressed = pressed_of(in.sections, keys, in.is_phantom);
+  const std::optional<LowEnd> rim = rim_of(in.sections.clamp);
+  body.mesh = in.is_phantom ? make_phantom(in.sections.body, keys, pressed, rim)
+                            : read_volume_or_surface(in.sections.body, keys, in.folder, pressed, rim);
   const std::string mesh_where =
       in.is_phantom ? in.file + ": body.phantom" : (in.folder / keys.mesh).string();
   const MeshCheck mesh_check = check_and_orient(body.mesh, mesh_where);
@@ -349,18 +403,18 @@ Body assemble(const BodyInput& in, const BodyKeys& keys, std::vector<std::string
   return body;
 }
 
-// The fine body: a phantom or a surface is meshed again, a volume mesh is subdivided. Numbers of nodes belong to one
-// mesh, so they cannot be carried to another.
-Body assemble_fine(const BodyInput& in, const Body& body) {
+// A fine body: a phantom or a surface is meshed again, a volume mesh is subdivided. Numbers of nodes belong to one mesh,
+// so they cannot be carried to another.
+Body assemble_fine(const BodyInput& in, const Body& body, std::size_t elements) {
   BodyKeys keys = in.keys;
   keys.element = in.keys.fine->element;
   const bool meshed = in.is_phantom || is_surface_file(in.folder / keys.mesh);
   if (!meshed) {
-    Body fine = refined_to(body, in.keys.fine->elements);
+    Body fine = refined_to(body, elements);
     fine.element = keys.element;
     return fine;
   }
-  keys.elements = in.keys.fine->elements;
+  keys.elements = elements;
   for (const auto& [table, key] :
        {std::pair(&in.sections.clamp, "nodes"), std::pair(&in.sections.contact, "nodes"),
         std::pair(&in.sections.contact, "node")})
@@ -376,6 +430,13 @@ Body assemble_fine(const BodyInput& in, const Body& body) {
     fine.pad->site = nearest_site(fine.mesh, body.pad->site);
   }
   return fine;
+}
+
+// The second has a quarter of the first one's tetrahedra, or the subdivision before.
+FineBodies assemble_fine(const BodyInput& in, const Body& body) {
+  Body first = assemble_fine(in, body, in.keys.fine->elements);
+  const std::size_t made = first.mesh.tets.size();
+  return {std::move(first), assemble_fine(in, body, std::max<std::size_t>(4, made / 8))};
 }
 
 Body make_body(const BodySections& sections, const fs::path& folder, const std::string& file, bool quiet,

@@ -3,6 +3,7 @@
 #include <fmt/format.h>
 
 #include <array>
+#include <cmath>
 #include <cstdint>
 #include <filesystem>
 #include <fstream>
@@ -78,14 +79,17 @@ RestJet kept_rest_jet(const Body& body, const InputPlace& where, Progress& progr
 
 }  // namespace
 
-std::shared_ptr<const FineJet> fine_jet_of(const Body& body, const Body& fine, const InputPlace& where,
+std::shared_ptr<const FineJet> fine_jet_of(const Body& body, const FineBodies& fine, const InputPlace& where,
                                            bool quiet) {
   Globals globals;
   globals.quiet = quiet;
   Progress progress(globals, "Fine body");
-  const RestJet of_fine = kept_rest_jet(fine, where, progress),
-                of_body = kept_rest_jet(body, where, progress);
-  return std::make_shared<const FineJet>(of_fine, of_body, fine_body_in_words(fine));
+  const RestJet of_fine = kept_rest_jet(fine.first, where, progress);
+  const double ratio = std::cbrt(static_cast<double>(fine.first.mesh.tets.size()) /
+                                 static_cast<double>(fine.second.mesh.tets.size()));
+  const SecondFine second{kept_rest_jet(fine.second, where, progress), ratio};
+  return std::make_shared<const FineJet>(of_fine, kept_rest_jet(body, where, progress),
+                                         fine_body_in_words(fine.first), second);
 }
 
 Body refined_to(const Body& body, std::size_t elements) {

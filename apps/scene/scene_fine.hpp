@@ -12,8 +12,13 @@
 
 namespace forefeel {
 
+// The fine body, and one of larger elements, which shows what refinement still changes.
+struct FineBodies {
+  Body first, second;
+};
+
 // quiet: no progress line. where: of the key, for errors.
-std::shared_ptr<const FineJet> fine_jet_of(const Body& body, const Body& fine, const InputPlace& where,
+std::shared_ptr<const FineJet> fine_jet_of(const Body& body, const FineBodies& fine, const InputPlace& where,
                                            bool quiet);
 
 // The body with each tetrahedron split into eight until it has at least `elements`.

@@ -29,7 +29,7 @@ namespace {
 namespace fs = std::filesystem;
 
 constexpr std::int64_t measuring_rule =
-    2;                              // version of the measurement; a new number invalidates kept values
+    3;                              // version of the measurement; a new number invalidates kept values
 constexpr int lower_priority = 10;  // nice value of the thread
 
 fs::path file_of(const Scene& scene, std::span<const Vec3> positions, const fs::path& folder) {
@@ -44,7 +44,8 @@ fs::path file_of(const Scene& scene, std::span<const Vec3> positions, const fs::
 }
 
 Json to_file(const MeshError& e) {
-  return {{"error", e.error}, {"positions", e.positions}, {"method", name(e.method)}, {"finer", e.finer}};
+  return {{"error", e.error},         {"low", number(e.low)},     {"high", number(e.high)},
+          {"positions", e.positions}, {"method", name(e.method)}, {"finer", e.finer}};
 }
 
 // Nothing where the file is missing, incomplete or altered: the error is then measured again.
@@ -60,7 +61,12 @@ std::optional<MeshError> read_kept(const fs::path& file) {
     MeshError e{.error = kept.at("error").get<double>(),
                 .positions = kept.at("positions").get<std::size_t>()};
     e.finer = kept.at("finer").get<std::string>();
-    for (const MeshErrorMethod method : {MeshErrorMethod::equilibria, MeshErrorMethod::rest})
+    const auto end = [&](const char* key) {
+      return kept.at(key).is_null() ? unknown : kept.at(key).get<double>();
+    };
+    e.low = end("low"), e.high = end("high");
+    for (const MeshErrorMethod method :
+         {MeshErrorMethod::equilibria, MeshErrorMethod::rest, MeshErrorMethod::fine})
       if (kept.at("method") == name(method)) e.method = method;
     return e;
   } catch (const Json::exception&) {
@@ -117,13 +123,17 @@ MeshError scene_mesh_error(const Scene& scene, const fs::path& folder, std::stop
 
 std::string measured_by(const MeshError& e) {
   if (e.positions == 0) return "not measured: " + e.why;
-  const bool rest = e.method == MeshErrorMethod::rest;
-  return fmt::format("{} {} of {}", e.positions, rest ? "displacements by the rest stiffness" : "equilibria",
-                     e.finer);
+  const char* const what = e.method == MeshErrorMethod::rest   ? "displacements by the rest stiffness of"
+                           : e.method == MeshErrorMethod::fine ? "positions between"
+                                                               : "equilibria of";
+  return fmt::format("{} {} {}", e.positions, what, e.finer);
 }
 
 std::string in_words(const MeshError& e) {
-  return e.positions == 0 ? measured_by(e) : fmt::format("{} ({})", percent(e.error), measured_by(e));
+  if (e.positions == 0) return measured_by(e);
+  const std::string interval =
+      std::isfinite(e.high) ? fmt::format(", between {} and {}", percent(e.low), percent(e.high)) : "";
+  return fmt::format("{}{} ({})", percent(e.error), interval, measured_by(e));
 }
 
 std::string discretisation_line(const MeshError& e, double shown) {
@@ -135,6 +145,10 @@ const JsonKeys<MeshError>& mesh_error_keys() {
   static const JsonKeys<MeshError> keys{
       {"discretisation_error", "1", "what the mesh itself gets wrong, relative; null: not measured",
        &MeshError::error},
+      {"discretisation_interval", "1", "[low, high]: an interval that holds it; high null: not known",
+       [](const MeshError& e) {
+         return json_numbers({e.low, e.high});
+       }},
       {"discretisation_positions", "", "at which it was measured", &MeshError::positions},
       {"discretisation_by", "", "by what, or why not", measured_by}};
   return keys;

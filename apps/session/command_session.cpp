@@ -80,8 +80,13 @@ void tell(const Globals& globals, const SessionSummary& s, const std::optional<s
       fmt::format("error of the rendered force: p50 {}, p95 {}; within the JND {} samples, {} first visits",
                   share(error.p50), share(error.p95), share_of_samples(error.within_jnd, error.samples),
                   share_of_samples(visits.within_jnd, visits.samples)));
-  say(globals, fmt::format("discretisation error of the mesh, not in these errors: {} ({})",
-                           share(s.error.mesh.error), s.error.mesh.how));
+  const SessionSummary::Mesh& mesh = s.error.mesh;
+  say(globals,
+      fmt::format("discretisation error of the mesh, not in these errors: {}{} ({})", share(mesh.error),
+                  std::isfinite(mesh.high)
+                      ? fmt::format(", between {} and {}", share(mesh.low), share(mesh.high))
+                      : "",
+                  mesh.how));
   const SessionSummary::Bars& bars = s.error.bars.all;
   if (bars.samples > 0)
     say(globals,
@@ -272,7 +277,8 @@ int run_session_command(const Globals& globals, const SessionArguments& given,
   documents.summary.motion.prediction = predictions.report();
   const MeshError by_mesh =
       plan.input.foreign ? MeshError{.why = "the states are of another body"} : mesh.get();
-  documents.summary.error.mesh = {by_mesh.error, by_mesh.positions, measured_by(by_mesh)};
+  documents.summary.error.mesh = {by_mesh.error, by_mesh.positions, measured_by(by_mesh), by_mesh.low,
+                                  by_mesh.high};
   documents.summary.run.failures = files.failures();
   documents.begin(shapes);
   documents.write(run, pictures, files);

@@ -108,7 +108,7 @@ int run_gantt(const Globals& globals, const PlannedStudy& planned, const StudyAr
   write_run_files(folder, result, options);
   SessionSummary summary = summarise(result, session);
   const MeshError by_mesh = MeshErrorTask(scene, MeshErrorTask::When::at_the_end).get();
-  summary.error.mesh = {by_mesh.error, by_mesh.positions, measured_by(by_mesh)};
+  summary.error.mesh = {by_mesh.error, by_mesh.positions, measured_by(by_mesh), by_mesh.low, by_mesh.high};
   nlohmann::ordered_json document = to_json(summary);
   document["provenance"] = provenance(scene.source.hash);
   write_whole(folder / "summary.json", json_text(document, 2) + "\n");

@@ -21,6 +21,8 @@ double usual_error(const std::vector<StudyCellResult>& cells, const std::vector<
 
 void fill(StudyCellResult& cell, const MeshError& mesh) {
   cell.set("discretisation_error", column_value(mesh.error));
+  cell.set("discretisation_low", column_value(mesh.low));
+  cell.set("discretisation_high", column_value(mesh.high));
   cell.set("discretisation_positions", static_cast<std::uint64_t>(mesh.positions));
   cell.set("discretisation_by", measured_by(mesh));
 }

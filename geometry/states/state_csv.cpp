@@ -164,10 +164,12 @@ std::string stiffness_cells(const State& state) {
 CsvColumn<State> jet_column(int from, int to, const char* unit, const char* meaning) {
   const std::span names(jet_names());
   const std::size_t begin = jet_terms_of_order(from), end = jet_terms_of_order(to);
-  return {fmt::format("{}", fmt::join(names.subspan(begin, end - begin), ",")), unit, meaning, [=](const State& s) {
+  return {fmt::format("{}", fmt::join(names.subspan(begin, end - begin), ",")), unit, meaning,
+          [=](const State& s) {
             const JetCells cells = cells_of(s.jet.get());
             std::string text;
-            for (std::size_t i = begin; i < end; ++i) text += (i > begin ? "," : "") + known_cell(cells.coefficients[i]);
+            for (std::size_t i = begin; i < end; ++i)
+              text += (i > begin ? "," : "") + known_cell(cells.coefficients[i]);
             return text;
           }};
 }
@@ -190,7 +192,8 @@ const CsvColumns<State>& state_columns() {
       jet_column(0, 2, "N/m^2", "energy jet: E = … + sum of e_abc dx^a dy^b dz^c; where some state has one"),
       jet_column(2, 3, "N/m^3", "its fourth degree; empty where it has none"),
       jet_column(3, 4, "N/m^4", "its fifth degree; empty where it has none"),
-      {"limit", "m", "distance to which the jet keeps the material within its limit; inf: everywhere", limit_cell}};
+      {"limit", "m", "distance to which the jet keeps the material within its limit; inf: everywhere",
+       limit_cell}};
   return columns;
 }
 
@@ -254,10 +257,15 @@ void write_states_csv(const std::filesystem::path& file, std::span<const State> 
     return std::ranges::any_of(states, [&](const State& s) { return s.usable() && has(s); });
   };
   const bool with_jet = some([](const State& s) { return s.jet != nullptr; });
-  const bool has[] = {true, true, some([](const State& s) { return s.has_stiffness(); }),
+  const bool has[] = {true,
+                      true,
+                      some([](const State& s) { return s.has_stiffness(); }),
                       some([](const State& s) { return std::isfinite(s.spacing); }),
                       some([](const State& s) { return std::isfinite(s.energy); }),
-                      with_jet, with_jet, with_jet, with_jet};
+                      with_jet,
+                      with_jet,
+                      with_jet,
+                      with_jet};
   CsvColumns<State> columns;
   for (std::size_t i = 0; i < std::size(has); ++i)
     if (has[i]) columns.push_back(state_columns()[i]);

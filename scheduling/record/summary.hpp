@@ -89,6 +89,7 @@ struct SessionSummary {
     double error = unknown;                                   // relative force
     std::size_t positions = 0;                                // at which it was measured
     std::string how = "not measured";                         // by what, or why not
+    double low = unknown, high = unknown;                     // an interval for error
     bool above(double shown) const { return error > shown; }  // false where one of the two is unknown
   };
   // samples: positions at equal distances along the path. first_visit: the first frames in their lattice

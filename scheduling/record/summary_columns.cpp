@@ -258,6 +258,8 @@ std::vector<Column> later_columns(const SessionSummary& summary) {
   Group(columns, "")
       .number("discretisation_error", mesh.error, "1",
               "what the mesh itself gets wrong of the force, largest over the positions; not in error")
+      .number("discretisation_low", mesh.low, "1", "lower end of an interval that holds it")
+      .number("discretisation_high", mesh.high, "1", "upper end; empty where only a lower bound is known")
       .count("discretisation_positions", mesh.positions, "positions at which that was measured")
       .text("discretisation_by", mesh.how, "finer body that it was measured with, or why it was not");
   add_faults(columns, summary.loop.faults);

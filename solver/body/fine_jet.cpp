@@ -55,25 +55,24 @@ class Polynomial {
 class Saturation {
  public:
   using Series = std::array<double, most_degree + 1>;
-  static constexpr double start = 0.8;  // the largest t with h(t) = t
 
   static Series at(double q) {
     Series one{};
     one[0] = 1;
     const double t = std::sqrt(q);
-    if (t <= start) return one;
+    if (t <= FineJet::trusted_share) return one;
     Series shifted{};
     shifted[0] = q, shifted[1] = 1;
     const Series root = power(shifted, 0.5);
     Series z = root;
-    z[0] -= start;
-    for (double& term : z) term /= 1 - start;
+    z[0] -= FineJet::trusted_share;
+    for (double& term : z) term /= 1 - FineJet::trusted_share;
     const Series z2 = product(z, z);
     Series inner = product(z2, z2);
     inner[0] += 1;
     Series h = product(z, power(inner, -0.25));
-    for (double& term : h) term *= 1 - start;
-    h[0] += start;
+    for (double& term : h) term *= 1 - FineJet::trusted_share;
+    h[0] += FineJet::trusted_share;
     return product(h, power(shifted, -0.5));
   }
 
@@ -136,14 +135,20 @@ double radius_of(const RestJet& difference) {
   return radius;
 }
 
+RestJet between(RestJet a, const RestJet& b) {
+  a.stiffness -= b.stiffness;
+  a.stiffness = 0.5 * (a.stiffness + a.stiffness.transpose()).eval();
+  a.jet.order = most_jet_order;
+  for (std::size_t i = 0; i < jet_size; ++i) a.jet.coefficients[i] -= b.jet.coefficients[i];
+  return a;
+}
+
 }  // namespace
 
-FineJet::FineJet(const RestJet& fine, const RestJet& coarse, std::string fine_body)
-    : difference_(fine), fine_body_(std::move(fine_body)) {
-  difference_.stiffness -= coarse.stiffness;
-  difference_.stiffness = 0.5 * (difference_.stiffness + difference_.stiffness.transpose()).eval();
-  difference_.jet.order = most_jet_order;
-  for (std::size_t i = 0; i < jet_size; ++i) difference_.jet.coefficients[i] -= coarse.jet.coefficients[i];
+FineJet::FineJet(const RestJet& fine, const RestJet& coarse, std::string fine_body,
+                 const std::optional<SecondFine>& second)
+    : difference_(between(fine, coarse)), fine_body_(std::move(fine_body)) {
+  if (second) change_ = SecondFine{between(fine, second->rest), second->ratio};
   radius_ = radius_of(difference_);
 }
 
@@ -156,7 +161,7 @@ JetTerms FineJet::at(const Vec3& x) const {
     return terms;
   };
   const double scale = 1 / (radius_ * radius_), q = scale * x.squaredNorm();
-  if (!(q > Saturation::start * Saturation::start)) return polynomial(x);
+  if (!(q > FineJet::trusted_share * FineJet::trusted_share)) return polynomial(x);
   const Saturation::Series h = Saturation::at(q);
   const double value = h[0], slope = scale * h[1], bend = 2 * scale * scale * h[2];  // by |x|^2
   JetTerms terms = polynomial(value * x);
@@ -170,6 +175,19 @@ JetTerms FineJet::at(const Vec3& x) const {
   return terms;
 }
 
+std::optional<ForceError> FineJet::error_left(const Vec3& x, const Vec3& force) const {
+  const double size = force.norm();
+  if (!change_ || !(size > 0) || x.norm() > FineJet::trusted_share * radius_) return {};
+  const double change =
+      (change_->rest.stiffness * x + jet_terms(change_->rest.jet, x).gradient).norm() / size;
+  const double last =
+      (jet_terms(difference_.jet, x).gradient - jet_terms(difference_.jet, x, most_degree - 1).gradient)
+          .norm() /
+      size;
+  const auto left = [&](double p) { return change / (std::pow(change_->ratio, p) - 1); };
+  return ForceError{left(2), std::max(0.0, left(3) - last), left(1.5) + last};
+}
+
 void FineJet::add_to(EnergyJet& jet, const Vec3& x) const {
   // s(x + d) as three polynomials in d
   std::array<Polynomial, 3> s;
@@ -178,7 +196,7 @@ void FineJet::add_to(EnergyJet& jet, const Vec3& x) const {
     s[static_cast<std::size_t>(i)](i == 0, i == 1, i == 2) = 1;
   }
   const double scale = 1 / (radius_ * radius_), q = scale * x.squaredNorm();
-  if (q > Saturation::start * Saturation::start) {
+  if (q > FineJet::trusted_share * FineJet::trusted_share) {
     Polynomial change;  // of q
     for (int i = 0; i < 3; ++i) {
       change(i == 0, i == 1, i == 2) = 2 * scale * x[i];

@@ -12,6 +12,7 @@
 
 #include <array>
 #include <limits>
+#include <optional>
 #include <string>
 
 #include "geometry/states/energy_jet.hpp"
@@ -23,20 +24,39 @@ struct RestJet {
   EnergyJet jet;                  // of order 4
 };
 
+// A second fine body, of larger elements: what refinement still changes.
+struct SecondFine {
+  RestJet rest;
+  double ratio = 2;  // of the edges, this body's over the fine body's, (N_fine / N)^(1/3)
+};
+
+// Relative error of a force, and an interval that holds it.
+struct ForceError {
+  double error = 0, low = 0, high = 0;
+};
+
 class FineJet {
  public:
+  static constexpr double trusted_share = 0.8;  // of rho, to which s(x) = x
   // fine_body: what the fine body is, in words and hashes; part of the identity of what is answered.
-  FineJet(const RestJet& fine, const RestJet& coarse, std::string fine_body);
+  FineJet(const RestJet& fine, const RestJet& coarse, std::string fine_body,
+          const std::optional<SecondFine>& second = {});
 
   JetTerms at(const Vec3& x) const;  // dE(s(x)), gradient and Hessian
   // Adds the Taylor coefficients of dE(s(x + d)) in d to a state's jet, those that its order has.
   void add_to(EnergyJet& jet, const Vec3& x) const;
+  // Error of the force f at x that is left with the fine body, by Richardson extrapolation from the second one: with
+  // c = |df/dlevel| / |f|, the change of the force between the two, errors that fall as h^p leave c / (r^p - 1).
+  // error: p = 2; low: p = 3; high: p = 1.5, and what the last degree of dE adds. nullopt without a second fine body,
+  // at rest, and beyond 0.8 rho, where the argument saturates and nothing is claimed.
+  std::optional<ForceError> error_left(const Vec3& x, const Vec3& force) const;
   double radius() const { return radius_; }                        // rho [m]
   const Mat3& stiffness() const { return difference_.stiffness; }  // K_f - K_c
   const std::string& fine_body() const { return fine_body_; }
 
  private:
   RestJet difference_;
+  std::optional<SecondFine> change_;  // J_f minus the second fine body's
   double radius_ = std::numeric_limits<double>::infinity();
   std::string fine_body_;
 };

@@ -4,7 +4,9 @@
 
 #include <algorithm>
 #include <cmath>
+#include <optional>
 
+#include "solver/body/fine_jet.hpp"
 #include "solver/body/refined_body.hpp"
 #include "solver/equilibrium/solver.hpp"
 
@@ -45,6 +47,34 @@ void by_rest(Solver& solver, Solver& finer, std::span<const Vec3> positions, con
   for (const Vec3& x : positions) take(found, relative(at_rest.stiffness * x, better.stiffness * x));
 }
 
+void by_fine_jet(Solver& solver, std::span<const Vec3> positions, const MeshErrorOptions& options,
+                 MeshError& found) {
+  for (const Vec3& x : positions) {
+    if (options.stop.stop_requested()) return;
+    const State state = solved(solver, x, options);
+    if (!state.usable()) continue;
+    const std::optional<ForceError> left = solver.body().fine->error_left(x, state.force);
+    if (!left) continue;
+    if (!(left->error <= found.error))
+      found.error = left->error, found.low = left->low, found.high = left->high;
+    ++found.positions;
+  }
+}
+
+MeshError fine_mesh_error(const std::shared_ptr<const Body>& body, std::span<const Vec3> positions,
+                          const MeshErrorOptions& options) {
+  MeshError found{.method = MeshErrorMethod::fine, .finer = "two fine bodies"};
+  Solver solver(body);
+  by_fine_jet(solver, positions, options, found);
+  found.stopped = options.stop.stop_requested();
+  if (found.positions > 0 && !found.stopped) return found;
+  found = {.finer = found.finer, .stopped = found.stopped};
+  found.why = found.stopped ? "it was interrupted"
+                            : fmt::format("the fine body corrects forces to {:.3g} mm from rest only",
+                                          1e3 * FineJet::trusted_share * body->fine->radius());
+  return found;
+}
+
 }  // namespace
 
 std::shared_ptr<const Body> finer_body(const Body& body) {
@@ -68,6 +98,7 @@ std::string_view finer_in_words(const Body& body) {
 std::string_view name(MeshErrorMethod method) {
   return method == MeshErrorMethod::equilibria ? "equilibria"
          : method == MeshErrorMethod::rest     ? "rest stiffness"
+         : method == MeshErrorMethod::fine     ? "fine bodies"
                                                : "none";
 }
 
@@ -76,11 +107,12 @@ MeshError mesh_error(const std::shared_ptr<const Body>& body, std::span<const Ve
   MeshError found{.finer = std::string(finer_in_words(*body))};
   std::vector<Vec3> moved(positions.begin(), positions.end());
   std::erase_if(moved, [](const Vec3& x) { return !(x.norm() > 0); });
-  const std::int64_t nodes = nodes_of_finer(*body);
   if (moved.empty()) {
     found.why = "no position away from rest was given";
     return found;
   }
+  if (body->fine) return fine_mesh_error(body, moved, options);
+  const std::int64_t nodes = nodes_of_finer(*body);
   if (nodes > options.most_nodes) {
     found.why = fmt::format("{} have about {} nodes, more than {}", found.finer, nodes, options.most_nodes);
     return found;
@@ -95,19 +127,29 @@ MeshError mesh_error(const std::shared_ptr<const Body>& body, std::span<const Ve
     by_rest(solver, finer, moved, options, found);
   }
   found.stopped = options.stop.stop_requested();
-  if (found.positions > 0 && !found.stopped) return found;
+  if (found.positions > 0 && !found.stopped) {
+    found.low = found.error;
+    return found;
+  }
   found = {.finer = found.finer,
            .why = found.stopped ? "it was interrupted" : "the finer body has no equilibrium",
            .stopped = found.stopped};
   return found;
 }
 
-std::vector<double> mesh_errors(Solver& finer, std::span<const State> states, double spacing) {
+std::vector<double> mesh_errors(const Body& body, std::span<const State> states, double spacing) {
+  const FineJet* const fine = body.fine.get();
+  std::optional<Solver> finer;
+  if (!fine) finer.emplace(finer_body(body));
   std::vector<double> errors;
   for (const State& state : states) {
     errors.push_back(unknown);
     if (!state.usable() || state.at.norm() == 0) continue;
-    const State better = finer.reference(state.at, spacing).state;
+    if (fine) {
+      if (const auto left = fine->error_left(state.at, state.force)) errors.back() = left->error;
+      continue;
+    }
+    const State better = finer->reference(state.at, spacing).state;
     if (better.usable()) errors.back() = relative(state.force, better.force);
   }
   return errors;

@@ -11,6 +11,8 @@
 //   to most_for_equilibria nodes   equilibria at x_i, reached straight from rest
 //   to most_nodes                  the stiffness at rest, f = -K x_i: one factorisation of each body
 //   beyond                         not measured
+// A body with a fine jet (fine_jet.hpp) is compared with a second fine body instead: FineJet::error_left() gives e and
+// an interval at each position nearer than 0.8 rho.
 
 #include <cstdint>
 #include <memory>
@@ -32,8 +34,8 @@ std::int64_t nodes_of_finer(
     const Body& body);  // without making it; mid-edge nodes included, a few per cent off
 std::string_view finer_in_words(const Body& body);  // "quadratic elements on the same mesh"
 
-enum class MeshErrorMethod { none, equilibria, rest };
-std::string_view name(MeshErrorMethod method);  // "none", "equilibria", "rest stiffness"
+enum class MeshErrorMethod { none, equilibria, rest, fine };
+std::string_view name(MeshErrorMethod method);  // "none", "equilibria", "rest stiffness", "fine bodies"
 
 struct MeshErrorOptions {
   double spacing = 0;  // of the continuation steps [m], > 0
@@ -45,6 +47,8 @@ struct MeshError {
   double error = unknown;     // e [1]
   std::size_t positions = 0;  // at which it was measured
   MeshErrorMethod method = MeshErrorMethod::none;
+  double low = unknown,
+         high = unknown;   // an interval for e; without a fine body e is a lower bound, and high unknown
   std::string finer = {};  // finer_in_words()
   std::string why = {};    // not measured; empty where it was
   bool stopped = false;
@@ -54,7 +58,8 @@ struct MeshError {
 MeshError mesh_error(const std::shared_ptr<const Body>& body, std::span<const Vec3> positions,
                      const MeshErrorOptions& options);
 
-// |f - f*| / |f*| at the position of each state; unknown where one of the two is not solved, and at rest.
-std::vector<double> mesh_errors(Solver& finer, std::span<const State> states, double spacing);
+// e at the position of each state; unknown where one of the two bodies is not solved, at rest, and where a fine jet
+// claims nothing.
+std::vector<double> mesh_errors(const Body& body, std::span<const State> states, double spacing);
 
 }  // namespace forefeel
