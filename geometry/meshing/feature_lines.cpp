@@ -10,7 +10,6 @@ namespace forefeel {
 namespace {
 
 constexpr double sharp_cosine = 0.6427876;  // of 50 degrees between normals
-constexpr double turn_cosine = 0.5;         // of 60 degrees between the edges of a line
 
 Link link_of(NodeIndex a, NodeIndex b) {
   return {std::min(a, b), std::max(a, b)};
@@ -116,7 +115,7 @@ std::vector<Link> sharp_edges(const Surface& surface) {
       surface, [&](std::size_t s, std::size_t t) { return normals[s].dot(normals[t]) < sharp_cosine; });
 }
 
-std::vector<NodeIndex> corners_of(const Surface& surface, std::span<const Link> lines) {
+std::vector<NodeIndex> corners_of(const Surface& surface, std::span<const Link> lines, double turn_cosine) {
   std::map<NodeIndex, std::vector<NodeIndex>> neighbours;
   for (const auto& [a, b] : lines) neighbours[a].push_back(b), neighbours[b].push_back(a);
   std::vector<NodeIndex> corners;

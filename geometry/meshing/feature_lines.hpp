@@ -26,8 +26,8 @@ std::vector<int> marks_below(const Surface& surface, Axis axis, double level);
 // Edges whose triangles make an angle of more than 50 degrees, sorted.
 std::vector<Link> sharp_edges(const Surface& surface);
 
-// Nodes where lines end, meet, or turn by more than 60 degrees, sorted.
-std::vector<NodeIndex> corners_of(const Surface& surface, std::span<const Link> lines);
+// Nodes where lines end, meet, or turn by an angle of less than this cosine, sorted.
+std::vector<NodeIndex> corners_of(const Surface& surface, std::span<const Link> lines, double turn_cosine);
 
 // The nearest point of the lines; there is at least one.
 std::function<Vec3(const Vec3&)> nearest_on_lines(const Surface& surface, std::span<const Link> lines);

@@ -2,13 +2,17 @@
 
 #include <Eigen/Geometry>
 #include <algorithm>
+#include <array>
 #include <cmath>
+#include <set>
 
 #include "geometry/meshing/nearest_point.hpp"
 #include "geometry/meshing/surface_process.hpp"
 
 namespace forefeel {
 namespace {
+
+constexpr double smooth_turn = 0.5;  // lines may turn by 60 degrees at a node that is no corner
 
 NodeIndex nearest_node(const Surface& surface, const Vec3& point) {
   NodeIndex best = 0;
@@ -17,8 +21,8 @@ NodeIndex nearest_node(const Surface& surface, const Vec3& point) {
   return best;
 }
 
-void add_corners(GradedInput& input, std::span<const Link> lines) {
-  const std::vector<NodeIndex> found = corners_of(input.start, lines);
+void add_corners(GradedInput& input, std::span<const Link> lines, double turn_cosine) {
+  const std::vector<NodeIndex> found = corners_of(input.start, lines, turn_cosine);
   input.corners.insert(input.corners.end(), found.begin(), found.end());
 }
 
@@ -28,11 +32,12 @@ void pin(GradedInput& input, const Vec3& point) {
   input.corners.push_back(node);
 }
 
-void settle(GradedInput& input) {
+// turn_cosine: as of corners_of().
+void settle(GradedInput& input, double turn_cosine) {
   std::erase_if(input.sharp, [&](const Link& link) { return std::ranges::binary_search(input.rim, link); });
   std::vector<Link> all = input.sharp;
   all.insert(all.end(), input.rim.begin(), input.rim.end());
-  add_corners(input, all);
+  add_corners(input, all, turn_cosine);
   // Where a line changes its kind it has an end.
   for (const Link& link : input.sharp)
     for (const NodeIndex node : link)
@@ -89,7 +94,8 @@ GradedSurface graded_skin(const Surface& closed, const SkinOptions& options, con
   }
   if (options.keep_sharp) input.sharp = sharp_edges(input.start);
   input.onto_sharp = nearest_on_lines(input.start, input.sharp);
-  settle(input);
+  // Borders of marks are exact: a mesh is seldom made coarser than the one that they come from.
+  settle(input, options.marks.empty() ? smooth_turn : 0.999);
   return graded_surface(input);
 }
 
@@ -105,8 +111,21 @@ GradedSurface graded_skin(const SmoothSkin& body, const SizeField& size) {
   };
   for (const Link& link : input.rim)
     for (const NodeIndex node : link) input.start.nodes[node] = input.onto_rim(input.start.nodes[node]);
-  settle(input);
+  settle(input, smooth_turn);
   return graded_surface(input);
+}
+
+std::optional<GradedSurface> without_intersections(GradedSurface given) {
+  if (!intersects_itself(given.surface)) return given;
+  RepairReport report;
+  GradedSurface mended{repair_surface(given.surface, report), {}};
+  if (report.wrapped) return std::nullopt;
+  const auto place = [](const Vec3& p) { return std::array{p.x(), p.y(), p.z()}; };
+  std::set<std::array<double, 3>> held;
+  for (std::size_t i = 0; i < given.held.size(); ++i)
+    if (given.held[i]) held.insert(place(given.surface.nodes[i]));
+  for (const Vec3& node : mended.surface.nodes) mended.held.push_back(held.contains(place(node)));
+  return mended;
 }
 
 }  // namespace forefeel

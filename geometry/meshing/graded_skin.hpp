@@ -31,4 +31,7 @@ struct SmoothSkin {
 };
 GradedSurface graded_skin(const SmoothSkin& body, const SizeField& size);
 
+// Without self-intersections, by local repair; what it replaces is no longer held. Nothing where that fails.
+std::optional<GradedSurface> without_intersections(GradedSurface surface);
+
 }  // namespace forefeel

@@ -131,14 +131,13 @@ class Attempts {
         resampled ? resample_surface(closed_, uniform_edge(closed_, options_.elements)) : closed_;
     field_ = size_field_of(closed, options_);
     field_.near *= scale, field_.far *= scale;
-    const GradedSurface skin = graded_skin(
+    const std::optional<GradedSurface> skin = without_intersections(graded_skin(
         closed,
         {.rim = options_.rim, .marks = marks_, .pins = options_.pins, .keep_sharp = attempt < to_smooth},
-        field_);
-    if (intersects_itself(skin.surface))
-      return {.mesh = std::nullopt, .problem = "its graded surface intersects itself"};
+        field_));
+    if (!skin) return {.mesh = std::nullopt, .problem = "its graded surface intersects itself"};
     tell(told_, MeshingStep::fill);
-    return fill_graded(skin, field_, options_.elements, close_enough,
+    return fill_graded(*skin, field_, options_.elements, close_enough,
                        {.patience = patience_of(options_), .fills = &told_.fills});
   }
 
