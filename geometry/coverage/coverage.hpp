@@ -34,6 +34,8 @@ struct ByLabel {
   const Value& operator[](std::size_t label) const { return values[label]; }
   Value& operator[](Label label) { return values[static_cast<std::size_t>(label)]; }
   const Value& operator[](Label label) const { return values[static_cast<std::size_t>(label)]; }
+  auto begin() const { return values.begin(); }
+  auto end() const { return values.end(); }
 };
 
 struct CoverageOptions {
