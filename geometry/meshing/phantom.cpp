@@ -114,6 +114,10 @@ TetMesh phantom(std::string_view name, std::size_t elements) {
   return mesh;
 }
 
+std::vector<std::string> phantom_names() {
+  return blueprint_names();
+}
+
 Vec3 phantom_tip(std::string_view name) {
   return blueprint(name).tip;
 }

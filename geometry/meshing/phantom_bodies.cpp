@@ -8,7 +8,6 @@
 #include <cmath>
 
 #include "geometry/common/error.hpp"
-#include "geometry/meshing/phantom.hpp"
 
 namespace forefeel {
 namespace {
@@ -93,7 +92,7 @@ bool is_box(std::string_view name) {
   return name == "beam" || name == "slab";
 }
 
-std::vector<std::string> phantom_names() {
+std::vector<std::string> blueprint_names() {
   std::vector<std::string> names;
   for (const Blueprint& known : blueprints()) names.emplace_back(known.name);
   return names;
@@ -103,7 +102,7 @@ const Blueprint& blueprint(std::string_view name) {
   for (const Blueprint& known : blueprints())
     if (known.name == name) return known;
   throw InputError(
-      "phantom", fmt::format("'{}' is unknown, expected one of {}", name, fmt::join(phantom_names(), ", ")));
+      "phantom", fmt::format("'{}' is unknown, expected one of {}", name, fmt::join(blueprint_names(), ", ")));
 }
 
 double phantom_patch(std::string_view name) {

@@ -2,6 +2,7 @@
 // The exact shapes of the smooth phantoms, and the surface of the others. Private to this room.
 
 #include <cstddef>
+#include <string>
 #include <string_view>
 #include <vector>
 
@@ -31,6 +32,7 @@ struct Blueprint {
   Vec3 tip;
 };
 const Blueprint& blueprint(std::string_view name);  // InputError lists the known ones
+std::vector<std::string> blueprint_names();
 
 double phantom_patch(std::string_view name);  // radius of the group "contact" [m]
 

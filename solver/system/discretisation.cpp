@@ -5,6 +5,7 @@
 #include <algorithm>
 #include <cmath>
 #include <map>
+#include <utility>
 
 #include "solver/body/law.hpp"
 #include "solver/system/ordering.hpp"
@@ -114,6 +115,46 @@ void fill_groups(const Body& body, const std::vector<NodeIndex>& elements,
     std::size_t at = static_cast<std::size_t>(to.materials[m].first) * lane_count;
     for (const TetIndex tet : parts[m].tets) fill_lane(body, &elements[tet * per_element], tet, at++, d);
   }
+}
+
+// Nodes of the elements at the corners of a facet and at the middles of its edges.
+std::array<NodeIndex, 6> nodes_of(const PadFacet& facet,
+                                  const std::map<std::array<NodeIndex, 2>, NodeIndex>& middle) {
+  std::array<NodeIndex, 6> nodes{facet.corners[0], facet.corners[1], facet.corners[2]};
+  if (facet.nodes == 6)
+    for (std::size_t e = 0; e < 3; ++e) {
+      const NodeIndex a = facet.corners[e], b = facet.corners[(e + 1) % 3];
+      nodes[3 + e] = middle.at({std::min(a, b), std::max(a, b)});
+    }
+  return nodes;
+}
+
+// The springs of body.pad over local nodes, none without one.
+PadSprings pad_springs(const Body& body, const Discretisation& d) {
+  PadSprings springs;
+  if (!body.pad) return springs;
+  std::map<std::array<NodeIndex, 2>, NodeIndex> middle;
+  const auto corners = static_cast<NodeIndex>(body.mesh.nodes.size());
+  for (std::size_t e = 0; e < d.edges.size(); ++e) middle[d.edges[e]] = corners + static_cast<NodeIndex>(e);
+  const auto tip = static_cast<std::int32_t>(d.free_nodes), clamp = tip + 1;
+  std::map<std::pair<std::int32_t, std::int32_t>, double> sums;
+  const auto add = [&](std::int32_t a, std::int32_t b, double value) {
+    if (a != clamp && b != clamp && a <= b) sums[{a, b}] += value;
+  };
+  for (const PadFacet& facet : pad_surface(body.mesh, *body.pad, d.edges.empty() ? 3 : 6).facets) {
+    const std::array<NodeIndex, 6> nodes = nodes_of(facet, middle);
+    const auto count = static_cast<std::size_t>(facet.nodes);
+    for (std::size_t i = 0; i < count; ++i)
+      for (std::size_t j = 0; j < count; ++j) {
+        const std::int32_t a = d.local[nodes[i]], b = d.local[nodes[j]];
+        const double value = facet.springs[i][j];
+        add(a, b, value);
+        add(a, tip, -value);
+        add(tip, tip, value);
+      }
+  }
+  for (const auto& [pair, value] : sums) springs.pairs.push_back({pair.first, pair.second, 0, value});
+  return springs;
 }
 
 void fill_pattern(Discretisation& d) {

@@ -7,12 +7,9 @@
 #include <cstdint>
 #include <vector>
 
-#include "solver/body/body.hpp"
 #include "solver/kernels/kernels.hpp"
 
 namespace forefeel {
-
-struct Discretisation;
 
 struct PadSprings {
   // Entry a <= b of M, local nodes, and its block of Discretisation::pattern.
@@ -29,8 +26,5 @@ struct PadSprings {
   void energy_lanes(const double* u, double* energy) const;  // energy[8] +=
   void add_to(double* blocks) const;                         // blocks += M
 };
-
-// The springs of body.pad, none without one; discretise() finds their blocks.
-PadSprings pad_springs(const Body& body, const Discretisation& d);
 
 }  // namespace forefeel
