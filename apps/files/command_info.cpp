@@ -11,6 +11,7 @@
 #include "apps/console/commands.hpp"
 #include "apps/console/console.hpp"
 #include "apps/console/json.hpp"
+#include "apps/files/info_scene.hpp"
 #include "apps/mesh/extent.hpp"
 #include "geometry/common/error.hpp"
 #include "geometry/common/scanner.hpp"
@@ -160,19 +161,20 @@ int run_info(const Globals& globals, const std::string& file) {
   if (is_mesh_file(file)) return info_mesh(globals, file);
   const std::string extension = lower_case(std::filesystem::path(file).extension().string());
   if (extension == ".csv" || extension == ".states") return info_states(globals, file);
-  throw InputError(file,
-                   "unknown kind of file, expected states (.states .csv), a mesh (.msh .vtk .vtu .mesh) or a "
-                   "surface (.obj .off .stl .ply .vtp)");
+  if (extension == ".toml") return info_scene(globals, file);
+  throw InputError(
+      file,
+      "unknown kind of file, expected a scene (.toml), states (.states .csv), a mesh (.msh .vtk .vtu "
+      ".mesh) or a surface (.obj .off .stl .ply .vtp)");
 }
 
 }  // namespace
 
 void add_info(CommandLine& line) {
   auto file = std::make_shared<std::string>();
-  Command sub = line.add("info", "Show what a file holds: states, mesh or surface");
-  sub.reads_no_scene();
+  Command sub = line.add("info", "Show what a file holds: scene, states, mesh or surface");
   sub.runs([file](const Globals& globals) { return run_info(globals, *file); });
-  sub.option("FILE", *file, "State file, CSV of states, mesh or surface").required().shows("FILE");
+  sub.option("FILE", *file, "Scene, state file, CSV of states, mesh or surface").required().shows("FILE");
 }
 
 }  // namespace forefeel

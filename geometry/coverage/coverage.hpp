@@ -36,6 +36,7 @@ struct ByLabel {
   const Value& operator[](Label label) const { return values[static_cast<std::size_t>(label)]; }
   auto begin() const { return values.begin(); }
   auto end() const { return values.end(); }
+  friend bool operator==(const ByLabel&, const ByLabel&) = default;
 };
 
 struct CoverageOptions {
