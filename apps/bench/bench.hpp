@@ -1,5 +1,5 @@
 #pragma once
-// The five benches of `forefeel bench`. Each prints its rows and returns the exit code. An empty scene name
+// The six benches of `forefeel bench`. Each prints its rows and returns the exit code. An empty scene name
 // selects the built-in scene.
 
 #include <cstddef>
@@ -17,6 +17,7 @@ int bench_coverage(const Globals& globals);
 // most_states: largest number of states to solve; 0 means the scene's whole lattice.
 int bench_solver(const Globals& globals, const std::string& scene, std::size_t most_states);
 int bench_switch(const Globals& globals, const std::string& scene);
+int bench_jet(const Globals& globals, const std::string& scene);
 
 struct LoopBench {
   double seconds = 120;    // of each kind: with and without the record of inputs [s]
@@ -31,6 +32,7 @@ DeclaredTable declared_bench_coverage();
 DeclaredTable declared_bench_solver();
 DeclaredTable declared_bench_switch();
 DeclaredTable declared_bench_loop();
+DeclaredTable declared_bench_jet();
 std::vector<DeclaredTable> declared_bench_json();  // of all
 
 }  // namespace forefeel

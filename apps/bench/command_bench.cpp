@@ -1,4 +1,4 @@
-// forefeel bench approx|solver|coverage|switch|loop [SCENE]: speed, error, and ratios to named baselines measured in
+// forefeel bench approx|solver|coverage|switch|loop|jet [SCENE]: speed, error, and ratios to named baselines measured in
 // the same run.
 
 #include <fmt/format.h>
@@ -52,6 +52,7 @@ int run_bench(const Globals& globals, const BenchOptions& options) {
                        .blocks = options.blocks.value_or(usual.blocks),
                        .states = options.states});
   }
+  if (options.what == "jet") return bench_jet(globals, options.scene);
   return bench_switch(globals, options.scene);
 }
 
@@ -59,7 +60,7 @@ int run_bench(const Globals& globals, const BenchOptions& options) {
 
 std::vector<DeclaredTable> declared_bench_json() {
   return {declared_bench_approx(), declared_bench_solver(), declared_bench_coverage(),
-          declared_bench_switch(), declared_bench_loop()};
+          declared_bench_switch(), declared_bench_loop(),   declared_bench_jet()};
 }
 
 void add_bench(CommandLine& line) {
@@ -69,10 +70,11 @@ void add_bench(CommandLine& line) {
   sub.option(
          "WHAT", options->what,
          "approx, solver, coverage, switch,\n"
+         "jet: the energy jet at rest alone, its errors and its cost,\n"
          "loop: the 1 kHz loop of a session beside a bare loop that only waits for its deadlines, at the\n"
          "same time and under full load")
       .required()
-      .one_of({"approx", "solver", "coverage", "switch", "loop"});
+      .one_of({"approx", "solver", "coverage", "switch", "loop", "jet"});
   sub.option("SCENE", options->scene, "Scene to take states from; default: the built-in one of each bench");
   sub.option("-o,--output", options->output, "Folder: approx.csv and .svg of approx").shows("DIR");
   sub.option(
