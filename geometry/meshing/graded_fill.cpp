@@ -40,6 +40,7 @@ CountedFill fill_graded(const GradedSurface& skin, const SizeField& size, std::s
                         TetFillOptions options) {
   options.size = [size](const Vec3& point) { return size.at(point); };
   options.held = skin.held;
+  options.onto = skin.onto;
   return fill_to_count(skin.surface, elements, share, std::move(options));
 }
 

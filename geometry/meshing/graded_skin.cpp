@@ -118,7 +118,7 @@ GradedSurface graded_skin(const SmoothSkin& body, const SizeField& size) {
 std::optional<GradedSurface> without_intersections(GradedSurface given) {
   if (!intersects_itself(given.surface)) return given;
   RepairReport report;
-  GradedSurface mended{repair_surface(given.surface, report), {}};
+  GradedSurface mended{repair_surface(given.surface, report), {}, given.onto};
   if (report.wrapped) return std::nullopt;
   const auto place = [](const Vec3& p) { return std::array{p.x(), p.y(), p.z()}; };
   std::set<std::array<double, 3>> held;

@@ -278,7 +278,9 @@ class Remesher {
 }  // namespace
 
 GradedSurface graded_surface(const GradedInput& input) {
-  return Remesher(input).run();
+  GradedSurface result = Remesher(input).run();
+  result.onto = input.onto;
+  return result;
 }
 
 }  // namespace forefeel

@@ -24,7 +24,8 @@ struct GradedInput {
 
 struct GradedSurface {
   Surface surface;
-  std::vector<char> held;  // 1 for nodes of lines and for corners
+  std::vector<char> held;                      // 1 for nodes of lines and for corners
+  std::function<Vec3(const Vec3&)> onto = {};  // as of the input
 };
 
 GradedSurface graded_surface(const GradedInput& input);

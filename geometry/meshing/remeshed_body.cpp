@@ -37,12 +37,15 @@ class Boundary {
       result.covers.push_back(std::ranges::all_of(t, in));
       if (result.covers.back()) covered.insert(t.begin(), t.end());
     }
+    const auto is_line = [&](NodeIndex a, NodeIndex b) {
+      return in(a) && in(b) && (!covered.contains(a) || !covered.contains(b));
+    };
+    bool line = false;
     for (const Triangle& t : triangles_)
-      for (std::size_t k = 0; k < 3; ++k) {
-        const NodeIndex a = t[k], b = t[(k + 1) % 3];
-        if (in(a) && in(b) && (!covered.contains(a) || !covered.contains(b)))
-          throw InputError(name_, fmt::format("group '{}' has nodes in a line, which {}", group, advice));
-      }
+      for (std::size_t k = 0; k < 3; ++k) line = line || is_line(t[k], t[(k + 1) % 3]);
+    // Nodes at the ragged border of a patch stay; a group that is mostly lines would lose its meaning.
+    if (line && 2 * covered.size() < members.size())
+      throw InputError(name_, fmt::format("group '{}' has nodes in a line, which {}", group, advice));
     for (const NodeIndex node : members)
       if (!covered.contains(node)) result.single.push_back(mesh_.nodes[node]);
     return result;

@@ -7,7 +7,8 @@
 namespace forefeel {
 
 // options: as of tetrahedralise(), without rim, marks and pins; elements above 0. InputError at options.name where a group
-// cannot be kept: nodes inside the body, nodes in a line on the surface, tetrahedra that are only a part of the body.
+// cannot be kept: nodes inside the body, mostly nodes in lines on the surface, tetrahedra that are a part of
+// the body.
 TetMesh remeshed(const TetMesh& mesh, TetrahedraliseOptions options, TetrahedraliseReport* report = nullptr);
 
 }  // namespace forefeel

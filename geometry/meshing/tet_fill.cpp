@@ -192,7 +192,8 @@ std::optional<TetMesh> fill_with_tets(const Surface& surface, const TetFillOptio
   // New nodes on the surface cannot be distinguished from inner ones; then no node may move.
   if (options.improve)
     improve_shapes(*mesh, {.fixed_nodes = options.keep_surface ? surface.nodes.size() : mesh->nodes.size(),
-                           .held = options.held});
+                           .held = options.held,
+                           .onto = options.onto});
   return mesh;
 }
 
@@ -270,7 +271,8 @@ CountedFill fill_to_count(const Surface& surface, std::size_t elements, double s
     result.too_fine = raw.too_fine;
     if (!raw.mesh) return result;
     const auto before = static_cast<double>(raw.mesh->tets.size());
-    improve_shapes(*raw.mesh, {.fixed_nodes = surface.nodes.size(), .held = options.held});
+    improve_shapes(*raw.mesh,
+                   {.fixed_nodes = surface.nodes.size(), .held = options.held, .onto = options.onto});
     const std::size_t count = raw.mesh->tets.size();
     left_by_flips = static_cast<double>(count) / before;
     if (!result.mesh || log_ratio(count, asked) < log_ratio(result.mesh->tets.size(), asked))

@@ -23,8 +23,9 @@ struct TetFillOptions {
   std::atomic<int>* fills = nullptr;            // if given, counts TetGen's meshes
   // Wanted edge [m] at a point; if given, the bound on a tetrahedron's volume is max_volume times its cube at the centroid.
   std::function<double(const Vec3&)> size = {};
-  std::vector<char> held =
-      {};  // by node of the surface: 1 stays in place, and edges between two of them stay
+  // As of ImproveOptions; held is by node of the surface.
+  std::function<Vec3(const Vec3&)> onto = {};
+  std::vector<char> held = {};
 };
 
 // Nodes of the surface come first. Nothing, and the reason in `problem`, if TetGen fails.

@@ -336,6 +336,10 @@ class Improver {
     return false;
   }
 
+  Vec3 allowed(const Vec3& place, bool on_surface) const {
+    return on_surface && options_.onto ? options_.onto(place) : place;
+  }
+
   void move(std::size_t i, const std::vector<TetIndex>& star, bool on_surface) {
     double value = worst_around(star);
     if (value > (on_surface ? 0.17 : 0.5)) return;  // sines of 10 and 30 degrees
@@ -352,7 +356,8 @@ class Improver {
     for (double step = (on_surface ? 0.02 : 0.2) * longest; step > 0.004 * longest; step *= 0.5)
       for (int axis = 0; axis < 3; ++axis)
         for (const double sign : {1.0, -1.0})
-          if (attempt(i, star, mesh_.nodes[i] + sign * step * Vec3::Unit(axis), value)) break;
+          if (attempt(i, star, allowed(mesh_.nodes[i] + sign * step * Vec3::Unit(axis), on_surface), value))
+            break;
   }
 
   TetMesh& mesh_;

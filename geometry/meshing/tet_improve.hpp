@@ -8,6 +8,7 @@
 // Deterministic.
 
 #include <cstddef>
+#include <functional>
 #include <vector>
 
 #include "geometry/mesh/tet_mesh.hpp"
@@ -20,6 +21,7 @@ struct ImproveOptions {
   // By node, as far as it goes: 1 stays in place even next to very bad tetrahedra, and an edge of the surface between two
   // of them stays.
   std::vector<char> held = {};
+  std::function<Vec3(const Vec3&)> onto = {};  // if given, takes a moved node of the surface back to it
 };
 
 void improve_shapes(TetMesh& mesh, const ImproveOptions& options);
