@@ -13,6 +13,7 @@
 #include "apps/scene/scene.hpp"
 #include "solver/body/contact_stiffness.hpp"
 #include "solver/body/fine_jet.hpp"
+#include "solver/body/pad.hpp"
 #include "solver/body/pad_pull.hpp"
 #include "solver/equilibrium/solver.hpp"
 
@@ -48,8 +49,7 @@ Json contact_json(const Body& body, const Pull& pull) {
   contact["pad"] = body.pad ? number(body.pad->stiffness) : Json(nullptr);
   contact["area"] = number(contact_area(body));
   contact["stiffness"] = under ? number(under->stiffness) : Json(nullptr);
-  contact["pulling_share"] =
-      under ? json_numbers({pull.inward, pull.oblique}) : Json(nullptr);
+  contact["pulling_share"] = under ? json_numbers({pull.inward, pull.oblique}) : Json(nullptr);
   contact["clamped_share"] = under ? number(clamped_share(body, *under)) : Json(nullptr);
   if (!body.pad) contact["nodes"] = body.contact.size();
   return contact;

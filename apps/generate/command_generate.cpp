@@ -29,6 +29,7 @@
 #include "geometry/common/memory.hpp"
 #include "geometry/common/output_file.hpp"
 #include "geometry/index/lattice_room.hpp"
+#include "geometry/states/energy_jet.hpp"
 #include "geometry/states/state_file.hpp"
 #include "geometry/states/state_outcome.hpp"
 #include "scheduling/workers/generate_ranks.hpp"

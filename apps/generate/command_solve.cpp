@@ -22,6 +22,7 @@
 #include "geometry/common/error.hpp"
 #include "geometry/common/output_file.hpp"
 #include "geometry/mesh/tet_mesh.hpp"
+#include "geometry/states/energy_jet.hpp"
 #include "geometry/states/state_file.hpp"
 #include "geometry/states/state_outcome.hpp"
 #include "solver/equilibrium/mesh_error.hpp"

@@ -19,6 +19,7 @@
 #include "apps/scene/scene_mesh_error.hpp"
 #include "geometry/common/error.hpp"
 #include "geometry/states/check_solves.hpp"
+#include "geometry/states/energy_jet.hpp"
 #include "geometry/states/state_outcome.hpp"
 #include "scheduling/placement/placement.hpp"
 

@@ -27,6 +27,7 @@
 #include "geometry/meshing/meshing_progress.hpp"
 #include "geometry/meshing/phantom.hpp"
 #include "geometry/meshing/remeshed_body.hpp"
+#include "geometry/meshing/size_field.hpp"
 #include "geometry/meshing/surface.hpp"
 #include "geometry/segmentation/label_volume.hpp"
 

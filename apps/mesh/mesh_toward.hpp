@@ -6,7 +6,6 @@
 
 #include "apps/console/document_keys.hpp"
 #include "geometry/meshing/surface.hpp"
-#include "geometry/meshing/toward.hpp"
 
 namespace forefeel {
 

@@ -6,6 +6,7 @@
 #include <cmath>
 
 #include "geometry/common/error.hpp"
+#include "geometry/states/energy_jet.hpp"
 
 namespace forefeel::python {
 namespace {

@@ -14,6 +14,7 @@
 #include "geometry/coverage/estimate_spacing.hpp"
 #include "geometry/index/morton_order.hpp"
 #include "geometry/index/path_walk.hpp"
+#include "geometry/states/energy_jet.hpp"
 #include "geometry/states/state_file.hpp"
 
 namespace forefeel::python {

@@ -8,7 +8,7 @@
 #include <string_view>
 
 #include "geometry/mesh/tet_mesh.hpp"
-#include "geometry/meshing/toward.hpp"
+#include "geometry/meshing/surface.hpp"
 
 namespace forefeel {
 

@@ -8,6 +8,7 @@
 #include "geometry/meshing/graded_fill.hpp"
 #include "geometry/meshing/phantom.hpp"
 #include "geometry/meshing/phantom_bodies.hpp"
+#include "geometry/meshing/size_field.hpp"
 
 namespace forefeel {
 namespace {

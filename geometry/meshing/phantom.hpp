@@ -9,10 +9,11 @@
 #include <string_view>
 #include <vector>
 
-#include "geometry/meshing/size_field.hpp"
 #include "geometry/meshing/surface.hpp"
 
 namespace forefeel {
+
+struct SizeField;  // size_field.hpp
 
 std::vector<std::string> phantom_names();
 Surface phantom_surface(std::string_view name);  // InputError lists the accepted names

@@ -9,7 +9,6 @@
 #include <vector>
 
 #include "geometry/mesh/tet_mesh.hpp"
-#include "geometry/meshing/toward.hpp"
 
 namespace forefeel {
 
@@ -47,6 +46,19 @@ Surface repair_surface(const Surface& surface, RepairReport& report);
 // Hausdorff distance [m]: the largest distance from a point of either surface to the other one. Sampled every
 // `step` [m]; 0: a 300th of the diagonal.
 double hausdorff_distance(const Surface& a, const Surface& b, double step = 0);
+
+// The ball of a contact. Elements are small in it and grow with the distance from it (size_field.hpp).
+struct Toward {
+  Vec3 site = Vec3::Zero();  // [m]; taken to the nearest point of the surface
+  double radius = 0;         // [m]
+};
+
+// The part of a body at the low end of an axis, as nodes_below() chooses its nodes (tet_mesh.hpp). Its rim is the
+// surface's section with the plane at `share` of the extent.
+struct LowEnd {
+  Axis axis = Axis::z;
+  double share = 0;  // between 0 and 1
+};
 
 struct TetrahedraliseOptions {
   std::size_t elements = 0;                     // wanted number, met within 5 %; 0: as the surface is

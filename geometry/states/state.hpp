@@ -12,9 +12,10 @@
 #include <vector>
 
 #include "geometry/common/types.hpp"
-#include "geometry/states/energy_jet.hpp"
 
 namespace forefeel {
+
+struct EnergyJet;  // energy_jet.hpp
 
 // Number of a state in its state space: from 0 in order of insertion, without gaps, never reused.
 struct StateId {

@@ -1,4 +1,5 @@
 #include "geometry/states/state_message.hpp"
+#include "geometry/states/energy_jet.hpp"
 
 namespace forefeel {
 

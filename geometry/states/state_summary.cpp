@@ -3,6 +3,7 @@
 #include <algorithm>
 #include <cmath>
 
+#include "geometry/states/energy_jet.hpp"
 #include "geometry/states/state_outcome.hpp"
 
 namespace forefeel {

@@ -20,8 +20,7 @@ constexpr double grid_shares[] = {-1, -0.75, -0.4, 0, 0.4, 0.75, 1};
 constexpr std::size_t uniform_points = 512;
 constexpr std::size_t most_rounds = 5;  // of truth
 
-// Where the error is estimated: first a uniform sample of the box, for quantiles; then a grid up to its
-// faces.
+// Where the error is estimated: first a uniform sample of the box, for quantiles; then a grid up to its faces.
 struct EstimatePoints {
   std::vector<Vec3> at;
   std::size_t uniform = 0;

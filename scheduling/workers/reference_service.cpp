@@ -34,7 +34,7 @@ ReferenceService::ReferenceService(const ReferenceOptions& options, int threads)
               .options = {.spacing = options.spacing,
                           .tolerance = 1e-6,
                           .displacements = options.displacements,
-                           .jet = options.jet}},
+                          .jet = options.jet}},
       cache_(options, solver_.linear != nullptr),
       costs_([this] { return StateSolver(solver_.basis, solver_.linear, solver_.options); }, options,
              cache_.name()),

@@ -1,4 +1,5 @@
 #include "scheduling/workers/state_solver.hpp"
+#include "geometry/states/energy_jet.hpp"
 #include "solver/equilibrium/linear_body.hpp"
 
 namespace forefeel {

@@ -10,6 +10,7 @@
 #include "geometry/common/error.hpp"
 #include "solver/body/law_table.hpp"
 #include "solver/body/material_limits.hpp"
+#include "solver/body/pad.hpp"
 
 namespace forefeel {
 namespace {

@@ -11,7 +11,6 @@
 
 #include "geometry/mesh/tet_mesh.hpp"
 #include "solver/body/material.hpp"
-#include "solver/body/pad.hpp"
 
 namespace forefeel {
 
@@ -27,7 +26,16 @@ struct MaterialRegion {
   std::vector<TetIndex> tets;  // sorted, not empty; no tetrahedron is in two regions
 };
 
-class FineJet;  // fine_jet.hpp
+class FineJet;      // fine_jet.hpp
+struct PadSurface;  // pad.hpp
+
+// A compliant pad; its equations are in pad.hpp.
+struct Pad {
+  Vec3 site = Vec3::Zero();  // s, on the surface [m]
+  double radius = 0.02;      // r [m]
+  double stiffness = 1000;   // k_p [N/m]
+  friend bool operator==(const Pad&, const Pad&) = default;
+};
 
 struct Body {
   TetMesh mesh;

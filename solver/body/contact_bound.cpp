@@ -1,4 +1,5 @@
 #include "solver/body/contact_bound.hpp"
+#include "solver/body/pad.hpp"
 
 #include <Eigen/LU>
 #include <algorithm>

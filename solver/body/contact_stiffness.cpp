@@ -1,4 +1,5 @@
 #include "solver/body/contact_stiffness.hpp"
+#include "solver/body/pad.hpp"
 
 #include <Eigen/Geometry>
 #include <Eigen/LU>

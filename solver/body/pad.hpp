@@ -12,16 +12,9 @@
 #include <array>
 #include <vector>
 
-#include "geometry/mesh/tet_mesh.hpp"
+#include "solver/body/body.hpp"
 
 namespace forefeel {
-
-struct Pad {
-  Vec3 site = Vec3::Zero();  // s, on the surface [m]
-  double radius = 0.02;      // r [m]
-  double stiffness = 1000;   // k_p [N/m]
-  friend bool operator==(const Pad&, const Pad&) = default;
-};
 
 // The springs of one triangle of the surface: int a N_i N_j dA [N/m] of its corners 0, 1, 2 and, for quadratic
 // elements, the middles of its edges 01, 12, 20.

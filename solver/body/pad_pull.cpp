@@ -1,4 +1,5 @@
 #include "solver/body/pad_pull.hpp"
+#include "solver/body/pad.hpp"
 
 #include <Eigen/Geometry>
 #include <algorithm>

@@ -43,7 +43,11 @@ void set(const Matrix& inverse, std::span<const double, path_direction_count> va
   Eigen::Map<Eigen::VectorXd>(to, inverse.rows()).noalias() = inverse * v;
 }
 
-double condition_of(const Matrix& m) {
+// Of the values at the unit directions.
+double condition_of(int degree) {
+  Matrix m = monomials(degree);
+  for (Eigen::Index k = 0; k < m.rows(); ++k)
+    m.row(k) /= std::pow(path_lengths()[static_cast<std::size_t>(k)], degree);
   const Eigen::VectorXd s = m.bdcSvd().singularValues();
   return s[0] / s[s.size() - 1];
 }
@@ -80,7 +84,7 @@ void set_fifth(std::span<const double, path_direction_count> values, EnergyJet& 
 }
 
 double path_condition() {
-  return std::max(condition_of(monomials(4)), condition_of(monomials(5)));
+  return std::max(condition_of(4), condition_of(5));
 }
 
 }  // namespace forefeel

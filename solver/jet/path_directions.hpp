@@ -1,7 +1,7 @@
 #pragma once
 // Recovers the polynomials E_4(d), E_5(d) (degrees 4 and 5 in d, 15 and 21 coefficients) from their values at 21 fixed
 // directions: the axes, (1, +-0.6) and (0.6, +-1)-like pairs in the coordinate planes, and six inside. The matrices are
-// constant; their condition numbers are below 40, so a value's rounding error grows by less.
+// constant; for values at the unit directions their condition numbers are below 40.
 
 #include <array>
 #include <span>
@@ -21,6 +21,6 @@ std::array<double, 6> pair_products(const double* direction);
 // Coefficients of degree 4 (least squares) and 5 into the jet.
 void set_fourth(std::span<const double, path_direction_count> values, EnergyJet& jet);
 void set_fifth(std::span<const double, path_direction_count> values, EnergyJet& jet);
-double path_condition();  // the larger condition number of the two matrices
+double path_condition();  // the larger of the two condition numbers, for values at the unit directions
 
 }  // namespace forefeel

@@ -5,6 +5,7 @@
 #include <queue>
 #include <set>
 
+#include "geometry/states/energy_jet.hpp"
 #include "geometry/states/state_message.hpp"
 #include "geometry/states/state_outcome.hpp"
 #include "solver/lattice/node_states.hpp"

@@ -1,4 +1,5 @@
 #include "solver/lattice/node_states.hpp"
+#include "geometry/states/energy_jet.hpp"
 
 #include <chrono>
 #include <utility>

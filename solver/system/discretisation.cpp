@@ -8,6 +8,7 @@
 #include <utility>
 
 #include "solver/body/law.hpp"
+#include "solver/body/pad.hpp"
 #include "solver/system/ordering.hpp"
 
 namespace forefeel {

@@ -77,8 +77,7 @@ TEST_CASE("--set is refused where there is no scene, and is that of the built-in
 
 TEST_CASE("--set is refused where a command reads no scene, and its help says so", "[command-line]") {
   const Workshop shop;
-  for (const std::string command :
-       {"info s.states", "import s.csv -o s.states", "export s.states -o s.csv", "cache"}) {
+  for (const std::string command : {"import s.csv -o s.states", "export s.states -o s.csv", "cache"}) {
     const std::string name = command.substr(0, command.find(' '));
     check_refused(shop, command + " --set nosuch=1",
                   {"--set: is about keys of a scene, but " + name + " reads none, expected no --set"});
@@ -104,7 +103,8 @@ TEST_CASE("errors of the command line name the option, what was given and what w
       {"classify s --diff a", "--diff: has 1 of its values, expected 2"},
       {"session b.toml -o r --json=maybe", "--json: is 'maybe', expected no value"},
       {"bench solvr",
-       "WHAT: is 'solvr', did you mean 'solver'? Expected one of approx, solver, coverage, switch, loop"},
+       "WHAT: is 'solvr', did you mean 'solver'? Expected one of approx, solver, coverage, switch, loop, "
+       "jet"},
       {"evaluate s --points q --kernel x", "--kernel: is 'x', expected one of linear, cubic, quintic"}};
   for (const auto& [command, message] : wrong) {
     INFO(command);

@@ -7,6 +7,7 @@
 #include <cmath>
 #include <nlohmann/json.hpp>
 
+#include "geometry/states/energy_jet.hpp"
 #include "geometry/states/state_file.hpp"
 #include "tests/support/executable.hpp"
 

@@ -118,7 +118,7 @@ TEST_CASE("help lists the keys of solve, mesh, generate, evaluate and classify -
              "3 0 1 5\n3 0 5 4\n3 1 2 6\n3 1 6 5\n3 2 3 7\n3 2 7 6\n3 3 0 4\n3 3 4 7\n");
   compare("mesh.json",
           {run("mesh --phantom beam -o beam.msh --elements 240"),
-           run("mesh cube.off -o cube.msh --elements 300 --length 0.1")},
+           run("mesh cube.off -o cube.msh --elements 300 --length 0.1 --toward 0.05,0.05,0.1,0.02")},
           {"labels[].label", "labels[].name", "labels[].elements", "labels[].volume", "labels[].voxels",
            "labels[].voxel_volume", "labels[].parts", "labels[].touches_border"});
   compare("generate.json", {run("generate beam.toml -o l.states")},

@@ -56,7 +56,9 @@ TEST_CASE("every command that prints an error says the same of the mesh, measure
   std::string head, row;
   std::getline(table, head);
   std::getline(table, row);
-  CHECK_THAT(head, Catch::Contains("discretisation_error,discretisation_positions,discretisation_by"));
+  CHECK_THAT(head, Catch::Contains(
+                       "discretisation_error,discretisation_low,discretisation_high,discretisation_positions,"
+                       "discretisation_by"));
   CHECK_THAT(row, Catch::Contains("equilibria of quadratic elements on the same mesh"));
   CHECK(kept(shop).size() == 1);
   CHECK(std::filesystem::last_write_time(kept(shop)[0]) == before);

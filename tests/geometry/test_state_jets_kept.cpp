@@ -12,6 +12,7 @@
 #include <iterator>
 
 #include "geometry/common/error.hpp"
+#include "geometry/states/energy_jet.hpp"
 #include "geometry/states/repeated_states.hpp"
 #include "geometry/states/state_file.hpp"
 #include "geometry/states/state_message.hpp"

@@ -7,6 +7,7 @@
 
 #include "block_body.hpp"
 #include "geometry/meshing/phantom.hpp"
+#include "solver/body/pad.hpp"
 
 namespace forefeel {
 

@@ -9,6 +9,7 @@
 
 #include "block_body.hpp"
 #include "geometry/meshing/phantom.hpp"
+#include "geometry/states/energy_jet.hpp"
 #include "solver/body/law.hpp"
 #include "solver/lattice/generate.hpp"
 #include "solver/lattice/generate_pieces.hpp"

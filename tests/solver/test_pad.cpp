@@ -7,6 +7,7 @@
 #include <numbers>
 
 #include "pad_body.hpp"
+#include "solver/body/pad.hpp"
 #include "solver/system/discretisation.hpp"
 #include "tests/support/error_of.hpp"
 

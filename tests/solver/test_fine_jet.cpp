@@ -1,0 +1,270 @@
+// The difference of a fine and a coarse body's rest jets, and bodies that contain it.
+#include <Eigen/Eigenvalues>
+#include <algorithm>
+#include <catch2/catch.hpp>
+#include <cmath>
+#include <functional>
+#include <memory>
+#include <random>
+
+#include "geometry/coverage/state_space.hpp"
+#include "pad_body.hpp"
+#include "solver/body/fine_jet.hpp"
+#include "solver/body/refined_body.hpp"
+#include "solver/jet/rest_jet.hpp"
+#include "solver/lattice/generate.hpp"
+
+namespace forefeel {
+namespace {
+
+// A difference whose degrees are about equal at 1 cm.
+FineJet some_fine_jet() {
+  std::mt19937 random(11);
+  std::uniform_real_distribution<double> uniform(-1, 1);
+  RestJet fine, coarse;
+  for (int i = 0; i < 3; ++i)
+    for (int k = i; k < 3; ++k) fine.stiffness(i, k) = fine.stiffness(k, i) = 100 * uniform(random);
+  coarse.stiffness = 200 * Mat3::Identity();
+  fine.jet.order = coarse.jet.order = 4;
+  for (std::size_t i = 0; i < jet_size; ++i) {
+    const double scale = i < 10 ? 3e3 : i < 25 ? 3e5 : 3e7;
+    fine.jet.coefficients[i] = scale * uniform(random);
+    coarse.jet.coefficients[i] = 0.5 * scale * uniform(random);
+  }
+  return {fine, coarse, "some body"};
+}
+
+// The body with the difference of the jet of a quadratic body of eight times as many tetrahedra and its own.
+std::shared_ptr<Body> with_fine(const std::shared_ptr<Body>& body) {
+  Body fine = refined(*body);
+  fine.element = Element::quadratic;
+  auto corrected = std::make_shared<Body>(*body);
+  corrected->fine =
+      std::make_shared<const FineJet>(rest_jet(fine, {}), rest_jet(*body, {}), fine_body_in_words(fine));
+  return corrected;
+}
+
+std::vector<Vec3> positions_of(double radius) {
+  std::vector<Vec3> list;
+  for (const Vec3& way : {Vec3(1, 0, 0), Vec3(0.3, -0.8, 0.5), Vec3(-0.6, -0.2, -0.7)})
+    for (const double t : {0.1, 0.5, 0.79, 0.8, 0.81, 0.95, 1.0, 1.1, 1.5, 3.0})
+      list.push_back(t * radius * way.normalized());
+  return list;
+}
+
+}  // namespace
+
+TEST_CASE("The fine jet's gradient and Hessian are its energy's, within its radius, across and beyond") {
+  const FineJet jet = some_fine_jet();
+  REQUIRE(std::isfinite(jet.radius()));
+  CHECK(jet.radius() > 0.0005);
+  CHECK(jet.radius() < 0.05);
+  const double h = 1e-4 * jet.radius();
+  for (const Vec3& x : positions_of(jet.radius())) {
+    CAPTURE(x.norm() / jet.radius());
+    const JetTerms at = jet.at(x);
+    Vec3 gradient;
+    Mat3 hessian;
+    for (int i = 0; i < 3; ++i) {
+      const JetTerms up = jet.at(x + h * Vec3::Unit(i)), down = jet.at(x - h * Vec3::Unit(i));
+      gradient[i] = (up.energy - down.energy) / (2 * h);
+      hessian.col(i) = (up.gradient - down.gradient) / (2 * h);
+    }
+    CHECK((at.gradient - gradient).norm() < 1e-6 * (gradient.norm() + jet.stiffness().norm() * jet.radius()));
+    CHECK((at.hessian - hessian).norm() < 1e-6 * (hessian.norm() + jet.stiffness().norm()));
+    CHECK((at.hessian - at.hessian.transpose()).norm() < 1e-14 * at.hessian.norm());
+  }
+}
+
+TEST_CASE("The fine jet is its polynomial to 0.8 of its radius and bounded beyond") {
+  const FineJet jet = some_fine_jet();
+  const auto most = [&](double t) {
+    double energy = 0, force = 0;
+    for (const Vec3& x : positions_of(1)) {
+      const JetTerms at = jet.at(t * jet.radius() * x.normalized());
+      energy = std::max(energy, std::abs(at.energy));
+      force = std::max(force, at.gradient.norm());
+    }
+    return std::pair(energy, force);
+  };
+  const auto [energy, force] = most(1);
+  for (const double t : {1.5, 3.0, 10.0, 1000.0}) {
+    CHECK(most(t).first < 3 * energy);
+    CHECK(most(t).second < 3 * force);
+  }
+  CHECK(most(1000).second < 0.01 * force);
+}
+
+TEST_CASE("The radius is where one degree of the force overtakes those before it") {
+  RestJet fine, coarse;
+  fine.stiffness = 10 * Mat3::Identity();
+  fine.jet.order = coarse.jet.order = 4;
+  CHECK(std::isinf(FineJet(fine, coarse, "").radius()));
+  fine.jet.coefficients[jet_index(3, 0, 0)] = 500;  // force 1500 x^2 against 10 x
+  CHECK(FineJet(fine, coarse, "").radius() == Approx(10.0 / 1500).epsilon(1e-9));
+  fine.jet.coefficients[jet_index(0, 4, 0)] = 25 * 1e6;  // 1e8 y^3 against 10 y
+  CHECK(FineJet(fine, coarse, "").radius() == Approx(std::sqrt(10.0 / 1e8)).epsilon(1e-9));
+  fine.jet.coefficients[jet_index(0, 2, 0)] = 0;
+}
+
+TEST_CASE("A state's jet takes the Taylor coefficients of the fine jet at its place") {
+  const FineJet fine = some_fine_jet();
+  const Vec3 way = Vec3(0.4, -0.5, 0.8).normalized();
+  for (const Vec3& x : positions_of(fine.radius())) {
+    const double t = x.norm() / fine.radius();
+    // the series does not reach across the place where the argument begins to saturate
+    if (std::abs(t - 0.8) < 0.02) continue;
+    CAPTURE(t);
+    const JetTerms at = fine.at(x);
+    for (int order = 2; order <= 4; ++order) {
+      EnergyJet jet{.order = order};
+      fine.add_to(jet, x);
+      for (std::size_t i = jet_terms_of_order(order); i < jet_size; ++i) CHECK(jet.coefficients[i] == 0);
+      // the remainder of the force, even and odd parts together
+      const auto remainder = [&](double distance) {
+        double square = 0;
+        for (const double sign : {1.0, -1.0}) {
+          const Vec3 d = sign * distance * way;
+          square += (fine.at(x + d).gradient - at.gradient - at.hessian * d - jet_terms(jet, d).gradient)
+                        .squaredNorm();
+        }
+        return std::sqrt(square);
+      };
+      const double size = at.gradient.norm() + fine.stiffness().norm() * fine.radius();
+      const double h = 0.004 * fine.radius(), near = remainder(h), far = remainder(2 * h);
+      if (near < 1e-13 * size)
+        CHECK(far < 1e-12 * size);  // the polynomial itself
+      else
+        CHECK(std::log2(far / near) > order + 0.8);
+    }
+  }
+}
+
+TEST_CASE("A body with a fine jet: the energy's gradient is minus the force, the stiffness the force's") {
+  for (const Law law : {Law::neo_hookean, Law::st_venant_kirchhoff})
+    for (const bool padded : {true, false}) {
+      const auto body = with_fine(padded ? padded_block(law) : block_body(law));
+      const double radius = body->fine->radius();
+      INFO(name(law) << (padded ? ", pad" : ", rigid") << ", radius " << radius);
+      Solver solver(body);
+      for (const double share : {0.4, 0.9, 1.3}) {
+        const Vec3 x = std::min(share * radius, 0.012 * share) * Vec3(0.5, 0.4, -0.9).normalized();
+        const SolveOptions exact{.tolerance = 1e-12};
+        const State at = solver.reference(x, 0.006, exact).state;
+        REQUIRE(at.solve.status == SolveStatus::converged);
+        const double h = 1e-5;
+        Mat3 stiffness;
+        Vec3 force;
+        for (int j = 0; j < 3; ++j) {
+          const State up = solver.reference(x + h * Vec3::Unit(j), 0.006, exact).state,
+                      down = solver.reference(x - h * Vec3::Unit(j), 0.006, exact).state;
+          stiffness.col(j) = -(up.force - down.force) / (2 * h);
+          force[j] = -(up.energy - down.energy) / (2 * h);
+        }
+        CHECK((at.stiffness - stiffness).norm() < 1e-5 * stiffness.norm());
+        CHECK((at.stiffness - at.stiffness.transpose()).norm() < 1e-12 * stiffness.norm());
+        CHECK((at.force - force).norm() < 1e-6 * force.norm());
+      }
+    }
+}
+
+TEST_CASE("At rest a body with a fine jet is the fine body: stiffness and jet") {
+  const auto coarse = padded_block(Law::neo_hookean);
+  Body fine = refined(*coarse);
+  fine.element = Element::quadratic;
+  const RestJet truth = rest_jet(fine, {}), corrected = rest_jet(*with_fine(coarse), {});
+  CHECK((corrected.stiffness - truth.stiffness).norm() < 1e-12 * truth.stiffness.norm());
+  for (std::size_t i = 0; i < jet_size; ++i)
+    CHECK(corrected.jet.coefficients[i] == Approx(truth.jet.coefficients[i])
+                                               .epsilon(1e-9)
+                                               .margin(i < 10   ? 1e-6
+                                                       : i < 25 ? 1e-4
+                                                                : 1e-2));
+}
+
+TEST_CASE("With a fine jet the force of order p errs as |d|^(p + 1)") {
+  const auto body = with_fine(padded_block(Law::neo_hookean));
+  Solver solver(body);
+  const SolveOptions exact{.tolerance = 1e-12};
+  const double radius = body->fine->radius();
+  CAPTURE(radius);
+  const Vec3 way = Vec3(0.3, -0.2, -1).normalized();
+  for (const Vec3& x : {Vec3(0, 0, 0), Vec3(0.3 * radius * way), Vec3(0.95 * radius * way)}) {
+    const SolveOutcome start = solver.reference(x, 0.006, {.tolerance = 1e-12, .jet = 4});
+    REQUIRE(start.state.jet);
+    const auto error = [&](double distance, int order) {
+      double square = 0;
+      for (const Vec3& side : {Vec3(1, 0.4, -0.3), Vec3(-0.5, 1, 0.6), Vec3(0.2, -0.7, 1)})
+        for (const double sign : {1.0, -1.0}) {
+          const Vec3 d = sign * distance * side.normalized();
+          const State truth = solver.from(*start.equilibrium, x + d, exact).state;
+          square += (start.state.force - start.state.stiffness * d -
+                     jet_terms(*start.state.jet, d, order + 1).gradient - truth.force)
+                        .squaredNorm();
+        }
+      return std::sqrt(square);
+    };
+    const double h = x.norm() > 0.8 * radius ? 0.01 * radius : std::min(0.002, 0.2 * radius);
+    for (int order = 1; order <= 4; ++order) {
+      const double near = error(h, order), far = error(2 * h, order);
+      INFO("at " << x.transpose() << ", order " << order << ": " << far << " and " << near << " N");
+      CHECK(near > 1e-11);
+      CHECK(std::log2(far / near) == Approx(order + 1).margin(0.2));
+    }
+  }
+}
+
+TEST_CASE("A lattice of a body with a fine jet is that of the body without, plus the jet") {
+  const auto plain = padded_block(Law::neo_hookean), corrected = with_fine(plain);
+  LatticeOptions options;
+  options.spacing = 0.005;
+  options.box = {Vec3(-0.01, -0.005, -0.01), Vec3(0.01, 0.005, 0.01)};
+  options.threads = 2;
+  const auto states_of = [&](const std::shared_ptr<Body>& body) {
+    std::vector<State> states;
+    CHECK(generate_lattice(body, options, [&](State s) { states.push_back(std::move(s)); }).failed == 0);
+    std::ranges::sort(states, {}, [](const State& s) { return std::array{s.at[0], s.at[1], s.at[2]}; });
+    return states;
+  };
+  const std::vector<State> without = states_of(plain), with = states_of(corrected);
+  REQUIRE(without.size() == with.size());
+  CHECK(with.size() == 75);
+  for (std::size_t i = 0; i < with.size(); ++i) {
+    REQUIRE(with[i].at == without[i].at);
+    INFO("at " << with[i].at.transpose());
+    const JetTerms change = corrected->fine->at(with[i].at);
+    const double force = std::max(0.01, with[i].force.norm());
+    CHECK((with[i].force - without[i].force + change.gradient).norm() < 3e-6 * force);
+    CHECK((with[i].stiffness - without[i].stiffness - change.hessian).norm() <
+          2e-4 * with[i].stiffness.norm());
+    CHECK(std::abs(with[i].energy - without[i].energy - change.energy) < 1e-5 * with[i].energy + 1e-12);
+  }
+}
+
+TEST_CASE("A fine jet takes at least four fifths of a coarse body's error") {
+  const auto error = [](const std::shared_ptr<Body>& coarse, double distance) {
+    Body fine = refined(*coarse);
+    fine.element = Element::quadratic;
+    Solver truth(fine), plain(coarse), corrected(with_fine(coarse));
+    double before = 0, after = 0;
+    for (const Vec3& way : {Vec3(0, 0, -1), Vec3(1, 0, 0), Vec3(0.3, 0.8, -0.5), Vec3(-0.6, -0.2, -0.7)}) {
+      const Vec3 x = distance * way.normalized();
+      const State exact = truth.reference(x, 0.005).state;
+      REQUIRE(exact.solve.status == SolveStatus::converged);
+      before =
+          std::max(before, (plain.reference(x, 0.005).state.force - exact.force).norm() / exact.force.norm());
+      after = std::max(after,
+                       (corrected.reference(x, 0.005).state.force - exact.force).norm() / exact.force.norm());
+    }
+    WARN(distance << " m: " << before << " falls to " << after);
+    return before / after;
+  };
+  const auto liver = padded_phantom("liver", 600, phantom_tip("liver"));
+  CHECK(error(liver, 0.005) > 5);
+  CHECK(error(liver, 0.01) > 5);
+  CHECK(error(liver, 0.015) > 5);
+  CHECK(error(padded_phantom("beam", 300, phantom_tip("beam")), 0.004) > 5);
+  CHECK(error(padded_phantom("beam", 300, phantom_tip("beam")), 0.008) > 5);
+}
+
+}  // namespace forefeel
