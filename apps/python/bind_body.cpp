@@ -14,6 +14,7 @@
 #include "apps/python/scene_object.hpp"
 #include "geometry/common/error.hpp"
 #include "geometry/mesh/mesh_file.hpp"
+#include "geometry/states/energy_jet.hpp"
 #include "solver/equilibrium/solver.hpp"
 #include "solver/lattice/generate.hpp"
 

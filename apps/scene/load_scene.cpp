@@ -14,6 +14,7 @@
 #include "apps/scene/session_rows.hpp"
 #include "apps/scene/spacing_check.hpp"
 #include "geometry/common/sha256.hpp"
+#include "geometry/states/energy_jet.hpp"
 #include "scheduling/workers/generator.hpp"
 #include "solver/body/body_digest.hpp"
 

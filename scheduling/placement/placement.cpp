@@ -210,8 +210,7 @@ class Placement {
     }
   }
 
-  // Takes samples until the error holds on one that did not influence the placement. If a sample fails,
-  // worst_truth() refers to it.
+  // Takes samples until the error holds on one that did not influence the placement; on a failure worst_truth() says.
   bool truth_holds() {
     for (std::size_t round = 0; round < most_rounds; ++round) {
       if (!look_at_truth(round)) return false;

@@ -6,6 +6,7 @@
 #include <random>
 #include <vector>
 
+#include "geometry/states/energy_jet.hpp"
 #include "geometry/states/state_file.hpp"
 
 namespace forefeel::test {
