@@ -61,6 +61,7 @@ struct MaterialPart {
 // The distinct materials of the body in the order of their first tetrahedra; regions of equal material are one
 // part. What is computed from the parts does not depend on the regions' names and order.
 std::vector<MaterialPart> material_parts(const Body& body);
+bool has_rest(const Body& body);                    // a tetrahedron is in no region
 std::vector<Material> materials(const Body& body);  // that at least one tetrahedron has
 
 // Where the HIP is at rest: the pad's site, or the mean of the contact nodes [m].
