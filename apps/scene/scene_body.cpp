@@ -235,11 +235,21 @@ Body assemble_fine(const BodyInput& in, const Body& body, std::size_t elements) 
   return fine;
 }
 
-// The second has a quarter of the first one's tetrahedra, or the subdivision before.
+// The second has an eighth of the first one's tetrahedra, or is the subdivision before. So few may not suffice for a
+// mesh, and then there is none.
 FineBodies assemble_fine(const BodyInput& in, const Body& body) {
-  Body first = assemble_fine(in, body, in.keys.fine->elements);
-  const std::size_t made = first.mesh.tets.size();
-  return {std::move(first), assemble_fine(in, body, std::max<std::size_t>(4, made / 8))};
+  FineBodies fine;
+  try {
+    fine.first = assemble_fine(in, body, in.keys.fine->elements);
+  } catch (const InputError& error) {
+    if (error.place().key != "phantom") throw;
+    throw InputError(in.sections.body.where("fine"), error.problem());
+  }
+  try {
+    fine.second = assemble_fine(in, body, std::max<std::size_t>(4, fine.first.mesh.tets.size() / 8));
+  } catch (const InputError&) {
+  }
+  return fine;
 }
 
 Body make_body(const BodySections& sections, const fs::path& folder, const std::string& file, bool quiet,

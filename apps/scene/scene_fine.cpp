@@ -85,9 +85,12 @@ std::shared_ptr<const FineJet> fine_jet_of(const Body& body, const FineBodies& f
   globals.quiet = quiet;
   Progress progress(globals, "Fine body");
   const RestJet of_fine = kept_rest_jet(fine.first, where, progress);
-  const double ratio = std::cbrt(static_cast<double>(fine.first.mesh.tets.size()) /
-                                 static_cast<double>(fine.second.mesh.tets.size()));
-  const SecondFine second{kept_rest_jet(fine.second, where, progress), ratio};
+  std::optional<SecondFine> second;
+  if (fine.second) {
+    const double ratio = std::cbrt(static_cast<double>(fine.first.mesh.tets.size()) /
+                                   static_cast<double>(fine.second->mesh.tets.size()));
+    second = SecondFine{kept_rest_jet(*fine.second, where, progress), ratio};
+  }
   return std::make_shared<const FineJet>(of_fine, kept_rest_jet(body, where, progress),
                                          fine_body_in_words(fine.first), second);
 }

@@ -5,6 +5,7 @@
 
 #include <cstddef>
 #include <memory>
+#include <optional>
 
 #include "geometry/common/error.hpp"
 #include "solver/body/body.hpp"
@@ -12,9 +13,11 @@
 
 namespace forefeel {
 
-// The fine body, and one of larger elements, which shows what refinement still changes.
+// The fine body, and one of larger elements, which shows what refinement still changes; none where the first one's
+// elements are too few for that.
 struct FineBodies {
-  Body first, second;
+  Body first;
+  std::optional<Body> second;
 };
 
 // quiet: no progress line. where: of the key, for errors.

@@ -6,6 +6,7 @@
 #include "geometry/mesh/mesh_file.hpp"
 #include "geometry/meshing/phantom.hpp"
 #include "solver/body/fine_jet.hpp"
+#include "solver/body/pad.hpp"
 #include "tests/support/error_of.hpp"
 #include "tests/support/executable.hpp"
 
@@ -31,11 +32,11 @@ std::string refusal(const Workshop& shop, const std::string& text,
   return test::error_of([&] { load(shop, text, overrides); });
 }
 
-// A scene of a mesh file: lines 1 to 9, then `more`.
+// A scene of a mesh file: sections of the body, lines that all have, then `more`.
 std::string file_scene(const std::string& body, const std::string& more) {
   return "[body]\n" + body +
          "[material]\nlaw = \"neo-hookean\"\nyoung = 5000.0\npoisson = 0.3\n"
-         "[state_space]\nspacing = 0.004\n" +
+         "[state_space]\nspacing = 0.004\nbox = [[0, 0, 0], [0.004, 0, 0]]\n" +
          more;
 }
 
@@ -43,11 +44,11 @@ std::string file_scene(const std::string& body, const std::string& more) {
 
 TEST_CASE("a pad has the place, radius and stiffness that the scene gives", "[scene]") {
   const Workshop shop;
-  const std::string at = "nearest = [0.071, 0.013, 0.03]\nradius = 0.008\n";
+  const std::string at = "nearest = [0.071, 0.011, 0.03]\nradius = 0.008\n";
   const Scene scene = load(shop, beam_scene(pad + at));
   REQUIRE(scene.body->pad);
   CHECK(scene.body->contact.empty());
-  CHECK((scene.body->pad->site - Vec3(0.071, 0.013, 0.02)).norm() < 1e-12);  // onto the upper side
+  CHECK((scene.body->pad->site - Vec3(0.071, 0.011, 0.02)).norm() < 1e-12);  // onto the upper side
   CHECK(scene.body->pad->radius == 0.008);
   CHECK(scene.body->pad->stiffness == 900);
   CHECK((scene.inward - -Vec3::UnitZ()).norm() < 1e-12);
@@ -91,6 +92,8 @@ TEST_CASE("pads and fine bodies that cannot be are refused with file, line and k
              Contains("--set body.fine") && Contains("false or a table { elements = N }"));
   CHECK_THAT(refusal(shop, beam_scene(pad), {"body.fine={elments=500}"}),
              Contains("did you mean 'body.fine.elements'"));
+  CHECK_THAT(refusal(shop, beam_scene(pad), {"body.fine={elements=20}"}),
+             Contains("--set body.fine: 20 graded elements cannot be met"));
   CHECK_THAT(refusal(shop, beam_scene(pad), {"body.fine={elements=500, element=\"cubic\"}"}),
              Contains("body.fine.element") && Contains("quadratic"));
   CHECK_THAT(refusal(shop, beam_scene(pad), {"body.fine={elements=3}"}), Contains("body.fine.elements"));
@@ -108,11 +111,9 @@ TEST_CASE("pads and fine bodies that cannot be are refused with file, line and k
   const auto numbered = [&](const std::string& sets) {
     return refusal(shop, file_scene(cube, sets), {"body.fine={elements=600}"});
   };
-  CHECK_THAT(
-      numbered("[clamp]\nnodes = [0, 1, 2, 3]\n" + pad + "nearest = [0.05, 0.05, 0.1]\n"),
-      Contains("scene.toml:12: clamp.nodes: numbers nodes of one mesh") && Contains("body.fine = false"));
-  CHECK_THAT(numbered(below + "[contact]\nnode = 7\n"),
-             Contains("scene.toml:14: contact.node: numbers nodes"));
+  CHECK_THAT(numbered("[clamp]\nnodes = [0, 1, 2, 3]\n" + pad + "nearest = [0.05, 0.05, 0.1]\n"),
+             Contains("clamp.nodes: numbers nodes of one mesh") && Contains("body.fine = false"));
+  CHECK_THAT(numbered(below + "[contact]\nnode = 7\n"), Contains("contact.node: numbers nodes"));
   CHECK_THAT(numbered(below + "[contact]\nnodes = [6, 7]\n"), Contains("contact.nodes: numbers nodes"));
 }
 
