@@ -206,8 +206,8 @@ Body assemble(const BodyInput& in, const BodyKeys& keys, std::vector<std::string
   return body;
 }
 
-// A fine body: a phantom or a surface is meshed again, a volume mesh is subdivided. Numbers of nodes belong to one mesh,
-// so they cannot be carried to another.
+// A fine body: a phantom or a surface is meshed again, a volume mesh is subdivided. Numbers of nodes belong to one
+// mesh, so they cannot be carried to another.
 Body assemble_fine(const BodyInput& in, const Body& body, std::size_t elements) {
   BodyKeys keys = in.keys;
   keys.element = in.keys.fine->element;

@@ -90,7 +90,8 @@ double bessel_integral(double mu, double nu, double power) {
 
 // Stiffness along the normal of springs a(y) = 3 k_p / (pi r^2) (1 - y^2 / r^2)^2, in all directions, between a
 // half-space and a rigid plane that moves along the normal. Pressures p_m = a (1 - y^2 / r^2)^m and radial tractions
-// q_m = p_m y / r minimise the complementary energy. Their Hankel transforms of order 0 and 1 are Bessel functions (Sonine's integral),
+// q_m = p_m y / r minimise the complementary energy. Their Hankel transforms of order 0 and 1 are Bessel functions
+// (Sonine's integral),
 // and for each wave number k the half-space answers (K. L. Johnson, Contact Mechanics, 1985, ch. 3)
 //   G k u_z = (1 - nu) p + (1/2 - nu) q     G k u_r = (1 - nu) q + (1/2 - nu) p
 double springs_on_half_space(double springs, double radius, double shear, double poisson) {
