@@ -120,8 +120,8 @@ std::vector<NodeIndex> corners_of(const Surface& surface, std::span<const Link> 
   for (const auto& [a, b] : lines) neighbours[a].push_back(b), neighbours[b].push_back(a);
   std::vector<NodeIndex> corners;
   for (const auto& [node, ends] : neighbours) {
-    const auto towards = [&](std::size_t i) -> Vec3 {
-      return (surface.nodes[ends[i]] - surface.nodes[node]).normalized();
+    const auto towards = [&surface, &from = node, &to = ends](std::size_t i) -> Vec3 {
+      return (surface.nodes[to[i]] - surface.nodes[from]).normalized();
     };
     if (ends.size() != 2 || -towards(0).dot(towards(1)) < turn_cosine) corners.push_back(node);
   }

@@ -101,8 +101,8 @@ std::vector<std::string> blueprint_names() {
 const Blueprint& blueprint(std::string_view name) {
   for (const Blueprint& known : blueprints())
     if (known.name == name) return known;
-  throw InputError(
-      "phantom", fmt::format("'{}' is unknown, expected one of {}", name, fmt::join(blueprint_names(), ", ")));
+  throw InputError("phantom", fmt::format("'{}' is unknown, expected one of {}", name,
+                                          fmt::join(blueprint_names(), ", ")));
 }
 
 double phantom_patch(std::string_view name) {
