@@ -55,11 +55,10 @@ TEST_CASE("every key of a scene that help lists is read, and every key that is r
   for (const std::string& table : scene_sections()) listed.insert(table);
   for (const DeclaredTable& table : scene_tables())
     for (const Declared& row : table.rows) listed.insert(table.name + "." + row.name);
-  for (const std::vector<std::string>& overrides :
-       {std::vector<std::string>{},
-        {"clamp.below={axis=\"z\",share=0.2}"},
-        {"contact.node=0"},
-        {"body.fine={elements=2000}"}})
+  for (const std::vector<std::string>& overrides : {std::vector<std::string>{},
+                                                    {"clamp.below={axis=\"z\",share=0.2}"},
+                                                    {"contact.node=0"},
+                                                    {"body.fine={elements=2000}"}})
     read.merge(scene_keys_read(built_in_scene_text(), overrides));
   CHECK(read == listed);
 }
