@@ -1,5 +1,5 @@
 #pragma once
-// The six benches of `forefeel bench`. Each prints its rows and returns the exit code. An empty scene name
+// The benches of `forefeel bench`. Each prints its rows and returns the exit code. An empty scene name
 // selects the built-in scene.
 
 #include <cstddef>
@@ -18,6 +18,8 @@ int bench_coverage(const Globals& globals);
 int bench_solver(const Globals& globals, const std::string& scene, std::size_t most_states);
 int bench_switch(const Globals& globals, const std::string& scene);
 int bench_jet(const Globals& globals, const std::string& scene);
+// folder: where truth.svg is written; "" writes no file. Without a scene: all phantoms.
+int bench_truth(const Globals& globals, const std::string& scene, const std::string& folder);
 
 struct LoopBench {
   double seconds = 120;    // of each kind: with and without the record of inputs [s]
@@ -33,6 +35,7 @@ DeclaredTable declared_bench_solver();
 DeclaredTable declared_bench_switch();
 DeclaredTable declared_bench_loop();
 DeclaredTable declared_bench_jet();
+DeclaredTable declared_bench_truth();
 std::vector<DeclaredTable> declared_bench_json();  // of all
 
 }  // namespace forefeel

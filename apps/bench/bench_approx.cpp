@@ -25,7 +25,6 @@
 #include "geometry/common/error.hpp"
 #include "geometry/common/output_file.hpp"
 #include "geometry/common/quantiles.hpp"
-#include "geometry/common/result_folder.hpp"
 
 namespace forefeel {
 
@@ -237,15 +236,7 @@ int bench_approx(const Globals& globals, const std::string& scene, const std::st
   scene.empty()
       ? built_in_scene(globals.set)
       : load_scene(scene, globals.set, nullptr, {.spacing = false});  // a bad one leaves no folder behind
-  if (!folder.empty()) {
-    std::error_code failed;
-    const bool there = std::filesystem::exists(folder, failed);
-    std::filesystem::create_directories(folder, failed);
-    if (!std::filesystem::is_directory(folder, failed))
-      throw InputError(folder, there ? "is a file, expected a folder for approx.csv and approx.svg"
-                                     : "cannot be made, expected a folder for approx.csv and approx.svg");
-    claim_folder(folder, {"approx.csv", "approx.svg"});
-  }
+  claim_bench_folder(folder, {"approx.csv", "approx.svg"});
   Json document;
   {
     Progress progress(globals, "bench approx");

@@ -1,10 +1,15 @@
 #include "apps/bench/bench_row.hpp"
 
+#include <fmt/format.h>
+
 #include <chrono>
+#include <filesystem>
 
 #include "apps/console/provenance.hpp"
+#include "geometry/common/error.hpp"
 #include "geometry/common/instruction_set.hpp"
 #include "geometry/common/quantiles.hpp"
+#include "geometry/common/result_folder.hpp"
 #include "solver/body/law_table.hpp"
 
 namespace forefeel {
@@ -75,6 +80,17 @@ DeclaredTable bench_table(const std::string& name, std::initializer_list<std::ve
   add(declared(provenance_keys()));
   for (const std::vector<Declared>& rows : parts) add(rows);
   return table;
+}
+
+void claim_bench_folder(const std::string& folder, const std::vector<std::string>& files) {
+  if (folder.empty()) return;
+  std::error_code failed;
+  const bool there = std::filesystem::exists(folder, failed);
+  std::filesystem::create_directories(folder, failed);
+  if (!std::filesystem::is_directory(folder, failed))
+    throw InputError(folder, fmt::format("{}, expected a folder for {}",
+                                         there ? "is a file" : "cannot be made", fmt::join(files, " and ")));
+  claim_folder(folder, files);
 }
 
 double now_us() {

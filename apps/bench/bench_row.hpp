@@ -45,6 +45,9 @@ const JsonKeys<BenchEnd>& provenance_keys();
 // The help of `bench NAME --json`: the keys of all benches, then these.
 DeclaredTable bench_table(const std::string& name, std::initializer_list<std::vector<Declared>> parts);
 
+// Makes the folder and marks these files as ours (result_folder.hpp). Nothing for "". InputError if it cannot be one.
+void claim_bench_folder(const std::string& folder, const std::vector<std::string>& files);
+
 double now_us();  // of a steady clock [us]
 
 }  // namespace forefeel

@@ -1,4 +1,4 @@
-// forefeel bench approx|solver|coverage|switch|loop|jet [SCENE]: speed, error, and ratios to named baselines measured in
+// forefeel bench approx|solver|coverage|switch|loop|jet|truth [SCENE]: speed, error, and ratios to named baselines measured in
 // the same run.
 
 #include <fmt/format.h>
@@ -25,8 +25,8 @@ struct BenchOptions {
 };
 
 int run_bench(const Globals& globals, const BenchOptions& options) {
-  if (!options.output.empty() && options.what != "approx")
-    throw InputError("--output", "only bench approx writes files, expected none here");
+  if (!options.output.empty() && options.what != "approx" && options.what != "truth")
+    throw InputError("--output", "only bench approx and bench truth write files, expected none here");
   if (options.what != "loop" && (options.seconds || options.blocks))
     throw InputError(options.seconds ? "--seconds" : "--blocks",
                      "only bench loop takes it, expected none here");
@@ -53,6 +53,7 @@ int run_bench(const Globals& globals, const BenchOptions& options) {
                        .states = options.states});
   }
   if (options.what == "jet") return bench_jet(globals, options.scene);
+  if (options.what == "truth") return bench_truth(globals, options.scene, options.output);
   return bench_switch(globals, options.scene);
 }
 
@@ -60,7 +61,8 @@ int run_bench(const Globals& globals, const BenchOptions& options) {
 
 std::vector<DeclaredTable> declared_bench_json() {
   return {declared_bench_approx(), declared_bench_solver(), declared_bench_coverage(),
-          declared_bench_switch(), declared_bench_loop(),   declared_bench_jet()};
+          declared_bench_switch(), declared_bench_loop(),   declared_bench_jet(),
+          declared_bench_truth()};
 }
 
 void add_bench(CommandLine& line) {
@@ -71,12 +73,14 @@ void add_bench(CommandLine& line) {
          "WHAT", options->what,
          "approx, solver, coverage, switch,\n"
          "jet: the energy jet at rest alone, its errors and its cost,\n"
+         "truth: the whole error of a force, mesh and contact included, against what a state costs,\n"
          "loop: the 1 kHz loop of a session beside a bare loop that only waits for its deadlines, at the\n"
          "same time and under full load")
       .required()
-      .one_of({"approx", "solver", "coverage", "switch", "loop", "jet"});
+      .one_of({"approx", "solver", "coverage", "switch", "loop", "jet", "truth"});
   sub.option("SCENE", options->scene, "Scene to take states from; default: the built-in one of each bench");
-  sub.option("-o,--output", options->output, "Folder: approx.csv and .svg of approx").shows("DIR");
+  sub.option("-o,--output", options->output, "Folder: approx.csv and .svg of approx, truth.svg of truth")
+      .shows("DIR");
   sub.option(
          "--states", options->states,
          "bench solver, for large bodies: shrink the box towards rest until its lattice has at most\n"

@@ -2,6 +2,7 @@
 
 #include <type_traits>
 
+#include "apps/console/contact_json.hpp"
 #include "apps/console/outputs.hpp"
 #include "apps/console/tolerance_json.hpp"
 #include "scheduling/record/attention.hpp"
@@ -74,6 +75,7 @@ DeclaredTable summary_output() {
   for (Declared& row : shape) row.meaning += "; with session.shape_rate";
   add(shape);
   add(below("prediction.NAME[]", declared(prediction_keys())));
+  add(below("contact", declared(contact_keys())));
   add({{"spacing_auto.KEY", "", "", "with spacing = auto: how it was chosen"},
        {"provenance.KEY", "", "", "program, machine and inputs"}});
   add(below("tolerance", declared(tolerance_keys())));

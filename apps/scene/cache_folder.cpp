@@ -49,8 +49,9 @@ bool is_of_cache(const std::string& name) {
       all.substr(0, hash_length).find_first_not_of("0123456789abcdef") != std::string_view::npos)
     return false;
   const std::string_view rest = all.substr(hash_length);
-  for (const std::string_view kept : {".mesh", ".spacing.json", ".mesh-error.json", ".costs.csv",
-                                      ".rest-cost.csv", ".jet.json", ".states", "-lattice.states"})
+  for (const std::string_view kept :
+       {".mesh", ".spacing.json", ".mesh-error.json", ".accuracy.json", ".costs.csv", ".rest-cost.csv",
+        ".jet.json", ".states", "-lattice.states"})
     if (rest.starts_with(kept)) return true;
   return false;
 }

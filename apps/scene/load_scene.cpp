@@ -171,6 +171,7 @@ void share_body(const Scene& like, Scene& scene) {
   scene.inward = like.inward;
   scene.identity = like.identity;
   scene.body = like.body;
+  scene.source.accuracy = like.source.accuracy;
   scene.source.warnings.insert(scene.source.warnings.end(), like.source.warnings.begin(),
                                like.source.warnings.end());
 }
@@ -196,8 +197,8 @@ Scene make_scene(const SceneDocument& document, const fs::path& file, const Scen
   const auto table = [&](const SceneRowList& rows) { return root.sub(rows.name(), rows.names()); };
   const SceneTable space = table(state_space_rows()), model = table(model_rows()),
                    session = table(session_rows());
-  const BodySections sections{table(body_rows()), root.subs("material", material_rows().names()),
-                              table(clamp_rows()), table(contact_rows())};
+  BodySections sections{table(body_rows()), root.subs("material", material_rows().names()),
+                        table(clamp_rows()), table(contact_rows())};
   Scene scene;
   scene.source.file = file;
   scene.model = read_model(model);
@@ -211,12 +212,14 @@ Scene make_scene(const SceneDocument& document, const fs::path& file, const Scen
   if (of_hand) scene.written.device = of_hand;
   if (of_hand) scene.written.device_place = hand.place();
   scene.written.box_place = space.where("box");
-  scene.source.body = body_source(document, file);
-  if (like && like->source.body == scene.source.body)
+  scene.source.body = sections.text = body_source(document, file);
+  if (like && like->source.body == scene.source.body) {
     share_body(*like, scene);
-  else
-    take_body(read_body(sections, file.parent_path(), file.string(), use.quiet, scene.source.warnings),
-              scene);
+  } else {
+    BodyRead read = read_body(sections, file.parent_path(), file.string(), use.quiet, scene.source.warnings);
+    scene.source.accuracy = std::move(read.accuracy);
+    take_body(std::move(read.body), scene);
+  }
   scene.viscosity = read_viscosity(sections.materials);
   read_state_space(space, scene.body->mesh, sections.body.has("phantom"), use, scene);
   scene.kept.displacements = scene.kept.displacements || scene.shape.rate > 0;
@@ -240,8 +243,13 @@ Scene load_scene(const fs::path& file, std::span<const std::string> overrides, c
   return make_scene(SceneDocument::read(file, overrides), file, like, use);
 }
 
+Scene scene_of_text(std::string_view text, const std::string& name, std::span<const std::string> overrides,
+                    const SceneUse& use) {
+  return make_scene(SceneDocument::parse(text, name, overrides), name, nullptr, use);
+}
+
 Scene built_in_scene(std::span<const std::string> overrides) {
-  return make_scene(SceneDocument::parse(built_in, "liver phantom", overrides), "liver phantom", nullptr);
+  return scene_of_text(built_in, "liver phantom", overrides);
 }
 
 std::set<std::string> scene_keys_read(std::string_view text, std::span<const std::string> overrides) {

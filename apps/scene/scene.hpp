@@ -12,6 +12,7 @@
 #include <utility>
 #include <vector>
 
+#include "apps/scene/scene_accuracy.hpp"
 #include "apps/scene/scene_spacing.hpp"
 #include "geometry/common/error.hpp"
 #include "geometry/common/tolerance.hpp"
@@ -26,6 +27,7 @@ struct SceneSource {
   std::string hash;  // of the scene as overridden, without comments
   std::string body;  // the sections that make the body, as text
   std::vector<std::string> warnings;
+  std::optional<AccuracyChoice> accuracy = {};  // with body.accuracy: the body that was chosen
 };
 
 // Values that depend on whether, and where, the scene gives a key: liver.toml:30: session.device.
@@ -85,6 +87,9 @@ Scene load_scene(const std::filesystem::path& file, std::span<const std::string>
 // a patch of 2 cm; neo-Hookean, spacing 6 mm.
 Scene built_in_scene(std::span<const std::string> overrides = {});
 std::string_view built_in_scene_text();
+// A scene that a command brings as text; name stands for the file in messages.
+Scene scene_of_text(std::string_view text, const std::string& name,
+                    std::span<const std::string> overrides = {}, const SceneUse& use = {});
 
 // Full paths of the keys that the reader asks for in a scene with this text, for the test that every declared
 // key is read.

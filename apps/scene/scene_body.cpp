@@ -5,8 +5,10 @@
 #include <Eigen/Geometry>
 #include <algorithm>
 #include <cmath>
-#include <numeric>
+#include <fstream>
+#include <sstream>
 
+#include "apps/console/console.hpp"
 #include "apps/scene/phantom_cache.hpp"
 #include "apps/scene/scene_declared.hpp"
 #include "apps/scene/scene_fine.hpp"
@@ -60,9 +62,10 @@ struct BodyKeys {
   std::string mesh, phantom;
   std::optional<std::size_t> elements;
   std::optional<double> length;  // [m]
-  Element element = Body().element;
+  std::optional<Element> element;
   std::optional<FineKeys> fine;
   bool uniform = false;
+  std::optional<double> accuracy;
 };
 
 constexpr double shortest = 1e-6,
@@ -85,11 +88,17 @@ const SceneRows<BodyKeys>& rows_of_body() {
                   "longest side to scale the body to", &B::length)
           .standard("as in the file")
           .word("element", element_words, " tetrahedra", &B::element)
+          .standard("linear")
           .row({"fine", "", "false", "table: the fine body that corrects this one; false for none"},
                [](const SceneTable& table, const std::string& key, B& keys) {
                  keys.fine = read_fine(table, key);
                })
           .within(fine_rows())
+          .number(
+              "accuracy", "1", positive(),
+              "relative error of the force, mesh and contact included, for which elements, element and fine "
+              "are chosen where they are not given; of a volume mesh fine alone",
+              &B::accuracy)
           .flag("uniform",
                 "a surface or phantom with a pad is meshed with elements of one size, not smaller ones under "
                 "the pad",
@@ -184,7 +193,7 @@ struct BodyInput {
 // Mesh, regions, clamp and contact as the keys say.
 Body assemble(const BodyInput& in, const BodyKeys& keys, std::vector<std::string>& warnings) {
   Body body;
-  body.element = keys.element;
+  body.element = keys.element.value_or(Body().element);
   const Pressed pressed = pressed_of(in.sections, keys, in.is_phantom);
   const std::optional<LowEnd> rim = rim_of(in.sections.clamp);
   body.mesh = in.is_phantom ? make_phantom(in.sections.body, keys, pressed, rim)
@@ -252,17 +261,61 @@ FineBodies assemble_fine(const BodyInput& in, const Body& body) {
   return fine;
 }
 
-Body make_body(const BodySections& sections, const fs::path& folder, const std::string& file, bool quiet,
-               std::vector<std::string>& warnings) {
+// The body with its fine body, if it has one.
+Body complete(const BodyInput& in, bool quiet, std::vector<std::string>& warnings) {
+  Body body = assemble(in, in.keys, warnings);
+  if (in.keys.fine)
+    body.fine = fine_jet_of(body, assemble_fine(in, body), in.sections.body.where("fine"), quiet);
+  return body;
+}
+
+BodyInput of_trial(BodyInput in, const AccuracyTrial& trial) {
+  in.keys.element = trial.element;
+  if (trial.elements > 0) in.keys.elements = trial.elements;
+  if (trial.fine == 0)
+    in.keys.fine.reset();
+  else if (!in.keys.fine)
+    in.keys.fine = FineKeys{.elements = trial.fine};
+  return in;
+}
+
+AccuracyChoice accurate(const BodyInput& in, bool quiet) {
+  AccuracyGiven given{.element = in.keys.element, .elements = in.keys.elements, .fine = {}};
+  given.mesh_given = !in.is_phantom && !is_surface_file(in.folder / in.keys.mesh);
+  if (given.mesh_given && !given.element) given.element = Body().element;
+  if (in.sections.body.has("fine")) given.fine = in.keys.fine ? in.keys.fine->elements : 0;
+  if (given.mesh_given && given.fine)
+    throw in.sections.body.wrong("accuracy",
+                                 "no body.fine beside it: of a volume mesh there is nothing else to choose");
+  std::ostringstream about(in.sections.text, std::ios::ate);
+  if (!in.is_phantom) about << std::ifstream(in.folder / in.keys.mesh, std::ios::binary).rdbuf();
+  Globals globals;
+  globals.quiet = quiet;
+  Progress progress(globals, "body.accuracy");
+  return choose_accuracy(*in.keys.accuracy, accuracy_trials(given), about.str(),
+                         [&](const AccuracyTrial& trial) {
+                           progress.show(in_words(trial));
+                           std::vector<std::string> said;
+                           return complete(of_trial(in, trial), true, said);
+                         });
+}
+
+BodyRead make_body(const BodySections& sections, const fs::path& folder, const std::string& file, bool quiet,
+                   std::vector<std::string>& warnings) {
   BodyInput in{sections, folder, file, false, {}, {}};
   in.is_phantom = sections.body.exactly_one_of(body_rows().alternatives()) == "phantom";
   in.materials =
       read_materials(sections.materials, in.is_phantom);  // cheap checks first, before the mesh is made
   rows_of_body().read(sections.body, in.keys);
-  Body body = assemble(in, in.keys, warnings);
-  if (in.keys.fine)
-    body.fine = fine_jet_of(body, assemble_fine(in, body), sections.body.where("fine"), quiet);
-  return body;
+  BodyRead read;
+  if (in.keys.accuracy) {
+    read.accuracy = accurate(in, quiet);
+    in = of_trial(std::move(in), read.accuracy->taken);
+    if (!read.accuracy->reached)
+      warnings.push_back(sections.body.where("accuracy").text() + ": " + in_words(*read.accuracy));
+  }
+  read.body = complete(in, quiet, warnings);
+  return read;
 }
 
 }  // namespace
@@ -271,8 +324,8 @@ const SceneRowList& body_rows() {
   return rows_of_body();
 }
 
-Body read_body(const BodySections& sections, const fs::path& folder, const std::string& file, bool quiet,
-               std::vector<std::string>& warnings) {
+BodyRead read_body(const BodySections& sections, const fs::path& folder, const std::string& file, bool quiet,
+                   std::vector<std::string>& warnings) {
   try {
     return make_body(sections, folder, file, quiet, warnings);
   } catch (const InputError& error) {

@@ -2,9 +2,11 @@
 // The parts of a scene that make a body: mesh, material, clamp, contact.
 
 #include <filesystem>
+#include <optional>
 #include <string>
 #include <vector>
 
+#include "apps/scene/scene_accuracy.hpp"
 #include "apps/scene/scene_table.hpp"
 #include "solver/body/body.hpp"
 
@@ -14,12 +16,18 @@ struct BodySections {
   SceneTable body;
   std::vector<SceneTable> materials;
   SceneTable clamp, contact;
+  std::string text = {};  // of all of them
+};
+
+struct BodyRead {
+  Body body;
+  std::optional<AccuracyChoice> accuracy;  // with body.accuracy
 };
 
 // Makes the mesh (reads a file, fills a surface or builds a phantom) and the node sets. Appends warnings
 // about mesh and material. quiet: no progress line where a fine body is solved.
-Body read_body(const BodySections& sections, const std::filesystem::path& folder, const std::string& file,
-               bool quiet, std::vector<std::string>& warnings);
+BodyRead read_body(const BodySections& sections, const std::filesystem::path& folder, const std::string& file,
+                   bool quiet, std::vector<std::string>& warnings);
 
 // Direction of pressing: opposite to the area-weighted mean outward normal of the contact (the grasped
 // patch).

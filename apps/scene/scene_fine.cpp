@@ -6,15 +6,12 @@
 #include <cmath>
 #include <cstdint>
 #include <filesystem>
-#include <fstream>
 #include <nlohmann/json.hpp>
 #include <optional>
 
 #include "apps/console/console.hpp"
-#include "apps/console/json.hpp"
-#include "apps/console/json_text.hpp"
 #include "apps/scene/cache_folder.hpp"
-#include "geometry/common/output_file.hpp"
+#include "apps/scene/kept_json.hpp"
 #include "geometry/common/sha256.hpp"
 #include "solver/body/body_digest.hpp"
 #include "solver/body/refined_body.hpp"
@@ -35,14 +32,7 @@ fs::path file_of(const Body& body, const fs::path& folder) {
   return folder / (hash.hex().substr(0, 32) + ".jet.json");
 }
 
-std::optional<RestJet> read_kept(const fs::path& file) {
-  std::ifstream in(file);
-  if (file.empty() || !in) return {};
-  Json kept = Json::parse(in, nullptr, false);
-  if (!kept.is_object() || !kept.contains("sha256")) return {};
-  const Json sum = kept["sha256"];
-  kept.erase("sha256");
-  if (sum != sum_of(kept)) return {};
+std::optional<RestJet> rest_jet_in(const Json& kept) {
   try {
     RestJet rest;
     rest.jet.order = most_jet_order;
@@ -56,24 +46,20 @@ std::optional<RestJet> read_kept(const fs::path& file) {
   }
 }
 
-void keep(const fs::path& file, const RestJet& rest) {
-  if (file.empty()) return;
-  Json kept{{"stiffness", Json::array()}, {"jet", Json::object()}};
-  for (int i = 0; i < 9; ++i) kept["stiffness"].push_back(rest.stiffness(i / 3, i % 3));
-  for (std::size_t i = 0; i < jet_size; ++i) kept["jet"][jet_names()[i]] = rest.jet.coefficients[i];
-  kept["sha256"] = sum_of(kept);
-  try {
-    write_whole(file, json_text(kept, 2) + "\n");
-  } catch (const std::exception&) {  // for example a full disk; it is solved again next time
-  }
+Json to_file(const RestJet& rest) {
+  Json file{{"stiffness", Json::array()}, {"jet", Json::object()}};
+  for (int i = 0; i < 9; ++i) file["stiffness"].push_back(rest.stiffness(i / 3, i % 3));
+  for (std::size_t i = 0; i < jet_size; ++i) file["jet"][jet_names()[i]] = rest.jet.coefficients[i];
+  return file;
 }
 
 RestJet kept_rest_jet(const Body& body, const InputPlace& where, Progress& progress) {
   const fs::path file = file_of(body, cache_folder());
-  if (const std::optional<RestJet> kept = read_kept(file)) return *kept;
+  if (const std::optional<Json> kept = read_kept(file))
+    if (const std::optional<RestJet> rest = rest_jet_in(*kept)) return *rest;
   progress.show(fmt::format("{} {} elements", body.mesh.tets.size(), name(body.element)));
   const RestJet rest = rest_jet(body, where);
-  keep(file, rest);
+  keep(file, to_file(rest));
   return rest;
 }
 

@@ -9,17 +9,15 @@
 #include <algorithm>
 #include <chrono>
 #include <cmath>
-#include <fstream>
 #include <limits>
 #include <nlohmann/json.hpp>
 #include <optional>
 
 #include "apps/console/interrupt.hpp"
 #include "apps/console/json.hpp"
-#include "apps/console/json_text.hpp"
 #include "apps/scene/cache_folder.hpp"
+#include "apps/scene/kept_json.hpp"
 #include "geometry/common/error.hpp"
-#include "geometry/common/output_file.hpp"
 #include "geometry/common/sha256.hpp"
 #include "solver/kernels/revision.hpp"
 
@@ -48,15 +46,7 @@ Json to_file(const MeshError& e) {
           {"positions", e.positions}, {"method", name(e.method)}, {"finer", e.finer}};
 }
 
-// Nothing where the file is missing, incomplete or altered: the error is then measured again.
-std::optional<MeshError> read_kept(const fs::path& file) {
-  std::ifstream in(file);
-  if (file.empty() || !in) return {};
-  Json kept = Json::parse(in, nullptr, false);
-  if (!kept.is_object() || !kept.contains("sha256")) return {};
-  const Json sum = kept["sha256"];
-  kept.erase("sha256");
-  if (sum != sum_of(kept)) return {};
+std::optional<MeshError> mesh_error_in(const Json& kept) {
   try {
     MeshError e{.error = kept.at("error").get<double>(),
                 .positions = kept.at("positions").get<std::size_t>()};
@@ -71,16 +61,6 @@ std::optional<MeshError> read_kept(const fs::path& file) {
     return e;
   } catch (const Json::exception&) {
     return {};
-  }
-}
-
-void keep(const fs::path& file, const MeshError& error) {
-  if (file.empty() || error.positions == 0) return;
-  try {
-    Json kept = to_file(error);
-    kept["sha256"] = sum_of(kept);
-    write_whole(file, json_text(kept, 2) + "\n");
-  } catch (const std::exception&) {  // it is measured again next time
   }
 }
 
@@ -109,10 +89,11 @@ MeshError scene_mesh_error(const Scene& scene, const fs::path& folder, std::stop
     const std::vector<Vec3> positions =
         mesh_error_positions(scene.space.box, scene.inward, scene.space.spacing);
     const fs::path file = file_of(scene, positions, folder);
-    if (const std::optional<MeshError> kept = read_kept(file)) return *kept;
+    if (const std::optional<Json> kept = read_kept(file))
+      if (const std::optional<MeshError> known = mesh_error_in(*kept)) return *known;
     const MeshError found =
         mesh_error(scene.body, positions, {.spacing = scene.space.spacing, .stop = std::move(stop)});
-    keep(file, found);
+    if (found.positions > 0) keep(file, to_file(found));
     return found;
   } catch (const std::exception& problem) {
     MeshError failed;

@@ -3,15 +3,13 @@
 #include <fmt/format.h>
 
 #include <cmath>
-#include <fstream>
 #include <nlohmann/json.hpp>
 
 #include "apps/console/console.hpp"
 #include "apps/console/interrupt.hpp"
 #include "apps/console/json.hpp"
-#include "apps/console/json_text.hpp"
+#include "apps/scene/kept_json.hpp"
 #include "geometry/common/error.hpp"
-#include "geometry/common/output_file.hpp"
 #include "geometry/common/sha256.hpp"
 #include "solver/kernels/revision.hpp"
 
@@ -53,21 +51,8 @@ Json to_file(const SpacingChoice& c) {
       {"states", c.found.states},   {"solves", c.solves},         {"holds", c.holds}};
 }
 
-// False if the file is missing, incomplete or of another form. If its checksum does not match, a warning says
-// so.
-bool read_kept(const fs::path& file, SpacingChoice& choice) {
-  std::ifstream in(file);
-  if (file.empty() || !in) return false;
-  Json kept = Json::parse(in, nullptr, false);
-  if (!kept.is_object()) return false;
-  if (kept.contains("sha256")) {  // older files have none
-    const Json sum = kept["sha256"];
-    kept.erase("sha256");
-    if (sum != sum_of(kept)) {
-      warn({}, file.string() + ": has a wrong checksum: the spacing is measured anew");
-      return false;
-    }
-  }
+// False if the file holds something else.
+bool take(const Json& kept, SpacingChoice& choice) {
   AutoSpacingTrial& found = choice.found;
   try {
     const auto number = [&](const char* key) {
@@ -98,7 +83,7 @@ SpacingChoice automatic_spacing(const std::shared_ptr<const Body>& body, const B
   choice.allowed_share = options.allowed_share;
   choice.confidence = options.confidence;
   const fs::path file = file_of(identity, options, folder);
-  if (read_kept(file, choice)) return choice;
+  if (const std::optional<Json> kept = read_kept(file); kept && take(*kept, choice)) return choice;
   AutoSpacingOptions watched = options;
   watched.interrupted = &interrupt_flag();
   Globals globals;
@@ -115,13 +100,7 @@ SpacingChoice automatic_spacing(const std::shared_ptr<const Body>& body, const B
   choice.found = report.trials.back();
   choice.solves = report.solves;
   choice.holds = report.holds;
-  if (file.empty()) return choice;
-  try {
-    Json kept = to_file(choice);
-    kept["sha256"] = sum_of(kept);
-    write_whole(file, json_text(kept, 2) + "\n");
-  } catch (const InputError&) {  // it is computed again next time
-  }
+  keep(file, to_file(choice));
   return choice;
 }
 

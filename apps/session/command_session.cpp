@@ -28,6 +28,7 @@
 #include "apps/console/summary_json.hpp"
 #include "apps/console/tolerance_json.hpp"
 #include "apps/scene/given_states.hpp"
+#include "apps/scene/scene_contact.hpp"
 #include "apps/scene/scene_mesh_error.hpp"
 #include "apps/session/report.hpp"
 #include "apps/session/session_arguments.hpp"
@@ -118,6 +119,7 @@ struct Meanwhile {
 // summary.json.
 nlohmann::ordered_json document_of(const SessionSummary& summary, const Scene& scene) {
   nlohmann::ordered_json document = to_json(summary);
+  document["contact"] = document_of(contact_keys(), contact_note(scene));
   if (scene.spacing.chosen) document["spacing_auto"] = to_json(*scene.spacing.chosen);
   document["prediction"] = to_json(std::span<const PredictorErrors>(summary.motion.prediction));
   document["provenance"] = provenance(scene.source.hash);

@@ -1,0 +1,26 @@
+#include "apps/console/contact_json.hpp"
+
+namespace forefeel {
+
+const JsonKeys<ContactNote>& contact_keys() {
+  using C = ContactNote;
+  static const JsonKeys<C> keys{
+      {"kind", "", "pad or rigid", [](const C& c) { return c.pad ? "pad" : "rigid"; }},
+      {"radius", "m", "of the pad; null: rigid", &C::radius},
+      {"pad", "N/m", "stiffness of the pad as the scene gives it; null: rigid", &C::stiffness},
+      {"area", "m^2", "of the surface that the contact touches at rest", &C::area},
+      {"stiffness", "N/m", "of the pad's springs over the surface; null: rigid", &C::springs},
+      {"pulling_share", "1",
+       "[inward, oblique]: share of the pad's force that pulls, pressed in by 10 mm and at 45 degrees; null: "
+       "not "
+       "solved, or rigid",
+       [](const C& c) {
+         return json_numbers({c.pulling_share[0], c.pulling_share[1]});
+       }},
+      {"clamped_share", "1", "of the pad's springs that stand on clamped nodes; null: rigid",
+       &C::clamped_share},
+      {"nodes", "", "of a rigid contact", &C::nodes}};
+  return keys;
+}
+
+}  // namespace forefeel

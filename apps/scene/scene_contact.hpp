@@ -1,0 +1,12 @@
+#pragma once
+// The contact of a scene in figures: its surface, its springs, and which share of them pulls.
+
+#include "apps/console/contact_json.hpp"
+#include "apps/scene/scene.hpp"
+
+namespace forefeel {
+
+// Solves two states of a pad.
+ContactNote contact_note(const Scene& scene);
+
+}  // namespace forefeel
