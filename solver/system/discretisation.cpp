@@ -130,34 +130,6 @@ std::array<NodeIndex, 6> nodes_of(const PadFacet& facet,
   return nodes;
 }
 
-// The springs of body.pad over local nodes, none without one.
-PadSprings pad_springs(const Body& body, const Discretisation& d) {
-  PadSprings springs;
-  if (!body.pad) return springs;
-  std::map<std::array<NodeIndex, 2>, NodeIndex> middle;
-  const auto corners = static_cast<NodeIndex>(body.mesh.nodes.size());
-  for (std::size_t e = 0; e < d.edges.size(); ++e) middle[d.edges[e]] = corners + static_cast<NodeIndex>(e);
-  const auto tip = static_cast<std::int32_t>(d.free_nodes), clamp = tip + 1;
-  std::map<std::pair<std::int32_t, std::int32_t>, double> sums;
-  const auto add = [&](std::int32_t a, std::int32_t b, double value) {
-    if (a != clamp && b != clamp && a <= b) sums[{a, b}] += value;
-  };
-  for (const PadFacet& facet : pad_surface(body.mesh, *body.pad, d.edges.empty() ? 3 : 6).facets) {
-    const std::array<NodeIndex, 6> nodes = nodes_of(facet, middle);
-    const auto count = static_cast<std::size_t>(facet.nodes);
-    for (std::size_t i = 0; i < count; ++i)
-      for (std::size_t j = 0; j < count; ++j) {
-        const std::int32_t a = d.local[nodes[i]], b = d.local[nodes[j]];
-        const double value = facet.springs[i][j];
-        add(a, b, value);
-        add(a, tip, -value);
-        add(tip, tip, value);
-      }
-  }
-  for (const auto& [pair, value] : sums) springs.pairs.push_back({pair.first, pair.second, 0, value});
-  return springs;
-}
-
 void fill_pattern(Discretisation& d) {
   const std::size_t per_element = static_cast<std::size_t>(d.elements.nodes_per_element);
   const std::size_t groups = d.elements.count(), pairs = per_element * (per_element + 1) / 2;
@@ -219,6 +191,33 @@ std::vector<double> Discretisation::to_nodes(const double* u) const {
   for (std::size_t node = 0; node < local.size(); ++node)
     std::copy_n(u + 3 * static_cast<std::int64_t>(local[node]), 3, &by_node[3 * node]);
   return by_node;
+}
+
+PadSprings pad_springs(const Body& body, const Discretisation& d) {
+  PadSprings springs;
+  if (!body.pad) return springs;
+  std::map<std::array<NodeIndex, 2>, NodeIndex> middle;
+  const auto corners = static_cast<NodeIndex>(body.mesh.nodes.size());
+  for (std::size_t e = 0; e < d.edges.size(); ++e) middle[d.edges[e]] = corners + static_cast<NodeIndex>(e);
+  const auto tip = static_cast<std::int32_t>(d.free_nodes), clamp = tip + 1;
+  std::map<std::pair<std::int32_t, std::int32_t>, double> sums;
+  const auto add = [&](std::int32_t a, std::int32_t b, double value) {
+    if (a != clamp && b != clamp && a <= b) sums[{a, b}] += value;
+  };
+  for (const PadFacet& facet : pad_surface(body.mesh, *body.pad, d.edges.empty() ? 3 : 6).facets) {
+    const std::array<NodeIndex, 6> nodes = nodes_of(facet, middle);
+    const auto count = static_cast<std::size_t>(facet.nodes);
+    for (std::size_t i = 0; i < count; ++i)
+      for (std::size_t j = 0; j < count; ++j) {
+        const std::int32_t a = d.local[nodes[i]], b = d.local[nodes[j]];
+        const double value = facet.springs[i][j];
+        add(a, b, value);
+        add(a, tip, -value);
+        add(tip, tip, value);
+      }
+  }
+  for (const auto& [pair, value] : sums) springs.pairs.push_back({pair.first, pair.second, 0, value});
+  return springs;
 }
 
 Discretisation discretise(const Body& body) {

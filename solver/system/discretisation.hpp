@@ -1,7 +1,7 @@
 #pragma once
 // A body as the kernels see it. Local nodes: 0 .. n-1 free, in elimination order; n the contact (all contact
-// nodes, or the tip behind a pad, which move by x); n+1 the clamp. Local vectors are (n+2) x 3 [m] or [N]. The contact is one local node: its
-// row of dW/du is minus the force on the HIP, and eliminating the free nodes from d2W/du2 leaves the condensed
+// nodes, or the tip behind a pad, which move by x); n+1 the clamp. Local vectors are (n+2) x 3 [m] or [N]. The contact is
+// one local node: its row of dW/du is minus the force on the HIP, and eliminating the free nodes from d2W/du2 leaves the condensed
 // stiffness K.
 
 #include <array>
@@ -50,5 +50,9 @@ struct Discretisation {
 
 // Clamp and contact may be empty (then all nodes are free).
 Discretisation discretise(const Body& body);
+
+// The springs of body.pad over the local nodes of d, which may be that of the body without a contact; none without a
+// pad. Pairs come in order; their blocks are not set.
+PadSprings pad_springs(const Body& body, const Discretisation& d);
 
 }  // namespace forefeel
