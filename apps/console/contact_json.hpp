@@ -3,6 +3,7 @@
 
 #include <array>
 #include <cstddef>
+#include <limits>
 #include <optional>
 
 #include "apps/console/document_keys.hpp"
@@ -10,14 +11,15 @@
 namespace forefeel {
 
 struct ContactNote {
-  bool pad = false;                                       // false: rigid nodes
-  std::optional<std::size_t> nodes;                       // of a rigid contact
-  double radius = unknown;                                // of a pad [m]
-  double stiffness = unknown;                             // of a pad, as the scene gives it [N/m]
-  double area = unknown;                                  // touched surface at rest [m^2]
-  double springs = unknown;                               // int a dA of a pad [N/m]
-  std::array<double, 2> pulling_share{unknown, unknown};  // pressed in by 10 mm: inward, at 45 degrees to it
-  double clamped_share = unknown;                         // of a pad's springs that stand on clamped nodes
+  static constexpr double none = std::numeric_limits<double>::quiet_NaN();
+  bool pad = false;                                 // false: rigid nodes
+  std::optional<std::size_t> nodes;                 // of a rigid contact
+  double radius = none;                             // of a pad [m]
+  double stiffness = none;                          // of a pad, as the scene gives it [N/m]
+  double area = none;                               // touched surface at rest [m^2]
+  double springs = none;                            // int a dA of a pad [N/m]
+  std::array<double, 2> pulling_share{none, none};  // pressed in by 10 mm: inward, at 45 degrees to it
+  double clamped_share = none;                      // of a pad's springs that stand on clamped nodes
 };
 const JsonKeys<ContactNote>& contact_keys();
 

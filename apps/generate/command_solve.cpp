@@ -126,7 +126,7 @@ std::vector<SolveOutcome> solve_all(const Scene& scene, const std::vector<Vec3>&
 }
 
 // Error of the mesh itself at each position (solver/equilibrium/mesh_error.hpp).
-std::vector<double> discretisation_errors(const Scene& scene, const std::vector<SolveOutcome>& outcomes) {
+std::vector<ForceError> discretisation_errors(const Scene& scene, const std::vector<SolveOutcome>& outcomes) {
   std::vector<State> states;
   for (const SolveOutcome& outcome : outcomes) states.push_back(outcome.state);
   return mesh_errors(*scene.body, states, scene.space.spacing);
@@ -145,8 +145,8 @@ void check_finer(const Body& body) {
 // Result of `forefeel solve`, in the order of the positions.
 struct SolveResult {
   std::vector<SolveOutcome> outcomes;
-  std::vector<double> discretisation_errors;  // relative; empty unless requested
-  int jet = 1;                                // order of the force that was asked for
+  std::vector<ForceError> discretisation_errors;  // relative; empty unless requested
+  int jet = 1;                                    // order of the force that was asked for
 
   std::size_t failed() const {
     return static_cast<std::size_t>(std::ranges::count_if(
@@ -172,16 +172,15 @@ SolveResult solve(const Globals& globals, const SolveArguments& arguments, const
 struct SolvedState {
   const State& state;
   const std::vector<std::string>& warnings;
-  std::optional<double> discretisation_error;
   bool with_jet;  // one was asked for
+  std::optional<ForceError> mesh = {};
 };
 
 std::vector<SolvedState> solved_states(const SolveResult& result) {
   std::vector<SolvedState> all;
   for (std::size_t i = 0; i < result.outcomes.size(); ++i) {
-    all.push_back({result.outcomes[i].state, result.outcomes[i].warnings, {}, result.jet > 1});
-    if (!result.discretisation_errors.empty())
-      all.back().discretisation_error = result.discretisation_errors[i];
+    all.push_back({result.outcomes[i].state, result.outcomes[i].warnings, result.jet > 1});
+    if (!result.discretisation_errors.empty()) all.back().mesh = result.discretisation_errors[i];
   }
   return all;
 }
@@ -241,7 +240,12 @@ const JsonKeys<SolveResult>& solve_keys() {
       {"warnings", "", "list of lines", [](const S& s) { return s.warnings; }},
       {"discretisation_error", "1",
        "with --discretisation-error: what the mesh itself gets wrong, relative; null: not measured",
-       &S::discretisation_error}};
+       [](const S& s) { return s.mesh ? std::optional(s.mesh->error) : std::nullopt; }},
+      {"discretisation_interval", "1",
+       "with --discretisation-error: [low, high], an interval that holds it; high null: not known",
+       [](const S& s) {
+         return s.mesh ? std::optional(json_numbers({s.mesh->low, s.mesh->high})) : std::nullopt;
+       }}};
   static const JsonKeys<SolveResult> keys{json_list<SolveResult>("states", of_state, solved_states)};
   return keys;
 }
@@ -267,7 +271,7 @@ void tell(const Globals& globals, const SolveResult& result) {
     std::string line = line_for(result.outcomes[i].state);
     if (result.jet > 1) line += in_words(result.outcomes[i].state.jet.get());
     if (!result.discretisation_errors.empty())
-      line += fmt::format(", discretisation error {:.1f} %", 100 * result.discretisation_errors[i]);
+      line += fmt::format(", discretisation error {:.1f} %", 100 * result.discretisation_errors[i].error);
     answer(globals, line);
   }
 }

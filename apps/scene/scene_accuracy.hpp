@@ -14,6 +14,7 @@
 #include <string>
 #include <vector>
 
+#include "geometry/states/state.hpp"
 #include "solver/body/body.hpp"
 
 namespace forefeel {

@@ -62,7 +62,7 @@ struct BodyKeys {
   std::string mesh, phantom;
   std::optional<std::size_t> elements;
   std::optional<double> length;  // [m]
-  std::optional<Element> element;
+  Element element = Body().element;
   std::optional<FineKeys> fine;
   bool uniform = false;
   std::optional<double> accuracy;
@@ -88,7 +88,6 @@ const SceneRows<BodyKeys>& rows_of_body() {
                   "longest side to scale the body to", &B::length)
           .standard("as in the file")
           .word("element", element_words, " tetrahedra", &B::element)
-          .standard("linear")
           .row({"fine", "", "false", "table: the fine body that corrects this one; false for none"},
                [](const SceneTable& table, const std::string& key, B& keys) {
                  keys.fine = read_fine(table, key);
@@ -193,7 +192,7 @@ struct BodyInput {
 // Mesh, regions, clamp and contact as the keys say.
 Body assemble(const BodyInput& in, const BodyKeys& keys, std::vector<std::string>& warnings) {
   Body body;
-  body.element = keys.element.value_or(Body().element);
+  body.element = keys.element;
   const Pressed pressed = pressed_of(in.sections, keys, in.is_phantom);
   const std::optional<LowEnd> rim = rim_of(in.sections.clamp);
   body.mesh = in.is_phantom ? make_phantom(in.sections.body, keys, pressed, rim)
@@ -269,20 +268,20 @@ Body complete(const BodyInput& in, bool quiet, std::vector<std::string>& warning
   return body;
 }
 
-BodyInput of_trial(BodyInput in, const AccuracyTrial& trial) {
-  in.keys.element = trial.element;
-  if (trial.elements > 0) in.keys.elements = trial.elements;
+BodyKeys of_trial(BodyKeys keys, const AccuracyTrial& trial) {
+  keys.element = trial.element;
+  if (trial.elements > 0) keys.elements = trial.elements;
   if (trial.fine == 0)
-    in.keys.fine.reset();
-  else if (!in.keys.fine)
-    in.keys.fine = FineKeys{.elements = trial.fine};
-  return in;
+    keys.fine.reset();
+  else if (!keys.fine)
+    keys.fine = FineKeys{.elements = trial.fine};
+  return keys;
 }
 
 AccuracyChoice accurate(const BodyInput& in, bool quiet) {
-  AccuracyGiven given{.element = in.keys.element, .elements = in.keys.elements, .fine = {}};
+  AccuracyGiven given{.element = {}, .elements = in.keys.elements, .fine = {}};
   given.mesh_given = !in.is_phantom && !is_surface_file(in.folder / in.keys.mesh);
-  if (given.mesh_given && !given.element) given.element = Body().element;
+  if (given.mesh_given || in.sections.body.has("element")) given.element = in.keys.element;
   if (in.sections.body.has("fine")) given.fine = in.keys.fine ? in.keys.fine->elements : 0;
   if (given.mesh_given && given.fine)
     throw in.sections.body.wrong("accuracy",
@@ -296,7 +295,9 @@ AccuracyChoice accurate(const BodyInput& in, bool quiet) {
                          [&](const AccuracyTrial& trial) {
                            progress.show(in_words(trial));
                            std::vector<std::string> said;
-                           return complete(of_trial(in, trial), true, said);
+                           BodyInput tried = in;
+                           tried.keys = of_trial(in.keys, trial);
+                           return complete(tried, true, said);
                          });
 }
 
@@ -310,7 +311,7 @@ BodyRead make_body(const BodySections& sections, const fs::path& folder, const s
   BodyRead read;
   if (in.keys.accuracy) {
     read.accuracy = accurate(in, quiet);
-    in = of_trial(std::move(in), read.accuracy->taken);
+    in.keys = of_trial(in.keys, read.accuracy->taken);
     if (!read.accuracy->reached)
       warnings.push_back(sections.body.where("accuracy").text() + ": " + in_words(*read.accuracy));
   }

@@ -137,20 +137,22 @@ MeshError mesh_error(const std::shared_ptr<const Body>& body, std::span<const Ve
   return found;
 }
 
-std::vector<double> mesh_errors(const Body& body, std::span<const State> states, double spacing) {
+std::vector<ForceError> mesh_errors(const Body& body, std::span<const State> states, double spacing) {
   const FineJet* const fine = body.fine.get();
   std::optional<Solver> finer;
   if (!fine) finer.emplace(finer_body(body));
-  std::vector<double> errors;
+  std::vector<ForceError> errors;
   for (const State& state : states) {
-    errors.push_back(unknown);
+    errors.push_back({unknown, unknown, unknown});
     if (!state.usable() || state.at.norm() == 0) continue;
     if (fine) {
-      if (const auto left = fine->error_left(state.at, state.force)) errors.back() = left->error;
+      if (const auto left = fine->error_left(state.at, state.force)) errors.back() = *left;
       continue;
     }
     const State better = finer->reference(state.at, spacing).state;
-    if (better.usable()) errors.back() = relative(state.force, better.force);
+    if (!better.usable()) continue;
+    const double error = relative(state.force, better.force);
+    errors.back() = {error, error, unknown};
   }
   return errors;
 }
