@@ -30,15 +30,14 @@ class Polynomial {
     for_each([&](int a, int b, int c) {
       const double left = p(a, b, c);
       if (left == 0) return;
-      for_each([&](int i, int j, int k) {
-        if (a + b + c + i + j + k <= most_degree) product(a + i, b + j, c + k) += left * q(i, j, k);
-      });
+      for_each([&](int i, int j, int k) { product(a + i, b + j, c + k) += left * q(i, j, k); },
+               most_degree - a - b - c);
     });
     return product;
   }
   template <class Visit>
-  static void for_each(const Visit& visit) {
-    for (int degree = 0; degree <= most_degree; ++degree)
+  static void for_each(const Visit& visit, int most = most_degree) {
+    for (int degree = 0; degree <= most; ++degree)
       for (int a = degree; a >= 0; --a)
         for (int b = degree - a; b >= 0; --b) visit(a, b, degree - a - b);
   }
@@ -188,50 +187,80 @@ std::optional<ForceError> FineJet::error_left(const Vec3& x, const Vec3& force) 
   return ForceError{left(2), std::max(0.0, left(3) - last), left(1.5) + last};
 }
 
-void FineJet::add_to(EnergyJet& jet, const Vec3& x) const {
-  // s(x + d) as three polynomials in d
-  std::array<Polynomial, 3> s;
-  for (int i = 0; i < 3; ++i) {
-    s[static_cast<std::size_t>(i)](0, 0, 0) = x[i];
-    s[static_cast<std::size_t>(i)](i == 0, i == 1, i == 2) = 1;
-  }
-  const double scale = 1 / (radius_ * radius_), q = scale * x.squaredNorm();
-  if (q > FineJet::trusted_share * FineJet::trusted_share) {
-    Polynomial change;  // of q
-    for (int i = 0; i < 3; ++i) {
-      change(i == 0, i == 1, i == 2) = 2 * scale * x[i];
-      change(2 * (i == 0), 2 * (i == 1), 2 * (i == 2)) = scale;
-    }
-    const Saturation::Series h = Saturation::at(q);
-    Polynomial factor, power;
-    power(0, 0, 0) = 1;
-    for (const double term : h) {
-      factor += term * power;
-      power = power * change;
-    }
-    for (Polynomial& component : s) component = component * factor;
-  }
-  std::array<std::array<Polynomial, most_degree + 1>, 3> powers;
-  for (std::size_t i = 0; i < 3; ++i) {
-    powers[i][0](0, 0, 0) = 1;
-    for (std::size_t k = 1; k < powers[i].size(); ++k) powers[i][k] = powers[i][k - 1] * s[i];
-  }
-  Polynomial sum;
-  const auto add = [&](double e, int a, int b, int c) {
-    if (e != 0)
-      sum += e * (powers[0][static_cast<std::size_t>(a)] * powers[1][static_cast<std::size_t>(b)] *
-                  powers[2][static_cast<std::size_t>(c)]);
+// Where s(x) = x: each coefficient of degree 3 and above is a Taylor shift.
+void FineJet::add_shifted(EnergyJet& jet, const Vec3& x) const {
+  constexpr std::array<std::array<double, 6>, 6> choose{
+      {{1}, {1, 1}, {1, 2, 1}, {1, 3, 3, 1}, {1, 4, 6, 4, 1}, {1, 5, 10, 10, 5, 1}}};
+  const auto times = [&](int i, int a) {
+    return choose[static_cast<std::size_t>(i)][static_cast<std::size_t>(a)];
   };
-  for (int i = 0; i < 3; ++i)
-    for (int k = i; k < 3; ++k)
-      add((i == k ? 0.5 : 1.0) * difference_.stiffness(i, k), (i == 0) + (k == 0), (i == 1) + (k == 1),
-          (i == 2) + (k == 2));
-  Polynomial::for_each([&](int a, int b, int c) {
-    if (a + b + c >= 3) add(difference_.jet.coefficients[jet_index(a, b, c)], a, b, c);
-  });
-  Polynomial::for_each([&](int a, int b, int c) {
-    if (a + b + c >= 3 && a + b + c <= jet.order + 1) jet.coefficients[jet_index(a, b, c)] += sum(a, b, c);
-  });
+  std::array<std::array<double, 3>, 3> power{};  // of each coordinate, 0 to 2
+  for (std::size_t i = 0; i < 3; ++i)
+    power[i] = {1, x[static_cast<int>(i)], x[static_cast<int>(i)] * x[static_cast<int>(i)]};
+  Polynomial::for_each(
+      [&](int a, int b, int c) {
+        if (a + b + c < 3) return;
+        double sum = 0;
+        Polynomial::for_each(
+            [&](int i, int j, int k) {
+              sum += times(a + i, a) * times(b + j, b) * times(c + k, c) *
+                     power[0][static_cast<std::size_t>(i)] * power[1][static_cast<std::size_t>(j)] *
+                     power[2][static_cast<std::size_t>(k)] *
+                     difference_.jet.coefficients[jet_index(a + i, b + j, c + k)];
+            },
+            most_degree - a - b - c);
+        jet.coefficients[jet_index(a, b, c)] += sum;
+      },
+      jet.order + 1);
+}
+
+void FineJet::add_to(EnergyJet& jet, const Vec3& x) const {
+  const double scale = 1 / (radius_ * radius_), q = scale * x.squaredNorm();
+  if (!(q > trusted_share * trusted_share)) return add_shifted(jet, x);
+  Polynomial change;  // of q
+  for (int i = 0; i < 3; ++i) {
+    change(i == 0, i == 1, i == 2) = 2 * scale * x[i];
+    change(2 * (i == 0), 2 * (i == 1), 2 * (i == 2)) = scale;
+  }
+  Polynomial factor, power;  // h(t) / t in d
+  power(0, 0, 0) = 1;
+  for (const double term : Saturation::at(q)) {
+    factor += term * power;
+    power = power * change;
+  }
+  std::array<Polynomial, 3> s;  // s(x + d)
+  for (int i = 0; i < 3; ++i) {
+    Polynomial& component = s[static_cast<std::size_t>(i)];
+    component(0, 0, 0) = x[i];
+    component(i == 0, i == 1, i == 2) = 1;
+    component = component * factor;
+  }
+  const auto coefficient = [&](int a, int b, int c) {
+    if (a + b + c >= 3) return difference_.jet.coefficients[jet_index(a, b, c)];
+    if (a + b + c < 2) return 0.0;
+    const int i = a > 0 ? 0 : b > 0 ? 1 : 2, k = c > 0 ? 2 : b > 0 ? 1 : 0;
+    return (i == k ? 0.5 : 1.0) * difference_.stiffness(i, k);
+  };
+  Polynomial sum;  // Horner's scheme in s_x, s_y, s_z
+  for (int a = most_degree; a >= 0; --a) {
+    Polynomial in_y;
+    for (int b = most_degree - a; b >= 0; --b) {
+      Polynomial in_z;
+      for (int c = most_degree - a - b; c >= 0; --c) {
+        in_z = in_z * s[2];
+        in_z(0, 0, 0) += coefficient(a, b, c);
+      }
+      in_y = in_y * s[1];
+      in_y += in_z;
+    }
+    sum = sum * s[0];
+    sum += in_y;
+  }
+  Polynomial::for_each(
+      [&](int a, int b, int c) {
+        if (a + b + c >= 3) jet.coefficients[jet_index(a, b, c)] += sum(a, b, c);
+      },
+      jet.order + 1);
 }
 
 }  // namespace forefeel

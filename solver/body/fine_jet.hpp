@@ -55,6 +55,8 @@ class FineJet {
   const std::string& fine_body() const { return fine_body_; }
 
  private:
+  void add_shifted(EnergyJet& jet, const Vec3& x) const;
+
   RestJet difference_;
   std::optional<SecondFine> change_;  // J_f minus the second fine body's
   double radius_ = std::numeric_limits<double>::infinity();

@@ -16,6 +16,7 @@ constexpr std::array<std::array<int, 2>, pair_count> pairs{{{0, 0}, {1, 1}, {2, 
 
 JetMaker::JetMaker(std::shared_ptr<const Discretisation> discretisation) : d_(std::move(discretisation)) {
   second_.resize(static_cast<std::size_t>(d_->local_size()) * lane_count);
+  hardness_.resize(d_->elements.count());
 }
 
 void JetMaker::curvature(const std::vector<double>& u, const std::vector<double>& tangent,
@@ -62,7 +63,8 @@ EnergyJet JetMaker::at(const std::vector<double>& u, const std::vector<double>& 
   EnergyJet jet{.order = order};
   JetDirections directions{.count = static_cast<int>(path_direction_count),
                            .ways = path_directions().data(),
-                           .lengths = path_lengths().data()};
+                           .lengths = path_lengths().data(),
+                           .hardness = hardness_.data()};
   if (order == 2) directions.reached = &jet.limit;  // else found along the path with V
   curvature(u, tangent, directions);
   set_third(tangent, jet);

@@ -42,6 +42,7 @@ class JetMaker {
 
   std::shared_ptr<const Discretisation> d_;
   std::vector<double> second_, springs_;  // q, then half solves or V; M V: (n+2) x 3 x 8
+  std::vector<double> hardness_;          // of each group of elements (JetDirections)
 };
 
 }  // namespace forefeel

@@ -9,19 +9,11 @@
 //   J(t)     = 1/3 cof F(t) : F(t)        I2(t) = |cof F(t)|^2        I1(t) = |F(t)|^2
 // Include in kernel files only (see element_lanes.hpp).
 
-#include "solver/kernels/element_loops.hpp"
 #include "solver/kernels/series.hpp"
+#include "solver/kernels/stretch_search.hpp"
 
 namespace forefeel {
 namespace {
-
-constexpr int pair_from[6] = {0, 1, 2, 0, 0, 1}, pair_to[6] = {0, 1, 2, 1, 2, 2};
-
-FOREFEEL_INLINE Lanes dot9(const Lanes* a, const Lanes* b) {
-  Lanes sum = a[0] * b[0];
-  for (int i = 1; i < 9; ++i) sum += a[i] * b[i];
-  return sum;
-}
 
 // X(a, b), given the cofactors of both.
 FOREFEEL_INLINE void polar_cofactor(const Lanes* a, const Lanes* cof_a, const Lanes* b, const Lanes* cof_b,
@@ -107,138 +99,62 @@ FOREFEEL_INLINE void transpose(Lanes* m) {
   for (int i = 0; i < 8; ++i) m[i] = t[i];
 }
 
-FOREFEEL_INLINE bool any_below(Lanes a, Lanes b) {
-  const LaneBits bits = a < b;
-  long long all = 0;
-  for (int e = 0; e < lane_count; ++e) all |= bits[e];
-  return all != 0;
+FOREFEEL_INLINE double largest(Lanes a) {
+  double most = a[0];
+  for (int e = 1; e < lane_count; ++e) most = a[e] > most ? a[e] : most;
+  return most;
 }
 
-// Finds the least |d|, over directions and their opposites, at which F + G_1(d) + G_2(d, d) of a point has a principal
-// stretch below Law::least_stretch (solver/jet/jet_maker.hpp). A direction is first tested at the least distance known;
-// only where the test fails is the crossing found, by bisection.
-template <class Law>
-struct StretchSearch {
-  static constexpr bool wanted = Law::of_invariants && Law::least_stretch > 0;
-  double reached;  // the least distance known
+// The group whose elements are nearest to the limit.
+inline std::int64_t hardest(const ElementView& view, const JetDirections& directions) {
+  std::int64_t most = 0;
+  for (std::int64_t group = 1; group < view.groups; ++group)
+    if (directions.hardness[group] > directions.hardness[most]) most = group;
+  return most;
+}
 
-  explicit StretchSearch(const JetDirections& d) : reached(d.reached ? *d.reached : __builtin_inf()) {}
-  void give(const JetDirections& d) const {
-    if (d.reached) *d.reached = reached;
-  }
-
-  // Not below zero where all stretches of f + t g1 + t^2 g2 are at least the limit and J > 0: the least of the leading
-  // minors of C - limit^2 I, and J.
-  static FOREFEEL_INLINE Lanes room(const Point<Lanes>& p, const Lanes* g1, const Lanes* g2, Lanes t) {
-    constexpr double least_square = Law::least_stretch * Law::least_stretch;
-    Lanes f[9], k[9];
-    for (int i = 0; i < 9; ++i) f[i] = p.f[i] + t * (g1[i] + t * g2[i]);
-    cofactor(f, k);
-    const auto product = [&](int a, int b) {
-      return f[a] * f[b] + f[a + 3] * f[b + 3] + f[a + 6] * f[b + 6];
-    };
-    const Lanes c00 = product(0, 0) - least_square, c11 = product(1, 1) - least_square,
-                c22 = product(2, 2) - least_square, c01 = product(0, 1), c02 = product(0, 2),
-                c12 = product(1, 2);
-    const Lanes second = c00 * c11 - c01 * c01;
-    const Lanes third = c22 * second - c00 * c12 * c12 - c11 * c02 * c02 + 2.0 * c01 * c02 * c12;
-    return least(least(c00, second), least(third, f[0] * k[0] + f[1] * k[1] + f[2] * k[2]));
-  }
-  // |t G_1 + t^2 G_2|^2 at the least distance known, for d and for its opposite.
-  FOREFEEL_INLINE Lanes change2(Lanes first2, Lanes cross, Lanes second2, double length) const {
-    const double t = reached / length;
-    return (t * t) * (first2 + t * (2.0 * (cross < 0.0 ? -cross : cross) + t * second2));
-  }
-  // room2: (least stretch - limit)^2 of F. A change of F by less cannot reach the limit.
-  FOREFEEL_INLINE void visit(const Point<Lanes>& p, const Lanes* g1, const Lanes* g2, Lanes room2,
-                             double length) {
-    if (!__builtin_isinf(reached) &&
-        !any_below(room2, change2(dot9(g1, g1), dot9(g1, g2), dot9(g2, g2), length)))
-      return;
-    search(p, g1, g2, length);
-    Lanes opposite[9];
-    for (int i = 0; i < 9; ++i) opposite[i] = -g1[i];
-    search(p, opposite, g2, length);
-  }
-  // All directions with G_2 = 0: |G_1|^2 is a quadratic form of the direction.
-  void all(const Point<Lanes>& p, const JetDirections& directions, const Lanes (*a)[9]) {
-    Lanes gram[6];
-    for (int c = 0; c < 6; ++c) gram[c] = (c < 3 ? 1.0 : 2.0) * dot9(a[pair_from[c]], a[pair_to[c]]);
-    const Lanes room2 = margin2(p), none[9]{};
-    Lanes most{};
-    for (int k = 0; k < directions.count; ++k) {
-      const double* x = directions.ways + 3 * k;
-      Lanes first2{};
-      for (int c = 0; c < 6; ++c) first2 += (x[pair_from[c]] * x[pair_to[c]]) * gram[c];
-      const Lanes change = change2(first2, Lanes{}, Lanes{}, directions.lengths[k]);
-      most = change > most ? change : most;
+// The limit without V. The hardest group first: few others can then be nearer.
+template <class Law, int nodes>
+void first_order_limit(const ElementView& view, std::int64_t stride, const double* u, const double* d,
+                       const JetDirections& directions) {
+  StretchSearch<Law> search(directions);
+  const auto over = [&](std::int64_t group) {
+    const Group<nodes> of(view, group, u);
+    Lanes along[3][3 * nodes], g[3 * nodes], a[3][9];
+    for (int c = 0; c < 3; ++c) gather<nodes>(of.node, d + c * stride, along[c]);
+    for (int point_at = 0; point_at < Shape<nodes>::points; ++point_at) {
+      Point<Lanes> point;
+      of.template at<Law>(view, point_at, g, point);
+      for (int c = 0; c < 3; ++c) field_gradient<nodes>(along[c], g, a[c]);
+      search.all(point, directions, a, nullptr);
     }
-    if (!__builtin_isinf(reached) && !any_below(room2, most)) return;
-    for (int k = 0; k < directions.count; ++k) {
-      const double* x = directions.ways + 3 * k;
-      Lanes g1[9];
-      for (int i = 0; i < 9; ++i) g1[i] = x[0] * a[0][i] + x[1] * a[1][i] + x[2] * a[2][i];
-      visit(p, g1, none, room2, directions.lengths[k]);
-    }
-  }
-  __attribute__((noinline)) void search(const Point<Lanes>& p, const Lanes* g1, const Lanes* g2,
-                                        double length) {
-    if (__builtin_isinf(reached)) {  // a first distance, at which some lane is below the limit
-      double t = 1.0 / 64 / __builtin_sqrt(dot9(g1, g1)[0] + 1e-300);
-      for (int doubling = 0; doubling < 12; ++doubling, t *= 2)
-        if (any_below(room(p, g1, g2, spread<Lanes>(t)), Lanes{})) break;
-      reached = t * length;
-    }
-    const double t = reached / length;
-    Lanes outside = spread<Lanes>(t);
-    bool found = any_below(room(p, g1, g2, outside), Lanes{});
-    if (!found) {
-      outside = spread<Lanes>(0.5 * t);
-      found = any_below(room(p, g1, g2, outside), Lanes{});
-    }
-    if (!found) return;
-    Lanes inside{};
-    const Lanes failed = room(p, g1, g2, outside);
-    for (int round = 0; round < 12; ++round) {
-      const Lanes middle = 0.5 * (inside + outside), value = room(p, g1, g2, middle);
-      inside = value < 0.0 ? inside : middle;
-      outside = value < 0.0 ? middle : outside;
-    }
-    for (int e = 0; e < lane_count; ++e)
-      if (failed[e] < 0) reached = least(reached, outside[e] * length);
-  }
-  // (least stretch - limit)^2 of F, 0 below the limit. Newton from 0 stays below the smallest root m of
-  // m^3 - I1 m^2 + I2 m - J^2, the square of the least stretch, so the margin is not overestimated.
-  static FOREFEEL_INLINE Lanes margin2(const Point<Lanes>& p) {
-    const Lanes i1 = dot9(p.f, p.f), i2 = dot9(p.cof, p.cof);
-    Lanes m{};
-    for (int round = 0; round < 6; ++round) {
-      const Lanes slope = (3.0 * m - 2.0 * i1) * m + i2, value = ((m - i1) * m + i2) * m - p.j * p.j;
-      m = slope > 0.0 ? m - value / slope : m;
-    }
-    Lanes margin;
-    for (int e = 0; e < lane_count; ++e) margin[e] = __builtin_sqrt(m[e]) - Law::least_stretch;
-    return margin > 0.0 ? margin * margin : Lanes{};
-  }
-};
+  };
+  if (view.groups == 0) return;
+  const std::int64_t first = hardest(view, directions);
+  over(first);
+  for (std::int64_t group = 0; group < view.groups; ++group)
+    if (group != first && directions.hardness[group] * search.reached * search.reached > 1) over(group);
+  search.give(directions);
+}
 
 template <class Law, int nodes>
 void curvature_of(const ElementView& view, std::int64_t stride, const double* u, const double* d, double* q,
                   const JetDirections& directions) {
   if constexpr (Law::of_invariants) {
     using S = Shape<nodes>;
-    StretchSearch<Law> search(directions);
     for (std::int64_t group = 0; group < view.groups; ++group) {
       const Group<nodes> of(view, group, u);
-      Lanes along[3][3 * nodes], sum[6][3 * nodes]{};
+      Lanes along[3][3 * nodes], sum[6][3 * nodes]{}, hard{};
       for (int c = 0; c < 3; ++c) gather<nodes>(of.node, d + c * stride, along[c]);
       for (int point_at = 0; point_at < S::points; ++point_at) {
         Lanes g[3 * nodes], a[6][9], p[6][9];
         Point<Lanes> point;
         of.template at<Law>(view, point_at, g, point);
         for (int c = 0; c < 3; ++c) field_gradient<nodes>(along[c], g, a[c]);
-        if constexpr (StretchSearch<Law>::wanted)
-          if (directions.reached) search.all(point, directions, a);
+        if constexpr (StretchSearch<Law>::wanted) {
+          const Lanes here = StretchSearch<Law>::hardness(point, a);
+          hard = here > hard ? here : hard;
+        }
         for (int c = 3; c < 6; ++c)
           for (int i = 0; i < 9; ++i) a[c][i] = a[pair_from[c]][i] + a[pair_to[c]][i];
         for (int c = 0; c < 6; ++c) second_stress<Law>(view.constants, point, a[c], p[c]);
@@ -252,6 +168,7 @@ void curvature_of(const ElementView& view, std::int64_t stride, const double* u,
                   p[c][3 * i] * g[3 * b] + p[c][3 * i + 1] * g[3 * b + 1] + p[c][3 * i + 2] * g[3 * b + 2];
         }
       }
+      if (directions.hardness) directions.hardness[group] = largest(hard);
       for (int b = 0; b < nodes; ++b)
         for (int i = 0; i < 3; ++i) {
           Lanes by_element[8]{};
@@ -263,7 +180,8 @@ void curvature_of(const ElementView& view, std::int64_t stride, const double* u,
           }
         }
     }
-    search.give(directions);
+    if constexpr (StretchSearch<Law>::wanted)
+      if (directions.reached) first_order_limit<Law, nodes>(view, stride, u, d, directions);
   }
 }
 
@@ -308,26 +226,14 @@ FOREFEEL_INLINE void path_terms(const LawConstants& c, const Point<Lanes>& p, co
   }
 }
 
-// G_1 and G_2 of one direction, from the gradients of U and V.
-FOREFEEL_INLINE void along_way(const double* x, const Lanes (*a)[9], const Lanes (*b)[9], Lanes* g1,
-                               Lanes* g2) {
-  for (int i = 0; i < 9; ++i) g1[i] = x[0] * a[0][i] + x[1] * a[1][i] + x[2] * a[2][i];
-  for (int i = 0; i < 9; ++i) g2[i] = Lanes{};
-  for (int c = 0; c < 6; ++c) {
-    const double product = x[pair_from[c]] * x[pair_to[c]];
-    if (product != 0)
-      for (int i = 0; i < 9; ++i) g2[i] += product * b[c][i];
-  }
-}
-
 // v: null (u_2 = 0) or six fields V_p in lanes, as q of curvature_of; out: directions x 2.
 template <class Law, int nodes>
 void path_of(const ElementView& view, std::int64_t stride, const double* u, const double* tangent,
              const double* v, double* out, const JetDirections& directions) {
-  using S = Shape<nodes>;
+  constexpr bool limited = StretchSearch<Law>::wanted;
   StretchSearch<Law> search(directions);
   Lanes sums[2 * most_directions]{};
-  for (std::int64_t group = 0; group < view.groups; ++group) {
+  const auto over = [&](std::int64_t group, bool only_limit) {
     const Group<nodes> of(view, group, u);
     Lanes first[3][3 * nodes], second[6][3 * nodes]{};
     for (int c = 0; c < 3; ++c) gather<nodes>(of.node, tangent + c * stride, first[c]);
@@ -341,35 +247,37 @@ void path_of(const ElementView& view, std::int64_t stride, const double* u, cons
           transpose(by_field);
           for (int c = 0; c < 6; ++c) second[c][3 * b + i] = by_field[c];
         }
-    for (int point_at = 0; point_at < S::points; ++point_at) {
+    for (int point_at = 0; point_at < Shape<nodes>::points; ++point_at) {
       Lanes g[3 * nodes], a[3][9], b[6][9]{};
       Point<Lanes> point;
       of.template at<Law>(view, point_at, g, point);
       for (int c = 0; c < 3; ++c) field_gradient<nodes>(first[c], g, a[c]);
       if (v)
         for (int c = 0; c < 6; ++c) field_gradient<nodes>(second[c], g, b[c]);
+      if (only_limit) {
+        if constexpr (limited) search.all(point, directions, a, b);
+        continue;
+      }
       Lanes most{};
       for (int k = 0; k < directions.count; ++k) {
         Lanes g1[9], g2[9];
         along_way(directions.ways + 3 * k, a, b, g1, g2);
         path_terms<Law>(view.constants, point, g1, g2, of.weight, sums + 2 * k);
-        if constexpr (StretchSearch<Law>::wanted) {
+        if constexpr (limited) {
           const Lanes change =
               search.change2(dot9(g1, g1), dot9(g1, g2), dot9(g2, g2), directions.lengths[k]);
           most = change > most ? change : most;
         }
       }
-      if constexpr (StretchSearch<Law>::wanted) {
-        const Lanes room2 = StretchSearch<Law>::margin2(point);
-        if (!directions.reached || (!__builtin_isinf(search.reached) && !any_below(room2, most))) continue;
-        for (int k = 0; k < directions.count; ++k) {
-          Lanes g1[9], g2[9];
-          along_way(directions.ways + 3 * k, a, b, g1, g2);
-          search.visit(point, g1, g2, room2, directions.lengths[k]);
-        }
-      }
+      if constexpr (limited)
+        if (directions.reached && any_below(StretchSearch<Law>::margin2(point), most))
+          search.all(point, directions, a, b);
     }
-  }
+  };
+  if (view.groups == 0) return;
+  if constexpr (limited)
+    if (directions.reached) over(hardest(view, directions), true);
+  for (std::int64_t group = 0; group < view.groups; ++group) over(group, false);
   search.give(directions);
   for (int k = 0; k < 2 * directions.count; ++k)
     for (int e = 0; e < lane_count; ++e) out[k] += sums[k][e];

@@ -57,6 +57,9 @@ struct JetDirections {
   const double* ways = nullptr;     // count x 3: d
   const double* lengths = nullptr;  // count: |d|
   double* reached = nullptr;  // in and out, or null: the material limit found so far [m] (jet_maker.hpp)
+  // Of each group of elements, or null: out of curvature, in of path. The square of |grad U| over what a change of F may
+  // have before the limit; 1 / sqrt of it is a distance [m] below which U alone does not reach the limit.
+  double* hardness = nullptr;
 };
 struct JetKernels {
   // q += second Taylor coefficient of dW/du along the fields d_c, c = 0..2, which are `stride` apart. q: (n+2) x 3 x 8,

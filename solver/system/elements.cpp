@@ -70,15 +70,25 @@ void ElementGroups::product_lanes(std::int64_t stride, const double* u, const do
   fine.add_product_lanes(stride, u, d, y);
 }
 
+namespace {
+
+JetDirections of_groups(JetDirections directions, const MaterialGroups& of) {
+  if (directions.hardness) directions.hardness += of.first;
+  return directions;
+}
+
+}  // namespace
+
 void ElementGroups::curvature(std::int64_t stride, const double* u, const double* d, double* q,
                               const JetDirections& directions) const {
-  for (const MaterialGroups& of : materials) of.law->jets.curvature(view(of), stride, u, d, q, directions);
+  for (const MaterialGroups& of : materials)
+    of.law->jets.curvature(view(of), stride, u, d, q, of_groups(directions, of));
 }
 
 void ElementGroups::path(std::int64_t stride, const double* u, const double* tangent, const double* v,
                          double* out, const JetDirections& directions) const {
   for (const MaterialGroups& of : materials)
-    of.law->jets.path(view(of), stride, u, tangent, v, out, directions);
+    of.law->jets.path(view(of), stride, u, tangent, v, out, of_groups(directions, of));
 }
 
 ElementGroups empty_groups(const Body& body, const std::vector<MaterialPart>& parts) {
