@@ -258,20 +258,13 @@ void path_of(const ElementView& view, std::int64_t stride, const double* u, cons
         if constexpr (limited) search.all(point, directions, a, b);
         continue;
       }
-      Lanes most{};
       for (int k = 0; k < directions.count; ++k) {
         Lanes g1[9], g2[9];
         along_way(directions.ways + 3 * k, a, b, g1, g2);
         path_terms<Law>(view.constants, point, g1, g2, of.weight, sums + 2 * k);
-        if constexpr (limited) {
-          const Lanes change =
-              search.change2(dot9(g1, g1), dot9(g1, g2), dot9(g2, g2), directions.lengths[k]);
-          most = change > most ? change : most;
-        }
       }
       if constexpr (limited)
-        if (directions.reached && any_below(StretchSearch<Law>::margin2(point), most))
-          search.all(point, directions, a, b);
+        if (directions.reached && search.may_reach(point, a, b)) search.all(point, directions, a, b);
     }
   };
   if (view.groups == 0) return;

@@ -57,8 +57,8 @@ struct JetDirections {
   const double* ways = nullptr;     // count x 3: d
   const double* lengths = nullptr;  // count: |d|
   double* reached = nullptr;  // in and out, or null: the material limit found so far [m] (jet_maker.hpp)
-  // Of each group of elements, or null: out of curvature, in of path. The square of |grad U| over what a change of F may
-  // have before the limit; 1 / sqrt of it is a distance [m] below which U alone does not reach the limit.
+  // Of each group of elements, or null: out of curvature, in of path. A bound of |G_1|^2 / |d|^2 over the square of the
+  // change of F that cannot reach the limit: U alone does not reach it below 1 / sqrt of this [m].
   double* hardness = nullptr;
 };
 struct JetKernels {

@@ -35,6 +35,12 @@ FOREFEEL_INLINE void along_way(const double* x, const Lanes (*a)[9], const Lanes
   }
 }
 
+FOREFEEL_INLINE Lanes root(Lanes a) {
+  Lanes r;
+  for (int e = 0; e < lane_count; ++e) r[e] = __builtin_sqrt(a[e]);
+  return r;
+}
+
 // Finds the least |d|, over directions and their opposites, at which F + G_1(d) + G_2(d, d) of a point has a principal
 // stretch below Law::least_stretch (solver/jet/jet_maker.hpp). A direction is first tested at the least distance known;
 // only where the test fails is the crossing found, by bisection.
@@ -91,11 +97,29 @@ struct StretchSearch {
       visit(p, g1, g2, room2, directions.lengths[k]);
     }
   }
-  // |G_1|^2 along any d is at most this times |d|^2; over room2 for the hardness of a group.
+  // |G_1|^2 along any d is at most this times |d|^2: Gershgorin's bound of the Gram matrix of the columns of grad U.
+  static FOREFEEL_INLINE Lanes most_first2(const Lanes (*a)[9]) {
+    Lanes row[3];
+    for (int c = 0; c < 3; ++c) row[c] = dot9(a[c], a[c]);
+    for (int c = 3; c < 6; ++c) {
+      const Lanes product = dot9(a[pair_from[c]], a[pair_to[c]]), size = product < 0.0 ? -product : product;
+      row[pair_from[c]] += size, row[pair_to[c]] += size;
+    }
+    const Lanes two = row[0] > row[1] ? row[0] : row[1];
+    return two > row[2] ? two : row[2];
+  }
   static FOREFEEL_INLINE Lanes hardness(const Point<Lanes>& p, const Lanes (*a)[9]) {
     const Lanes room2 = margin2(p);
-    const Lanes most = dot9(a[0], a[0]) + dot9(a[1], a[1]) + dot9(a[2], a[2]);
-    return most / (room2 > 1e-300 ? room2 : spread<Lanes>(1e-300));
+    return most_first2(a) / (room2 > 1e-300 ? room2 : spread<Lanes>(1e-300));
+  }
+  // True if some direction may reach the limit within the least distance known. |G_2|^2 is at most |d|^4 times the sum of
+  // |V_p|^2, half of it for mixed pairs.
+  FOREFEEL_INLINE bool may_reach(const Point<Lanes>& p, const Lanes (*a)[9], const Lanes (*b)[9]) const {
+    if (__builtin_isinf(reached)) return true;
+    Lanes second2 = dot9(b[0], b[0]) + dot9(b[1], b[1]) + dot9(b[2], b[2]);
+    second2 += 0.5 * (dot9(b[3], b[3]) + dot9(b[4], b[4]) + dot9(b[5], b[5]));
+    const Lanes change = reached * (root(most_first2(a)) + reached * root(second2));
+    return any_below(margin2(p), change * change);
   }
   __attribute__((noinline)) void search(const Point<Lanes>& p, const Lanes* g1, const Lanes* g2,
                                         double length) {
@@ -132,8 +156,7 @@ struct StretchSearch {
       const Lanes slope = (3.0 * m - 2.0 * i1) * m + i2, value = ((m - i1) * m + i2) * m - p.j * p.j;
       m = slope > 0.0 ? m - value / slope : m;
     }
-    Lanes margin;
-    for (int e = 0; e < lane_count; ++e) margin[e] = __builtin_sqrt(m[e]) - Law::least_stretch;
+    const Lanes margin = root(m) - Law::least_stretch;
     return margin > 0.0 ? margin * margin : Lanes{};
   }
 };
