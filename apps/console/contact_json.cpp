@@ -11,11 +11,10 @@ const JsonKeys<ContactNote>& contact_keys() {
       {"area", "m^2", "of the surface that the contact touches at rest", &C::area},
       {"stiffness", "N/m", "of the pad's springs over the surface; null: rigid", &C::springs},
       {"pulling_share", "1",
-       "[inward, oblique]: share of the pad's force that pulls, pressed in by 10 mm and at 45 degrees; null: "
-       "not "
-       "solved, or rigid",
+       "[inward, oblique]: share of the pad's force that pulls, pressed in by 10 mm and at 45 degrees to it; "
+       "null: rigid",
        [](const C& c) {
-         return json_numbers({c.pulling_share[0], c.pulling_share[1]});
+         return c.pad ? json_numbers({c.pulling_share[0], c.pulling_share[1]}) : Json();
        }},
       {"clamped_share", "1", "of the pad's springs that stand on clamped nodes; null: rigid",
        &C::clamped_share},

@@ -2,6 +2,7 @@
 
 #include <algorithm>
 #include <cmath>
+#include <numbers>
 #include <utility>
 #include <vector>
 
@@ -96,42 +97,35 @@ class Saturation {
   }
 };
 
-// Directions over the sphere for the radius: a lattice of (2 n + 1)^3 - 1 points, normalised; opposite ones agree.
+// Directions over the half sphere, evenly (Fibonacci's lattice); opposite ones have forces of the same size.
 std::vector<Vec3> sphere_directions() {
-  constexpr int n = 4;
+  constexpr int count = 400;
+  const double turn = std::numbers::pi * (3 - std::sqrt(5.0));
   std::vector<Vec3> list;
-  for (int a = -n; a <= n; ++a)
-    for (int b = -n; b <= n; ++b)
-      for (int c = 0; c <= n; ++c)
-        if (a != 0 || b != 0 || c != 0) list.push_back(Vec3(a, b, c).normalized());
+  for (int i = 0; i < count; ++i) {
+    const double z = (i + 0.5) / count, side = std::sqrt(1 - z * z);
+    list.emplace_back(side * std::cos(turn * i), side * std::sin(turn * i), z);
+  }
   return list;
 }
 
-// Norms of the forces of degrees 1 to 4 of dE along a unit direction.
-std::array<double, 4> force_norms(const RestJet& difference, const Vec3& way) {
-  std::array<double, 4> norms{(difference.stiffness * way).norm()};
-  Vec3 before = Vec3::Zero();
-  for (int degree = 3; degree <= most_degree; ++degree) {
-    const Vec3 upto = jet_terms(difference.jet, way, degree).gradient;
-    norms[static_cast<std::size_t>(degree - 2)] = (upto - before).norm();
-    before = upto;
-  }
-  return norms;
+// Root mean square, over directions, of |force of this degree of dE| / |K_f d| at |d| = 1.
+double share_of(const RestJet& difference, const Mat3& stiffness, int degree) {
+  double sum = 0;
+  const std::vector<Vec3> ways = sphere_directions();
+  for (const Vec3& way : ways)
+    sum += (jet_terms(difference.jet, way, degree).gradient -
+            jet_terms(difference.jet, way, degree - 1).gradient)
+               .squaredNorm() /
+           (stiffness * way).squaredNorm();
+  return std::sqrt(sum / static_cast<double>(ways.size()));
 }
 
-double radius_of(const RestJet& difference) {
-  double radius = std::numeric_limits<double>::infinity();
-  for (const Vec3& way : sphere_directions()) {
-    const std::array<double, 4> n = force_norms(difference, way);
-    for (std::size_t k = 1; k < n.size(); ++k) {
-      if (!(n[k] > 0)) continue;
-      double reached = 0;  // |f_k| r^k is the largest beyond
-      for (std::size_t j = 0; j < k; ++j)
-        reached = std::max(reached, std::pow(n[j] / n[k], 1 / static_cast<double>(k - j)));
-      radius = std::min(radius, reached);
-    }
-  }
-  return radius;
+// 0.8 rho: where the first degree reaches its share.
+double trusted_to(const RestJet& difference, const Mat3& stiffness) {
+  return std::min({1.0 / share_of(difference, stiffness, 3),
+                   std::sqrt(0.2 / share_of(difference, stiffness, 4)),
+                   std::cbrt(0.03 / share_of(difference, stiffness, 5))});
 }
 
 RestJet between(RestJet a, const RestJet& b) {
@@ -148,7 +142,7 @@ FineJet::FineJet(const RestJet& fine, const RestJet& coarse, std::string fine_bo
                  const std::optional<SecondFine>& second)
     : difference_(between(fine, coarse)), fine_body_(std::move(fine_body)) {
   if (second) change_ = SecondFine{between(fine, second->rest), second->ratio};
-  radius_ = radius_of(difference_);
+  radius_ = trusted_to(difference_, fine.stiffness) / trusted_share;
 }
 
 JetTerms FineJet::at(const Vec3& x) const {

@@ -6,9 +6,11 @@
 // so f = -dE/dx and K = d2E/dx2 stay consistent and K symmetric. A polynomial grows without bound; so its argument
 // saturates:
 //   s(x) = x h(t) / t,  t = |x| / rho,  h(t) = t to t = 0.8,  then 0.8 + 0.2 z / (1 + z^4)^(1/4), z = (t - 0.8) / 0.2
-// |s| < rho, and s has four continuous derivatives. rho [m], the radius of the difference: the least |d| at which, in
-// some direction, one degree of the force -dE/dd reaches the largest of the degrees before it. rho is infinite if no
-// degree above the second differs.
+// |s| < rho, and s has four continuous derivatives. 0.8 rho [m] is the distance at which, in the root mean square over
+// directions, the last degree of the force -dE/dd reaches 3 % of |K_f d|, the one before it 20 % or the one before that
+// 100 %; infinite if none differs. Measured on phantoms, linear bodies with the jet of a quadratic body of 1,800 elements
+// against that body solved: within it the force errs by 0.5 % (p50), and by 3 % but in creases, where no series holds;
+// where dE saturates, by the 10 to 50 % of the linear body alone.
 
 #include <array>
 #include <limits>

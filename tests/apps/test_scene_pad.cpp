@@ -200,3 +200,21 @@ TEST_CASE("rest jets are kept: used again, and damaged ones are made anew", "[sc
   CHECK(shop.forefeel("solve beam.toml --at=0,0.001,-0.003 --json --quiet").json()["states"][0]["force"] !=
         first);
 }
+
+TEST_CASE("info and a session's summary say the same of the contact", "[scene]") {
+  const Workshop shop;
+  for (const bool padded : {true, false}) {
+    shop.write("beam.toml", beam_scene(padded ? pad : ""));
+    const auto info = shop.forefeel("info beam.toml --json --quiet").json();
+    shop.forefeel(
+        "session beam.toml --clock virtual --seconds 0.1 --device path:press,speed=0.02 --quiet -o run");
+    const auto summary = shop.shell("cat run/summary.json").json();
+    CHECK(summary["contact"] == info["contact"]);
+    CHECK(summary["contact"]["kind"] == (padded ? "pad" : "rigid"));
+    CHECK(summary["contact"]["area"].get<double>() > 0);
+    for (const char* key : {"radius", "pad", "stiffness", "clamped_share"})
+      CHECK(summary["contact"][key].is_number() == padded);
+    CHECK(summary["contact"]["pulling_share"].is_array() == padded);
+    std::filesystem::remove_all(shop.path() / "run");
+  }
+}

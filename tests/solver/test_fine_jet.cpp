@@ -110,15 +110,45 @@ TEST_CASE("The fine jet is its polynomial to 0.8 of its radius and bounded beyon
   CHECK(most(1000).second < 0.01 * force);
 }
 
-TEST_CASE("The radius is where one degree of the force overtakes those before it") {
+TEST_CASE("The radius is where a degree of the force reaches its share of the linear force") {
   RestJet fine, coarse;
   fine.stiffness = 10 * Mat3::Identity();
   fine.jet.order = coarse.jet.order = 4;
-  CHECK(std::isinf(FineJet(fine, coarse, "").radius()));
-  fine.jet.coefficients[jet_index(3, 0, 0)] = 500;  // force 1500 x^2 against 10 x
-  CHECK(FineJet(fine, coarse, "").radius() == Approx(10.0 / 1500).epsilon(1e-9));
-  fine.jet.coefficients[jet_index(0, 4, 0)] = 25 * 1e6;  // 1e8 y^3 against 10 y
-  CHECK(FineJet(fine, coarse, "").radius() == Approx(std::sqrt(10.0 / 1e8)).epsilon(1e-9));
+  const auto trusted = [&] { return FineJet::trusted_share * FineJet(fine, coarse, "").radius(); };
+  CHECK(std::isinf(trusted()));
+  const double c3 = 40, c4 = 1e5, c5 = 1e7;
+  // root mean squares over the sphere of 3 c x^2, 4 c r^3 and 5 c z^4: of x^4 1/5, of z^8 1/9
+  fine.jet.coefficients[jet_index(3, 0, 0)] = c3;
+  CHECK(trusted() == Approx(10 / (3 * c3 * std::sqrt(1.0 / 5))).epsilon(0.01));
+  for (const auto& [a, b, c] : {std::array{4, 0, 0}, std::array{0, 4, 0}, std::array{0, 0, 4}})
+    fine.jet.coefficients[jet_index(a, b, c)] = c4;
+  for (const auto& [a, b, c] : {std::array{2, 2, 0}, std::array{2, 0, 2}, std::array{0, 2, 2}})
+    fine.jet.coefficients[jet_index(a, b, c)] = 2 * c4;
+  CHECK(trusted() == Approx(std::sqrt(0.2 * 10 / (4 * c4))).epsilon(0.01));
+  fine.jet.coefficients[jet_index(0, 0, 5)] = c5;
+  CHECK(trusted() == Approx(std::cbrt(0.03 * 10 / (5 * c5 * std::sqrt(1.0 / 9)))).epsilon(0.01));
+}
+
+TEST_CASE("Where the fine jet saturates no direction of a body loses its stability") {
+  for (const char* phantom : {"liver", "slab"}) {
+    const auto body = padded_phantom(phantom, 600, phantom_tip(phantom));
+    const auto corrected = with_fine(body);
+    Solver plain(body), solver(corrected);
+    const double radius = corrected->fine->radius();
+    const Vec3 inward = -pad_surface(body->mesh, *body->pad).normal, side = inward.unitOrthogonal();
+    for (const double share : {0.7, 0.9, 1.1, 1.6})
+      for (const Vec3& way : {inward, Vec3(-inward), side, Vec3((inward + side).normalized())}) {
+        const Vec3 x = share * radius * way;
+        const State coarse = plain.reference(x, 0.006).state, state = solver.reference(x, 0.006).state;
+        if (!coarse.usable()) continue;
+        REQUIRE(state.usable());
+        const auto least = [](const State& s) {
+          return Eigen::SelfAdjointEigenSolver<Mat3>(s.stiffness).eigenvalues()[0];
+        };
+        INFO(phantom << ", " << share << " of the radius " << radius << " along " << way.transpose());
+        CHECK(least(state) >= std::min(0.0, least(coarse)));
+      }
+  }
 }
 
 TEST_CASE("A state's jet takes the Taylor coefficients of the fine jet at its place") {

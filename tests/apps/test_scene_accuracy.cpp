@@ -1,0 +1,94 @@
+// body.accuracy: the body that a scene gets for a relative error of the force.
+#include <catch2/catch.hpp>
+#include <cmath>
+#include <string>
+
+#include "apps/scene/scene.hpp"
+#include "geometry/mesh/mesh_file.hpp"
+#include "geometry/meshing/phantom.hpp"
+#include "solver/body/fine_jet.hpp"
+#include "solver/equilibrium/solver.hpp"
+#include "tests/support/error_of.hpp"
+#include "tests/support/executable.hpp"
+
+using namespace forefeel;
+using Catch::Contains;
+using test::Workshop;
+
+namespace {
+
+const std::string rest = R"([material]
+law = "neo-hookean"
+young = 5000.0
+poisson = 0.4
+[clamp]
+group = "clamp"
+[contact]
+pad = 1000.0
+[state_space]
+spacing = 0.01
+box = [[-0.02, -0.02, -0.02], [0.02, 0.02, 0.02]]
+)";
+
+Scene load(const Workshop& shop, const std::string& body, const std::vector<std::string>& overrides = {}) {
+  return load_scene(shop.write("scene.toml", "[body]\n" + body + rest), overrides, nullptr, {.quiet = true});
+}
+
+}  // namespace
+
+TEST_CASE("the least costly body that meets body.accuracy is taken, and its error is true", "[scene]") {
+  const Workshop shop;
+  const std::string ball = "phantom = \"ball\"\nelements = 400\n";
+  const Scene coarse = load(shop, ball + "accuracy = 0.2\n"), fine = load(shop, ball + "accuracy = 0.02\n");
+  REQUIRE(coarse.source.accuracy);
+  REQUIRE(fine.source.accuracy);
+  CHECK(coarse.source.accuracy->reached);
+  CHECK(fine.source.accuracy->reached);
+  CHECK(fine.source.accuracy->high <= 0.02);
+  CHECK(fine.source.accuracy->taken.fine > coarse.source.accuracy->taken.fine);
+  REQUIRE(fine.body->fine);
+  CHECK(fine.body->element == fine.source.accuracy->taken.element);
+  CHECK(fine.source.accuracy->seconds > 0);
+  CHECK(fine.source.accuracy->ms_per_state > 0);
+  // a solved body of quadratic elements, more than the fine body has
+  const Scene truth = load(shop, "phantom = \"ball\"\nelements = 14000\nelement = \"quadratic\"\n");
+  const Vec3 x = 0.02 * truth.inward;
+  const Vec3 force = Solver(truth.body).reference(x, 0.02, {.tolerance = 1e-7}).state.force;
+  CHECK((Solver(fine.body).reference(x, 0.01).state.force - force).norm() < 0.02 * force.norm());
+}
+
+TEST_CASE("the choice of body.accuracy is kept, and keys beside it win", "[scene]") {
+  const Workshop shop;
+  const std::string ball = "phantom = \"ball\"\naccuracy = 0.1\nelements = 400\n";
+  const Scene first = load(shop, ball), again = load(shop, ball);
+  REQUIRE(first.source.accuracy);
+  CHECK(again.source.accuracy->seconds == first.source.accuracy->seconds);  // not searched again
+  CHECK(again.identity == first.identity);
+  CHECK(std::abs(static_cast<double>(first.body->mesh.tets.size()) - 400) < 0.05 * 400);
+  const Scene given = load(shop, ball, {"body.fine={elements=3000}", "body.element=quadratic"});
+  CHECK(given.body->element == Element::quadratic);
+  CHECK(given.source.accuracy->taken.fine == 3000);
+  CHECK(given.identity != first.identity);
+  // what cannot be met is said
+  const Scene never = load(shop, ball, {"body.fine=false", "body.element=linear", "body.accuracy=0.0001"});
+  CHECK_FALSE(never.source.accuracy->reached);
+  REQUIRE_FALSE(never.source.warnings.empty());
+  CHECK_THAT(never.source.warnings.back(), Contains("body.accuracy") && Contains("0.01 % wanted"));
+}
+
+TEST_CASE("of a volume mesh body.accuracy chooses the fine body alone", "[scene]") {
+  const Workshop shop;
+  write_mesh(shop.path() / "ball.msh", phantom("ball", 300));
+  const Scene scene =
+      load(shop, "mesh = \"ball.msh\"\naccuracy = 0.2\n", {"contact.nearest=[0.0, 0.0, 1.0]"});
+  CHECK(scene.body->element == Element::linear);
+  CHECK(scene.body->mesh.tets.size() == phantom("ball", 300).tets.size());
+  CHECK(scene.source.accuracy->taken.fine > 0);
+  CHECK_THAT(test::error_of([&] {
+               load(shop, "mesh = \"ball.msh\"\naccuracy = 0.2\nfine = { elements = 500 }\n",
+                    {"contact.nearest=[0.0, 0.0, 1.0]"});
+             }),
+             Contains("scene.toml:3: body.accuracy") && Contains("no body.fine beside it"));
+  CHECK_THAT(test::error_of([&] { load(shop, "phantom = \"ball\"\naccuracy = 0\n"); }),
+             Contains("body.accuracy") && Contains("above 0"));
+}
