@@ -124,18 +124,15 @@ TEST_CASE("FEniCSx: two and three materials, factors of 10 and 1000, forces with
   compare(bodies, at, 1e-9);
 }
 
-TEST_CASE("FEniCSx: forces under a pad within 1e-8, linear and quadratic elements") {
+TEST_CASE("FEniCSx: forces under a pad within 1e-10, linear and quadratic elements") {
   if (!test::has_python_module("dolfinx")) return test::skip("python3-dolfinx is not installed");
   std::vector<std::shared_ptr<Body>> bodies;
   for (const Element element : {Element::linear, Element::quadratic}) {
-    for (const Law law : {Law::neo_hookean, Law::st_venant_kirchhoff})
-      bodies.push_back(padded_block(law, element));
     bodies.push_back(padded_block(Law::neo_hookean, element));
-    *bodies.back()->pad = {.site = Vec3(0.016, 0.04, 0.03), .radius = 0.02, .stiffness = 300};  // edge, clamp
-    bodies.push_back(
-        region_body({Law::neo_hookean, 5e3, 0.2}, {Law::neo_hookean, 5e4, 0.45}, nullptr, 1, element));
-    bodies.back()->contact.clear();
-    bodies.back()->pad = Pad{.site = Vec3(0.05, 0.02, 0.04)};
+    bodies.push_back(region_body({Law::neo_hookean, 5e3, 0.2}, {Law::st_venant_kirchhoff, 5e4, 0.45}, nullptr,
+                                 1, element));
+    bodies.back()->contact.clear();  // a pad at an edge, beside the clamp
+    bodies.back()->pad = Pad{.site = Vec3(0.016, 0.04, 0.03), .radius = 0.02, .stiffness = 300};
   }
-  compare(bodies, {Vec3(0, 0, -0.01), Vec3(0.005, -0.003, -0.006), Vec3(-0.002, 0.004, 0.006)}, 1e-8);
+  compare(bodies, {Vec3(0, 0, -0.01), Vec3(0.005, -0.003, -0.006), Vec3(-0.002, 0.004, 0.006)}, 1e-10);
 }
