@@ -48,8 +48,10 @@ std::optional<Pad> pad_of(const py::object& given, const TetMesh& mesh) {
       throw InputError("pad", fmt::format("has '{:.40}', expected nearest, radius, stiffness", key));
   if (!keys.contains("nearest"))
     throw InputError("pad.nearest", "missing, expected (x, y, z), the place of the pad on the mesh [m]");
-  const auto place = cast_to<Doubles>(keys.at("nearest"), "pad.nearest", "three numbers [m]");
-  if (place.size() != 3) throw InputError("pad.nearest", "expected three numbers [m]");
+  const Doubles place = Doubles::ensure(keys.at("nearest"));
+  if (!place || place.size() != 3)
+    throw InputError("pad.nearest", fmt::format("is {:.60}, expected three numbers [m]",
+                                                std::string(py::repr(keys.at("nearest")))));
   const Vec3 nearest = points_of(place, "pad.nearest").front();
   const double far =
       100 * longest_side(mesh);  // as in a scene: such a place is a slip, millimetres for metres

@@ -58,7 +58,7 @@ nearest = [0.071, 0.011, 0.03]
         refused({}, "^pad.nearest: missing")
         refused({"nearest": top, "width": 0.02}, "^pad: has 'width', expected nearest, radius, stiffness")
         refused({"nearest": "tip"}, "^pad.nearest: is 'tip', expected three numbers")
-        refused({"nearest": (0.07, 0.01)}, "^pad.nearest: expected three numbers")
+        refused({"nearest": (0.07, 0.01)}, r"^pad.nearest: is \(0.07, 0.01\), expected three numbers")
         refused({"nearest": (0.07, np.nan, 0)}, "^pad.nearest: ")
         refused({"nearest": (71, 11, 30)}, "^pad.nearest: is far from the body")
         refused({"nearest": top, "radius": 0}, "^pad.radius: is 0 m, expected a number above 0")
