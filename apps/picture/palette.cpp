@@ -4,6 +4,7 @@
 
 #include <algorithm>
 #include <cassert>
+#include <cmath>
 #include <functional>
 #include <map>
 #include <span>
@@ -138,6 +139,15 @@ const std::string& ink(std::string_view meaning) {
   const auto found = in_use().colours.find(meaning);
   assert(found != in_use().colours.end());
   return found->second;
+}
+
+std::string mixed(const std::string& from, const std::string& to, double share) {
+  std::string out = "#";
+  for (std::size_t i = 1; i < 7; i += 2) {
+    const int a = std::stoi(from.substr(i, 2), nullptr, 16), b = std::stoi(to.substr(i, 2), nullptr, 16);
+    out += fmt::format("{:02x}", static_cast<int>(std::lround(a + share * (b - a))));
+  }
+  return out;
 }
 
 const std::string& line_colour(std::size_t i) {

@@ -30,6 +30,9 @@ inline const std::string& colour(Label label) {
   return ink(name(label));
 }
 
+// From one colour "#rrggbb" to another, as share goes from 0 to 1.
+std::string mixed(const std::string& from, const std::string& to, double share);
+
 // The colour of curve i; they repeat.
 inline const std::string& colour_of(const Palette& palette, std::size_t i) {
   return palette[i % palette.size()];

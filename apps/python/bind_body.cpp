@@ -8,6 +8,8 @@
 #include <array>
 #include <atomic>
 #include <cmath>
+#include <map>
+#include <optional>
 
 #include "apps/python/bindings.hpp"
 #include "apps/python/interruptible.hpp"
@@ -15,6 +17,7 @@
 #include "geometry/common/error.hpp"
 #include "geometry/mesh/mesh_file.hpp"
 #include "geometry/states/energy_jet.hpp"
+#include "solver/body/pad.hpp"
 #include "solver/equilibrium/solver.hpp"
 #include "solver/lattice/generate.hpp"
 
@@ -35,8 +38,51 @@ std::vector<NodeIndex> node_set(const Integers& given, std::size_t nodes, const 
   return set;
 }
 
+// None, or a dict with nearest, radius and stiffness; only nearest is required.
+std::optional<Pad> pad_of(const py::object& given, const TetMesh& mesh) {
+  if (given.is_none()) return {};
+  const auto keys =
+      cast_to<std::map<std::string, py::object>>(given, "pad", "a dict with nearest, radius, stiffness");
+  for (const auto& [key, value] : keys)
+    if (key != "nearest" && key != "radius" && key != "stiffness")
+      throw InputError("pad", fmt::format("has '{:.40}', expected nearest, radius, stiffness", key));
+  if (!keys.contains("nearest"))
+    throw InputError("pad.nearest", "missing, expected (x, y, z), the place of the pad on the mesh [m]");
+  const Doubles place = Doubles::ensure(keys.at("nearest"));
+  if (!place || place.size() != 3)
+    throw InputError("pad.nearest", fmt::format("is {:.60}, expected three numbers [m]",
+                                                std::string(py::repr(keys.at("nearest")))));
+  const Vec3 nearest = points_of(place, "pad.nearest").front();
+  const double far =
+      100 * longest_side(mesh);  // as in a scene: such a place is a slip, millimetres for metres
+  if (const Box box = bounding_box(mesh);
+      ((nearest - box.low).array() < -far || (nearest - box.high).array() > far).any())
+    throw InputError("pad.nearest", "is far from the body, expected a place near it in metres");
+  Pad pad{.site = nearest_site(mesh, nearest)};
+  const auto read = [&](const char* key, const char* unit, double& to) {
+    if (!keys.contains(key)) return;
+    const std::string argument = std::string("pad.") + key;
+    to = cast_to<double>(keys.at(key), argument, "a number");
+    if (!(to > 0 && std::isfinite(to)))
+      throw InputError(argument, fmt::format("is {} {}, expected a number above 0", to, unit));
+  };
+  read("radius", "m", pad.radius);
+  read("stiffness", "N/m", pad.stiffness);
+  return pad;
+}
+
+py::object dict_of(const std::optional<Pad>& pad) {
+  if (!pad) return py::none();
+  py::dict out;
+  out["nearest"] = array_of(pad->site);
+  out["radius"] = pad->radius;
+  out["stiffness"] = pad->stiffness;
+  return out;
+}
+
 PyBody make_body(const Doubles& nodes, const Integers& tets, const Integers& clamp, const Integers& contact,
-                 const std::string& law, double young, double poisson, const std::string& element) {
+                 const std::string& law, double young, double poisson, const std::string& element,
+                 const py::object& pad) {
   auto body = std::make_shared<Body>();
   body->mesh.nodes = points_of(nodes, "nodes");
   if (tets.ndim() != 2 || tets.shape(1) != 4)
@@ -59,6 +105,9 @@ PyBody make_body(const Doubles& nodes, const Integers& tets, const Integers& cla
   body->contact = node_set(contact, count, "contact");
   body->element = chosen(element, "element", std::array{Element::linear, Element::quadratic});
   std::vector<std::string> warnings = check_and_orient(body->mesh, "Body").warnings;
+  body->pad = pad_of(pad, body->mesh);
+  if (body->pad && !body->contact.empty())
+    throw InputError("contact", "names nodes beside pad, expected none: its place is pad['nearest']");
   for (std::string& warning : check(*body, "Body")) warnings.push_back(std::move(warning));
   return {std::move(body), std::move(warnings)};
 }
@@ -178,11 +227,13 @@ py::dict mesh_dict(const TetMesh& mesh) {
 void bind_body(py::module_& module) {
   py::class_<PyBody>(module, "Body")
       .def(py::init(&make_body), py::arg("nodes"), py::arg("tets"), py::arg("clamp"), py::arg("contact"),
-           py::arg("law"), py::arg("young"), py::arg("poisson"), py::arg("element"))
+           py::arg("law"), py::arg("young"), py::arg("poisson"), py::arg("element"),
+           py::arg("pad") = py::none())
       .def_property_readonly("nodes", [](const PyBody& self) { return array_of(self.body->mesh.nodes); })
       .def_property_readonly("tets", [](const PyBody& self) { return tets_of(self.body->mesh); })
       .def_property_readonly("clamp", [](const PyBody& self) { return indices(self.body->clamp); })
       .def_property_readonly("contact", [](const PyBody& self) { return indices(self.body->contact); })
+      .def_property_readonly("pad", [](const PyBody& self) { return dict_of(self.body->pad); })
       .def_property_readonly("warnings", [](const PyBody& self) { return self.warnings; })
       .def("solve", &solve, py::arg("positions"), py::arg("spacing"), py::arg("displacements"),
            py::arg("progress"), py::arg("jet") = 1)

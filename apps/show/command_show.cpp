@@ -106,6 +106,7 @@ nlohmann::ordered_json to_json(const ShowResult& result) {
                    {"elements", body.mesh.tets.size()},
                    {"clamp", std::ranges::count(body.role, Role::clamp)},
                    {"contact", std::ranges::count(body.role, Role::contact)},
+                   {"pad", body.pad ? number(body.pad->peak) : nlohmann::ordered_json()},
                    {"groups", groups},
                    {"regions", nlohmann::ordered_json::array()}};
     for (const ShownRegion& region : body.regions.all)

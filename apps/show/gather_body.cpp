@@ -4,6 +4,7 @@
 #include <utility>
 
 #include "apps/scene/scene_body.hpp"
+#include "apps/show/gather_pad.hpp"
 #include "apps/show/gather_regions.hpp"
 
 namespace forefeel {
@@ -65,6 +66,7 @@ ShownBody shown_body(const Body& body) {
   };
   mark(body.clamp, Role::clamp);
   mark(body.contact, Role::contact);
+  shown.pad = shown_pad(body, shown);
   shown.rest = rest_of_contact(body);
   for (Vec3& node : shown.nodes) node -= shown.rest;
   for (Vec3& node : shown.regions.inside.nodes) node -= shown.rest;

@@ -45,6 +45,15 @@ struct ShownRegions {
   ShownInterface inside;
 };
 
+// The springs of a pad over the surface: points, each in a triangle of the body, and triangles between them.
+struct ShownPad {
+  double peak = 0;                   // of a(y) (solver/body/pad.hpp) [N/m^3]
+  std::vector<std::uint32_t> facet;  // #P: number of its triangle of the body
+  std::vector<Vec3> at;              // #P: barycentric coordinates in it
+  std::vector<double> weight;        // #P: a(y) / peak, from 0 to 1
+  std::vector<Triangle> triangles;   // of points, outward; those without springs are left out
+};
+
 // The surface of a body at rest.
 struct ShownBody {
   std::vector<Vec3> nodes;          // #V [m]
@@ -55,6 +64,7 @@ struct ShownBody {
   ShownRegions regions;
   Vec3 rest = Vec3::Zero();     // where the contact rests, in the mesh [m]
   std::optional<Vec3> outward;  // mean normal of the contact
+  std::optional<ShownPad> pad;  // then no node has the role contact
   TetMesh mesh;                 // for the .vtu; no tetrahedra for a surface
 };
 

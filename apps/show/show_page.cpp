@@ -70,6 +70,14 @@ Json corners_of(const std::vector<Triangle>& triangles) {
   return packed("u32", corners);
 }
 
+Json pad_json(const ShownPad& pad) {
+  return {{"peak", pad.peak},
+          {"facet", packed("u32", pad.facet)},
+          {"at", floats(pad.at, [](const Vec3& at) { return at; })},
+          {"weight", floats(pad.weight, [](double weight) { return weight; })},
+          {"triangles", corners_of(pad.triangles)}};
+}
+
 Json body_json(const ShownBody& body) {
   Json out;
   out["nodes"] = floats(body.nodes, [](const Vec3& p) { return p; });
@@ -90,6 +98,7 @@ Json body_json(const ShownBody& body) {
   out["inside"] = {{"nodes", floats(body.regions.inside.nodes, [](const Vec3& p) { return p; })},
                    {"triangles", corners_of(body.regions.inside.triangles)},
                    {"region", bytes(body.regions.inside.region, [](std::uint8_t region) { return region; })}};
+  out["pad"] = body.pad ? pad_json(*body.pad) : Json();
   out["rest"] = vector3(body.rest);
   out["elements"] = body.mesh.tets.size();
   return out;

@@ -5,6 +5,7 @@
 #include <cmath>
 #include <cstdint>
 #include <string>
+#include <vector>
 
 #include "geometry/common/declared.hpp"
 #include "geometry/coverage/region_file.hpp"
@@ -15,6 +16,20 @@ namespace forefeel {
 namespace {
 
 namespace fs = std::filesystem;
+
+// a(y) [N/m^3] at the nodes; where facets at an edge differ, the largest.
+std::vector<double> pad_at_nodes(const ShownBody& body, std::size_t nodes) {
+  std::vector<double> density(nodes, 0.0);
+  const ShownPad& pad = *body.pad;
+  for (std::size_t p = 0; p < pad.facet.size(); ++p)
+    for (int i = 0; i < 3; ++i)
+      if (pad.at[p][i] == 1) {
+        const NodeIndex corner = body.triangles[pad.facet[p]][static_cast<std::size_t>(i)];
+        double& own = density[body.node[corner]];
+        own = std::max(own, pad.weight[p] * pad.peak);
+      }
+  return density;
+}
 
 void write_body(const fs::path& file, const ShownBody& body) {
   const bool solid = !body.mesh.tets.empty();
@@ -28,6 +43,7 @@ void write_body(const fs::path& file, const ShownBody& body) {
   grid.begin(points.size(), solid ? body.mesh.tets.size() : body.triangles.size());
   grid.section("PointData");
   grid.array<std::uint8_t>("role", 1, role);
+  if (body.pad) grid.array<double>("pad", 1, pad_at_nodes(body, points.size()));
   for (const auto& [name, nodes] : body.mesh.groups) {
     std::vector<std::uint8_t> in(points.size(), 0);
     for (const NodeIndex node : nodes) in[node] = 1;

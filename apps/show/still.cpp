@@ -159,6 +159,34 @@ void add_body(const ShownBody& body, const Box& extent, const Eye& eye, double o
   }
 }
 
+// The springs of the pad: the contact's colour where they are strongest, the body's where they end.
+void add_pad(const ShownBody& body, const Box& extent, const Eye& eye, Depths& shapes) {
+  const ShownPad& pad = *body.pad;
+  const Vec3 lamp = (eye.towards() + Vec3(0.2, -0.1, 0.5)).normalized();
+  const auto place = [&](NodeIndex point) {
+    const Triangle& t = body.triangles[pad.facet[point]];
+    const Vec3& at = pad.at[point];
+    return Vec3(at[0] * body.nodes[t[0]] + at[1] * body.nodes[t[1]] + at[2] * body.nodes[t[2]]);
+  };
+  for (const Triangle& t : pad.triangles) {
+    const std::array<Vec3, 3> p{place(t[0]), place(t[1]), place(t[2])};
+    const Vec3 normal = (p[1] - p[0]).cross(p[2] - p[0]).normalized();
+    if (normal.dot(eye.towards()) <= 0) continue;
+    const std::uint32_t facet = pad.facet[t[0]];
+    const std::size_t region = body.regions.of_triangle.empty() ? 0 : body.regions.of_triangle[facet];
+    const std::string& base = region > 0 ? colour_of(palette_in_use(), region - 1) : ink("body");
+    const double share = (pad.weight[t[0]] + pad.weight[t[1]] + pad.weight[t[2]]) / 3;
+    const std::string colour =
+        shaded(mixed(base, ink("contact"), share), 0.55 + 0.45 * std::abs(normal.dot(lamp)));
+    // at the depth of the facet, so that it is drawn on top of it
+    const Triangle& own = body.triangles[facet];
+    const Vec3 middle = (body.nodes[own[0]] + body.nodes[own[1]] + body.nodes[own[2]]) / 3;
+    shapes.add(eye.depth(middle) + 1e-4 * extent.size().maxCoeff(), [=, &eye](FlatPicture& picture) {
+      picture.polygon({eye(p[0]), eye(p[1]), eye(p[2])}, colour, 1);
+    });
+  }
+}
+
 // Where regions touch inside the body.
 void add_inside(const ShownInterface& inside, const Eye& eye, Depths& shapes) {
   const Vec3 lamp = (eye.towards() + Vec3(0.2, -0.1, 0.5)).normalized();
@@ -298,6 +326,7 @@ FlatPicture still_picture(const ShowContent& content) {
   const bool inside = content.body && !content.body->regions.inside.empty();
   const double opacity = content.states || content.run ? 0.22 : inside ? 0.35 : 1;
   if (content.body) add_body(*content.body, extent, eye, opacity, shapes);
+  if (content.body && content.body->pad) add_pad(*content.body, extent, eye, shapes);
   if (inside) add_inside(content.body->regions.inside, eye, shapes);
   if (content.box) add_box(*content.box, eye, shapes);
   if (content.states) {

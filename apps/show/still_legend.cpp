@@ -26,6 +26,16 @@ class Legend {
                      colour);
     words_at(legend_left + 22, words);
   }
+  // Five colours from one to another.
+  void ramp(const std::string& from, const std::string& to, const std::string& words) {
+    constexpr int steps = 5;
+    for (int i = 0; i < steps; ++i) {
+      const double left = legend_left + 11.0 * i;
+      picture_.polygon({{left, y_ - 11}, {left + 11, y_ - 11}, {left + 11, y_ + 1}, {left, y_ + 1}},
+                       mixed(from, to, double(i) / (steps - 1)));
+    }
+    words_at(legend_left + 11 * steps + 7, words);
+  }
   void words(const std::string& text) { words_at(legend_left, text); }
   void gap() { y_ += 10; }
 
@@ -60,6 +70,8 @@ void add_body_lines(const ShownBody& body, Legend& legend) {
   if (body.regions.all.size() > most_named_regions)
     legend.words(fmt::format("and {} more regions", body.regions.all.size() - most_named_regions));
   if (has(Role::clamp)) legend.swatch("clamp", "clamp (held)");
+  if (body.pad)
+    legend.ramp(ink("body"), ink("contact"), fmt::format("pad, up to {:.3g} kPa/mm", 1e-6 * body.pad->peak));
   if (has(Role::contact)) legend.swatch("contact", "contact (moves with the hand)");
 }
 

@@ -120,7 +120,7 @@ double integrate(const Corners& t, const Pad& pad, PadFacet& facet) {
   const auto flat = [&](const Vec3& p) { return Vec2(e1.dot(p - foot), e2.dot(p - foot)); };
   const std::array<Vec2, 3> corner{flat(t.a), flat(t.b), flat(t.c)};
   const double twice = cross(corner[1] - corner[0], corner[2] - corner[0]);
-  const double scale = 3 * pad.stiffness / (std::numbers::pi * r2);
+  const double scale = pad_peak(pad);
   double inside = 0;
   const auto visit = [&](const Vec2& y, double weight) {
     const Vec3 l(cross(corner[1] - y, corner[2] - y) / twice, cross(corner[2] - y, corner[0] - y) / twice,
@@ -201,6 +201,15 @@ PadSurface pad_surface(const TetMesh& mesh, const Pad& pad, int nodes_per_facet)
     surface.stiffness += sum_of(facet);
   }
   return surface;
+}
+
+double pad_peak(const Pad& pad) {
+  return 3 * pad.stiffness / (std::numbers::pi * pad.radius * pad.radius);
+}
+
+double pad_density(const Pad& pad, const PadSurface& surface, const Vec3& y, const Vec3& normal) {
+  const double fall = std::max(0.0, 1 - (y - pad.site).squaredNorm() / (pad.radius * pad.radius));
+  return pad_peak(pad) * fall * fall * facing(normal.dot(surface.normal));
 }
 
 Vec3 nearest_site(const TetMesh& mesh, const Vec3& point) {

@@ -36,6 +36,10 @@ struct PadSurface {
 // of k_p. Throws nothing: a site off the surface has no facets.
 PadSurface pad_surface(const TetMesh& mesh, const Pad& pad, int nodes_per_facet = 3);
 
+// a(y) [N/m^3] at a point of a facet of S with this normal (outward, of length 1), and its peak 3 k_p / (pi r^2).
+double pad_density(const Pad& pad, const PadSurface& surface, const Vec3& y, const Vec3& normal);
+double pad_peak(const Pad& pad);
+
 // The point of the surface that is nearest to `point`.
 Vec3 nearest_site(const TetMesh& mesh, const Vec3& point);
 

@@ -56,6 +56,10 @@ TEST_CASE("bodies, files, interruption, errors and documentation of the Python p
   run_checks("tests/apps/python_package.py");
 }
 
+TEST_CASE("a Python body with a pad has the forces of the command, and wrong pads are refused") {
+  run_checks("tests/apps/python_pads.py");
+}
+
 TEST_CASE("the Python example of the paper's figure finds blank space worse than sparse") {
   if (is_missing()) return;
   if (!has_python_module("matplotlib")) return skip("python3-matplotlib is not installed");

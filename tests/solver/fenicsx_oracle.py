@@ -1,14 +1,17 @@
-"""Forces on the contact of bodies of several materials, by FEniCSx: BODIES.json OUT.json
+"""Forces of bodies on the tip, by FEniCSx: BODIES.json OUT.json
 
 BODIES.json: a list of bodies, each with nodes (#V x 3), tets (#T x 4), law (#T: 0 linear, 1 St. Venant-Kirchhoff,
 2 neo-Hookean), mu and lambda (#T), degree (1 or 2), clamp and contact (boxes [[x0, y0, z0], [x1, y1, z1]] that hold
-their nodes), at (#S x 3), steps. OUT.json: for each body its forces (#S x 3)."""
+their nodes), at (#S x 3), steps; in place of contact perhaps pad: {nodes (#P x 3), springs (#Q x [i, j, M_ij])} with
+the energy 1/2 w^T M w over the nodes' displacements w_0 .. w_(P-1) and the tip's w_P = x; j >= i, M is symmetric.
+OUT.json: for each body its forces (#S x 3)."""
 import json
 import sys
 
 import numpy as np
 import scipy.sparse
 import scipy.sparse.linalg
+import scipy.spatial
 import ufl
 from dolfinx import fem, mesh
 from mpi4py import MPI
@@ -48,18 +51,40 @@ def solve(body):
     tangent = fem.form(ufl.derivative(residual_form, u, trial))
 
     def unknowns(box):
+        if box is None:
+            return np.empty(0, dtype=int)
         low, high = np.array(box[0]) - 1e-9, np.array(box[1]) + 1e-9
         nodes = fem.locate_dofs_geometrical(
             space, lambda x: np.all((x.T >= low) & (x.T <= high), axis=1))
         return (3 * nodes[:, None] + np.arange(3)).ravel()
 
-    clamp, contact = unknowns(body["clamp"]), unknowns(body["contact"])
+    # The pad's gradient is springs @ u + to_tip @ x, and minus its force on the tip is to_tip.T @ u + of_tip x.
+    def pad_matrices(pad):
+        count, places = len(pad["nodes"]), space.tabulate_dof_coordinates()
+        distance, node = scipy.spatial.cKDTree(places).query(pad["nodes"])
+        assert distance.max() < 1e-9
+        node = np.append(node, len(places))  # the tip comes last
+        i, j, value = np.array(pad["springs"]).T
+        i, j = node[i.astype(int)], node[j.astype(int)]
+        upper = scipy.sparse.csr_matrix((value, (i, j)), shape=(len(places) + 1,) * 2)
+        whole = scipy.sparse.kron(upper + scipy.sparse.triu(upper, 1).T + scipy.sparse.tril(upper, -1).T,
+                                  scipy.sparse.identity(3), format="csr")
+        assert node.max() == len(places) and count == len(set(node[:-1]))
+        return whole[:-3, :-3], whole[:-3, -3:], whole[-3:, -3:]
+
+    clamp, contact = unknowns(body["clamp"]), unknowns(body.get("contact"))
+    pad = pad_matrices(body["pad"]) if "pad" in body else None
     free = np.setdiff1d(np.arange(u.x.array.size), np.concatenate([clamp, contact]))
 
-    def gradient():
+    def gradient(x):
         vector = fem.petsc.assemble_vector(residual)
         vector.ghostUpdate(addv=PETSc.InsertMode.ADD, mode=PETSc.ScatterMode.REVERSE)
-        return vector.array.copy()
+        return vector.array + (pad[0] @ u.x.array + pad[1] @ x if pad else 0)
+
+    def force(x):
+        if pad:
+            return -(pad[1].T @ u.x.array + pad[2] @ x)
+        return -gradient(x)[contact].reshape(-1, 3).sum(axis=0)
 
     # A full step of Newton's method, with the contact moved to x first.
     def step_to(x):
@@ -68,8 +93,8 @@ def solve(body):
         matrix = fem.petsc.assemble_matrix(tangent)
         matrix.assemble()
         start, column, value = matrix.getValuesCSR()
-        h = scipy.sparse.csr_matrix((value, column, start))
-        move[free] = scipy.sparse.linalg.spsolve(h[free][:, free].tocsc(), -gradient()[free] - (h @ move)[free])
+        h = scipy.sparse.csr_matrix((value, column, start)) + (pad[0] if pad else 0)
+        move[free] = scipy.sparse.linalg.spsolve(h[free][:, free].tocsc(), -gradient(x)[free] - (h @ move)[free])
         u.x.array[:] += move
         return np.abs(move).max()
 
@@ -82,7 +107,7 @@ def solve(body):
                     break
             else:
                 sys.exit("Newton's method does not converge")
-        forces.append((-gradient()[contact].reshape(-1, 3).sum(axis=0)).tolist())
+        forces.append(force(at).tolist())
     return forces
 
 

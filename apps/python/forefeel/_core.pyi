@@ -43,9 +43,10 @@ class Body:
     tets: NDArray[np.int32]
     clamp: NDArray[np.int32]
     contact: NDArray[np.int32]
+    pad: dict[str, Any] | None
     warnings: list[str]
     def __init__(self, nodes: ArrayLike, tets: ArrayLike, clamp: ArrayLike, contact: ArrayLike, law: str,
-                 young: float, poisson: float, element: str) -> None: ...
+                 young: float, poisson: float, element: str, pad: dict[str, Any] | None = ...) -> None: ...
     def solve(self, positions: ArrayLike, spacing: float, displacements: bool,
               progress: Callable[[float], Any] | None, jet: int = ...) -> Any: ...
     def generate(self, spacing: float, box: ArrayLike, threads: int,

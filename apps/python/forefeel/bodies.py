@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 import json
-from collections.abc import Callable, Iterable
+from collections.abc import Callable, Iterable, Mapping
 from typing import Any
 
 import numpy as np
@@ -16,23 +16,28 @@ Progress = Callable[[float], Any]
 
 
 class Body:
-    """What is pressed: a tetrahedral mesh with material, clamped nodes, and contact nodes that move with the tip.
+    """What is pressed: a tetrahedral mesh with material, clamped nodes, and a contact with the tip: nodes that move with
+    it, or a compliant pad.
 
     nodes    (v, 3): rest positions [m]
     tets     (t, 4): numbers of nodes, from 0
     clamp    numbers of the nodes that never move
-    contact  numbers of the nodes that move by the position of the tip
+    contact  numbers of the nodes that move by the position of the tip; none with a pad
     law      "linear", "st-venant-kirchhoff", "neo-hookean", "stable-neo-hookean" or "mooney-rivlin"
     young    Young's modulus [Pa]
     poisson  Poisson's ratio, in (-1, 0.5)
     element  "linear", or "quadratic", which does not lock above a ratio of 0.45
+    pad      dict: springs between the surface and the tip, about a fingertip, in place of contact nodes:
+               nearest    (3,): a place; the pad is at the point of the surface that is nearest to it [m]
+               radius     of the springs, 0.02 if absent [m]
+               stiffness  sum of the springs on a flat surface, 1000 if absent [N/m]
     """
 
-    def __init__(self, nodes: ArrayLike, tets: ArrayLike, clamp: ArrayLike, contact: ArrayLike,
+    def __init__(self, nodes: ArrayLike, tets: ArrayLike, clamp: ArrayLike, contact: ArrayLike = (),
                  law: str = "neo-hookean", young: float = 5e3, poisson: float = 0.45,
-                 element: str = "linear") -> None:
+                 element: str = "linear", pad: Mapping[str, Any] | None = None) -> None:
         self._body = nodes if isinstance(nodes, _core.Body) else _core.Body(
-            nodes, tets, clamp, contact, law, young, poisson, element)
+            nodes, tets, clamp, contact, law, young, poisson, element, dict(pad) if isinstance(pad, Mapping) else pad)
 
     @classmethod
     def _of(cls, body: _core.Body) -> Body:
@@ -60,8 +65,13 @@ class Body:
 
     @property
     def contact(self) -> NDArray[np.int32]:
-        """Numbers of the contact nodes, sorted."""
+        """Numbers of the contact nodes, sorted; none with a pad."""
         return self._body.contact
+
+    @property
+    def pad(self) -> dict[str, Any] | None:
+        """The pad, as it is given to Body(), with nearest on the surface; None: the contact is nodes."""
+        return self._body.pad
 
     @property
     def warnings(self) -> list[str]:
@@ -150,7 +160,7 @@ class Scene:
 
     @property
     def body(self) -> Body:
-        """Its mesh, material, clamped and contact nodes."""
+        """Its mesh, material, clamped nodes, and contact nodes or pad."""
         return Body._of(self._scene._body())
 
     def solve(self, positions: ArrayLike, displacements: bool = False, progress: Progress | None = None,

@@ -96,6 +96,33 @@ function makeRegions() {
   });
 }
 
+// The springs of a pad on top of the surface: the contact's colour where they are strongest, the body's where they end.
+function makePad() {
+  const {pad, region} = scene.body, count = pad.facet.length, colour = new Float32Array(3 * count);
+  for (let i = 0; i < count; ++i) {
+    const own = region[pad.facet[i]], from = rgb(own ? 'region_' + own : 'body'), to = rgb('contact');
+    colour.set(from.map((v, k) => v + pad.weight[i] * (to[k] - v)), 3 * i);
+  }
+  const geometry = new THREE.BufferGeometry();
+  geometry.setAttribute('position', new THREE.BufferAttribute(new Float32Array(3 * count), 3));
+  geometry.setAttribute('color', new THREE.BufferAttribute(colour, 3));
+  geometry.setIndex(new THREE.BufferAttribute(pad.triangles, 1));
+  layer('contact', new THREE.Mesh(geometry, new THREE.MeshPhongMaterial({
+    vertexColors: THREE.VertexColors, side: THREE.DoubleSide, flatShading: true, specular: 0, polygonOffset: true,
+    polygonOffsetFactor: -1, polygonOffsetUnits: -1})));
+}
+
+// The pad follows the surface at `place` (mm, 3 a node).
+function movePad(place) {
+  const {pad, triangles} = scene.body, {geometry} = layers.contact, at = geometry.attributes.position;
+  for (let i = 0; i < pad.facet.length; ++i) {
+    const [a, b, c] = triple(triangles, pad.facet[i]).map(node => triple(place, node)), l = triple(pad.at, i);
+    at.array.set(a.map((_, k) => l[0] * a[k] + l[1] * b[k] + l[2] * c[k]), 3 * i);
+  }
+  at.needsUpdate = true;
+  geometry.computeBoundingSphere();
+}
+
 function makeBody() {
   const body = scene.body;
   bodyGeometry = new THREE.BufferGeometry();
@@ -124,6 +151,7 @@ function makeBody() {
     const at = new Float32Array(3 * marked[name].length);
     layer(name, points(at, filled(marked[name].length, rgb(name)), name === 'contact' ? 7 : 5));
   }
+  if (body.pad) makePad();
   moveBody(null);
 }
 
@@ -134,8 +162,9 @@ function moveBody(moved) {
   drawn.node.forEach((node, i) => at.array.set(triple(place, node), 3 * i));
   at.needsUpdate = true;
   bodyGeometry.computeBoundingSphere();
+  if (scene.body.pad) movePad(place);
   for (const name of Object.keys(marked)) {
-    if (!layers[name]) continue;
+    if (!marked[name].length) continue;
     const dots = layers[name].geometry.attributes.position;
     marked[name].forEach((node, k) => dots.array.set(triple(place, node), 3 * k));
     dots.needsUpdate = true;
