@@ -139,7 +139,7 @@ struct StretchSearch {
     if (!found) return;
     Lanes inside{};
     const Lanes failed = room(p, g1, g2, outside);
-    for (int round = 0; round < 12; ++round) {
+    for (int round = 0; round < 22; ++round) {
       const Lanes middle = 0.5 * (inside + outside), value = room(p, g1, g2, middle);
       inside = value < 0.0 ? inside : middle;
       outside = value < 0.0 ? middle : outside;

