@@ -24,9 +24,9 @@ struct ModelOptions {
   double length = 0;  // distance between states, used if the set itself does not show it [m]; 0: unknown
 };
 
-// The options with no more neighbours than there can be states (but at least uncapped_neighbours, set_sizes.hpp). The models are the
-// same; their buffers are smaller. Throws InputError("model.neighbours", ...) if the matrix of one model would take
-// more than a gigabyte.
+// The options with no more neighbours than there can be states (but at least uncapped_neighbours, set_sizes.hpp). The
+// models are the same; their buffers are smaller. Throws InputError("model.neighbours", ...) if the matrix of one model
+// would take more than a gigabyte.
 ModelOptions for_states(ModelOptions options, std::size_t states);
 
 }  // namespace forefeel

@@ -1,6 +1,6 @@
 // forefeel bench truth [SCENE] [-o DIR]: the whole error of a force, mesh and contact included, against what a state
-// costs. The truth is a solved body of quadratic elements, twice as many as the fine body has, small at the pad. Positions are drawn in a ball about rest. Every position counts: a solve that
-// fails is an error of 100 %.
+// costs. The truth is a solved body of quadratic elements, twice as many as the fine body has, small at the pad.
+// Positions are drawn in a ball about rest. Every position counts: a solve that fails is an error of 100 %.
 //   error          |f - f_truth| / max(|f_truth|, session.error_floor)
 //   ms_per_state   wall time of the 27 states of a lattice of 12 mm about rest over those solved, one thread
 //   once_s         time of what is done once, nothing kept from before: meshing, and the rest jets of the fine body

@@ -1,5 +1,5 @@
-// forefeel bench approx|solver|coverage|switch|loop|jet|truth [SCENE]: speed, error, and ratios to named baselines measured in
-// the same run.
+// forefeel bench approx|solver|coverage|switch|loop|jet|truth [SCENE]: speed, error, and ratios to named baselines
+// measured in the same run.
 
 #include <fmt/format.h>
 

@@ -1,5 +1,6 @@
 # Installs the public headers of SOURCE below FOLDER, as forefeel/geometry/…: the umbrella header, those that its
-# comment names ("//   FOLDER/FILE.hpp  …"), and all that they include. Their includes of each other get the same prefix.
+# comment names ("//   FOLDER/FILE.hpp  …"), and all that they include. Their includes of each other get the same
+# prefix.
 cmake_policy(VERSION 3.25)
 set(include_line "#include \"((geometry|solver|approx|scheduling)/[^\"]*)\"")
 set(named_line "//   ((geometry|solver|approx|scheduling)/[a-z_/]+\\.hpp) ")

@@ -179,8 +179,8 @@ class PlotCanvas : public Canvas {
   }
 
  private:
-  // Pixels of a rectangle, hatched as in the SVG: #1b1b1b laid over the label's colour. label_at(x, y): from its top left
-  // corner.
+  // Pixels of a rectangle, hatched as in the SVG: #1b1b1b laid over the label's colour. label_at(x, y): from its top
+  // left corner.
   template <class LabelAt>
   void image(double left, double top, double width, double height, LabelAt label_at) {
     std::string pixels;

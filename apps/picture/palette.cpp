@@ -32,8 +32,8 @@ struct Ink {
 };
 
 const Ink inks[] = {
-    // Labels. Dark blue, light blue, amber, near-white: told apart with every kind of colour vision. In grey print, darker
-    // means better known.
+    // Labels. Dark blue, light blue, amber, near-white: told apart with every kind of colour vision. In grey print,
+    // darker means better known.
     {"safe", "#0b4f7d", 0, "#2f2f2f"},
     {"sparse", "#57a7d6", 1, "#6d6d6d"},
     {"gap", "#f2b632", 2, "#b5b5b5"},

@@ -1,6 +1,6 @@
 #pragma once
-// Colours of all pictures of this process. A palette gives the curves; the colours of labels and of everything else that
-// has a meaning are derived from it.
+// Colours of all pictures of this process. A palette gives the curves; the colours of labels and of everything else
+// that has a meaning are derived from it.
 
 #include <string>
 #include <string_view>

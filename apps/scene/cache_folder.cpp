@@ -48,10 +48,13 @@ bool is_of_cache(const std::string& name) {
   if (all.size() <= hash_length ||
       all.substr(0, hash_length).find_first_not_of("0123456789abcdef") != std::string_view::npos)
     return false;
-  const std::string_view rest = all.substr(hash_length);
-  for (const std::string_view kept :
-       {".mesh", ".spacing.json", ".mesh-error.json", ".accuracy.json", ".costs.csv", ".rest-cost.csv",
-        ".jet.json", ".states", "-lattice.states"})
+  std::string_view rest = all.substr(hash_length);
+  // state files say after a hyphen what they keep: -lattice, -displacements-jet3
+  if (rest.starts_with('-'))
+    rest.remove_prefix(
+        std::min(rest.size(), rest.find_first_not_of("-abcdefghijklmnopqrstuvwxyz0123456789")));
+  for (const std::string_view kept : {".mesh", ".spacing.json", ".mesh-error.json", ".accuracy.json",
+                                      ".costs.csv", ".rest-cost.csv", ".jet.json", ".states"})
     if (rest.starts_with(kept)) return true;
   return false;
 }

@@ -3,8 +3,8 @@
 // on: linear elements before quadratic ones, few elements of the fine body before many, and last quadratic elements
 // alone, for slender bodies, whose fine body corrects the force to a few millimetres only. The error is measured one
 // radius of the contact inward and to two sides (solver/equilibrium/mesh_error.hpp): with a fine body the upper end of
-// its interval; without one 1.5 times the change by splitting each tetrahedron in eight. The choice is kept in the cache
-// folder.
+// its interval; without one 1.5 times the change by splitting each tetrahedron in eight. The choice is kept in the
+// cache folder.
 
 #include <cstddef>
 #include <filesystem>

@@ -1,7 +1,7 @@
 #pragma once
 // The fine body of a scene: body.fine = { elements = N, element = "quadratic" }. Its rest jet is computed once, and
-// that of the scene's own body with it, and kept in the cache folder; their difference is added to what the body answers
-// (solver/body/fine_jet.hpp).
+// that of the scene's own body with it, and kept in the cache folder; their difference is added to what the body
+// answers (solver/body/fine_jet.hpp).
 
 #include <cstddef>
 #include <memory>

@@ -1,6 +1,6 @@
 #pragma once
-// The data that the script of a session's report draws (run_chart.js, run_page.js), as one JSON document: |force| and position of
-// the frames as base64 of 32-bit floats, other data as short lists of times and values.
+// The data that the script of a session's report draws (run_chart.js, run_page.js), as one JSON document: |force| and
+// position of the frames as base64 of 32-bit floats, other data as short lists of times and values.
 
 #include <string>
 

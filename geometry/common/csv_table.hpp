@@ -19,8 +19,8 @@ struct CsvTable {
 };
 
 // InputError that names file and line: missing file, no rows, missing column, a row shorter than
-// the header, a cell that is not a finite number. whole_lines: also for a last line without a line break; forefeel's own
-// files end with one.
+// the header, a cell that is not a finite number. whole_lines: also for a last line without a line break; forefeel's
+// own files end with one.
 CsvTable read_csv(const std::filesystem::path& file, std::span<const std::string_view> columns,
                   bool whole_lines = false);
 

@@ -1,6 +1,7 @@
 #pragma once
-// Writes regions and Delaunay cells for ParaView (.vtu with raw appended data), and tables (.csv). Labels in files for ParaView are numbers (0 safe, 1 sparse, 2 gap, 3 blank), with their names in an
-// array of texts beside them. Lengths in [m].
+// Writes regions and Delaunay cells for ParaView (.vtu with raw appended data), and tables (.csv). Labels in files for
+// ParaView are numbers (0 safe, 1 sparse, 2 gap, 3 blank), with their names in an array of texts beside them. Lengths
+// in [m].
 
 #include <filesystem>
 #include <span>

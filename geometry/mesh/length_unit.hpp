@@ -13,8 +13,8 @@ inline constexpr const char* unit_names = "m, cm, mm or um";
 // The unit of that name [m]; nothing for other names.
 std::optional<double> unit_of(std::string_view name);
 
-// Empty for a box of a likely size: the longest side from 1 mm to 3 m. Otherwise "is 213 m long; if its lengths are in mm, it is 0.213 m long".
-// taken: the unit in which the file's lengths were taken [m].
+// Empty for a box of a likely size: the longest side from 1 mm to 3 m. Otherwise "is 213 m long; if its lengths are in
+// mm, it is 0.213 m long". taken: the unit in which the file's lengths were taken [m].
 std::string unlikely_size(const Box& box, double taken = 1);
 
 }  // namespace forefeel

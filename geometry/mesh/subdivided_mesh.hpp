@@ -1,7 +1,7 @@
 #pragma once
 // A mesh with each tetrahedron split into eight at the midpoints of its edges. Edges stay straight, so the shape is the
-// same, and so are the node and element groups: the midpoint between two nodes of a group belongs to it, as mid-edge nodes
-// of quadratic elements do.
+// same, and so are the node and element groups: the midpoint between two nodes of a group belongs to it, as mid-edge
+// nodes of quadratic elements do.
 
 #include "geometry/mesh/tet_mesh.hpp"
 

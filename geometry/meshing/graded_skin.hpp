@@ -1,6 +1,6 @@
 #pragma once
-// Surfaces with triangles graded toward a contact, and with edges along the clamp's rim (graded_surface.hpp). Private to
-// this room.
+// Surfaces with triangles graded toward a contact, and with edges along the clamp's rim (graded_surface.hpp). Private
+// to this room.
 
 #include <functional>
 #include <optional>

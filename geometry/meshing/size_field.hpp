@@ -30,8 +30,8 @@ double uniform_edge(const Surface& closed, std::size_t elements);
 
 // The field that gives about `elements` tetrahedra. The far edge is 1.5^(1/3) of the uniform one, and `near` takes the
 // third of the elements that this leaves; of 1.15, 1.3, 1.6, 2 and 3 for 1.5, 1.3 and 1.6 gave the least errors of the
-// stiffness, of linear and quadratic elements, 900 to 3,500 in number. Where `near` would then fall below `least_near` of
-// the radius, the far edge is smaller instead. `near` never exceeds the uniform edge.
+// stiffness, of linear and quadratic elements, 900 to 3,500 in number. Where `near` would then fall below `least_near`
+// of the radius, the far edge is smaller instead. `near` never exceeds the uniform edge.
 SizeField size_field(const Surface& closed, const Toward& toward, std::size_t elements);
 
 inline constexpr double least_near = 0.1;

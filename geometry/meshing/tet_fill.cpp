@@ -59,7 +59,8 @@ void load(tetgenio& in, const Surface& surface, double scale) {
 }
 
 std::string switches_of(const TetFillOptions& options, double scale) {
-  // -q: circumradius at most 1.3 shortest edges, dihedral angles of 14 degrees wanted (TetGen does not always reach them)
+  // -q: circumradius at most 1.3 shortest edges, dihedral angles of 14 degrees wanted (TetGen does not always reach
+  // them)
   std::string switches = "pQO7/7q1.300/14.0";
   if (options.keep_surface) switches += "Y";
   if (options.max_volume > 0 && !options.size)

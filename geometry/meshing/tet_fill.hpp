@@ -21,7 +21,8 @@ struct TetFillOptions {
   bool improve = true;                          // flips and smoothing afterwards (tet_improve.hpp)
   std::chrono::milliseconds patience{120'000};  // then the child process is killed
   std::atomic<int>* fills = nullptr;            // if given, counts TetGen's meshes
-  // Wanted edge [m] at a point; if given, the bound on a tetrahedron's volume is max_volume times its cube at the centroid.
+  // Wanted edge [m] at a point; if given, the bound on a tetrahedron's volume is max_volume times its cube at the
+  // centroid.
   std::function<double(const Vec3&)> size = {};
   // As of ImproveOptions; held is by node of the surface.
   std::function<Vec3(const Vec3&)> onto = {};

@@ -18,8 +18,8 @@ namespace forefeel {
 struct ImproveOptions {
   std::size_t fixed_nodes = 0;  // the first `fixed_nodes` nodes lie on the surface and stay in place
   bool flips = true;            // false: only nodes move; tetrahedra and their numbers stay
-  // By node, as far as it goes: 1 stays in place even next to very bad tetrahedra, and an edge of the surface between two
-  // of them stays.
+  // By node, as far as it goes: 1 stays in place even next to very bad tetrahedra, and an edge of the surface between
+  // two of them stays.
   std::vector<char> held = {};
   std::function<Vec3(const Vec3&)> onto = {};  // if given, takes a moved node of the surface back to it
 };

@@ -23,8 +23,8 @@ double reach(const Box& box, const Vec3& direction) {
   return distance > 0 && std::isfinite(distance) ? distance : 0.25 * size;
 }
 
-// Axes of the hand (w into the body, u and v along its surface), and the extent of the box along each [m]. The seed is for
-// drawn targets.
+// Axes of the hand (w into the body, u and v along its surface), and the extent of the box along each [m]. The seed is
+// for drawn targets.
 struct Frame {
   Vec3 u, v, w;
   double u_low, u_high, v_low, v_high, depth;

@@ -127,8 +127,8 @@ class VirtualRun {
     states_.flush();
   }
 
-  // Adds the frames of a session that ends early, in which the force goes to zero. Nothing more is planned. There are as
-  // many frames as the largest force may need, because a following renderer has not yet reported the actual force.
+  // Adds the frames of a session that ends early, in which the force goes to zero. Nothing more is planned. There are
+  // as many frames as the largest force may need, because a following renderer has not yet reported the actual force.
   void end_early(const SafetyOptions& limits) {
     const double needed = std::ceil(limits.force_limit / (limits.slew_limit * motion_.clock.frame));
     const std::size_t last =

@@ -1,7 +1,8 @@
 #pragma once
 // A body: mesh [m], one or several materials, clamped nodes (fixed boundary, u = 0), and a contact with the HIP (haptic
 // interaction point, the tip of the device) at x [m], zero at the rest position of the contact. The contact is a rigid
-// patch, nodes that are bound to the HIP in both directions (u = x), or a compliant pad, springs between surface and HIP.
+// patch, nodes that are bound to the HIP in both directions (u = x), or a compliant pad, springs between surface and
+// HIP.
 
 #include <memory>
 #include <optional>

@@ -17,8 +17,9 @@ namespace forefeel {
 // Behind a pad of radius r (pad.hpp) the disc has a = 0.6523 r, and its springs stand in series: K = (K^-1 + I / k)^-1,
 // k = int a dA.
 
-// Area of the patch [m^2]; of a pad that of the surface under it. The true area of a coarse patch lies between the area of the triangles within it and the
-// area that belongs to its nodes (a third of each triangle at a node); this is the mean of the two.
+// Area of the patch [m^2]; of a pad that of the surface under it. The true area of a coarse patch lies between the area
+// of the triangles within it and the area that belongs to its nodes (a third of each triangle at a node); this is the
+// mean of the two.
 double contact_area(const Body& body);
 
 // The material of all tetrahedra within 2 a of the patch, where most of the disc's compliance arises. nullopt if

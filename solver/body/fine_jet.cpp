@@ -178,7 +178,7 @@ std::optional<ForceError> FineJet::error_left(const Vec3& x, const Vec3& force) 
           .norm() /
       size;
   const auto left = [&](double p) { return change / (std::pow(change_->ratio, p) - 1); };
-  return ForceError{left(2), std::max(0.0, left(3) - last), left(1.5) + last};
+  return ForceError{left(2.7), left(4.5), left(1.8) + 0.5 * last};
 }
 
 // Where s(x) = x: each coefficient of degree 3 and above is a Taylor shift.

@@ -1,16 +1,16 @@
 #pragma once
 // The difference of a fine body's energy jet at rest and a coarse body's own, added to everything the coarse body
-// answers: two bodies of one shape, with the same contact, have rest jets J_f and J_c, and the body that is answered for
-// has
+// answers: two bodies of one shape, with the same contact, have rest jets J_f and J_c, and the body that is answered
+// for has
 //   E(x) = E_c(x) + dE(s(x)),   dE(x) = J_f(x) - J_c(x) = 1/2 x^T (K_f - K_c) x + degrees 3 to 5      [J]
 // so f = -dE/dx and K = d2E/dx2 stay consistent and K symmetric. A polynomial grows without bound; so its argument
 // saturates:
 //   s(x) = x h(t) / t,  t = |x| / rho,  h(t) = t to t = 0.8,  then 0.8 + 0.2 z / (1 + z^4)^(1/4), z = (t - 0.8) / 0.2
 // |s| < rho, and s has four continuous derivatives. 0.8 rho [m] is the distance at which, in the root mean square over
 // directions, the last degree of the force -dE/dd reaches 3 % of |K_f d|, the one before it 20 % or the one before that
-// 100 %; infinite if none differs. Measured on phantoms, linear bodies with the jet of a quadratic body of 1,800 elements
-// against that body solved: within it the force errs by 0.5 % (p50), and by 3 % but in creases, where no series holds;
-// where dE saturates, by the 10 to 50 % of the linear body alone.
+// 100 %; infinite if none differs. Measured on phantoms, linear bodies with the jet of a quadratic body of 1,800
+// elements against that body solved: within it the force errs by 0.5 % (p50), and by 3 % but in creases, where no
+// series holds; where dE saturates, by the 10 to 50 % of the linear body alone.
 
 #include <array>
 #include <limits>
@@ -49,8 +49,10 @@ class FineJet {
   void add_to(EnergyJet& jet, const Vec3& x) const;
   // Error of the force f at x that is left with the fine body, by Richardson extrapolation from the second one: with
   // c = |df/dlevel| / |f|, the change of the force between the two, errors that fall as h^p leave c / (r^p - 1).
-  // error: p = 2; low: p = 3; high: p = 1.5, and what the last degree of dE adds. nullopt without a second fine body,
-  // at rest, and beyond 0.8 rho, where the argument saturates and nothing is claimed.
+  // error: p = 2.7; low: p = 4.5, faster than smooth solutions converge; high: p = 1.8, as beside a rim, and half of what
+  // the last degree of dE adds. The exponents were fitted to two phantoms with fine bodies of 900 and 1,800 elements
+  // (tests/bench/interval_of_truth.py). nullopt without a second fine body, at rest, and beyond 0.8 rho, where the
+  // argument saturates and nothing is claimed.
   std::optional<ForceError> error_left(const Vec3& x, const Vec3& force) const;
   double radius() const { return radius_; }                        // rho [m]
   const Mat3& stiffness() const { return difference_.stiffness; }  // K_f - K_c

@@ -1,5 +1,6 @@
 #pragma once
-// Which share of a pad's springs pulls. A fingertip only pushes; the springs of a pad (pad.hpp) also pull, as if bonded:
+// Which share of a pad's springs pulls. A fingertip only pushes; the springs of a pad (pad.hpp) also pull, as if
+// bonded:
 //   q(y) = a(y) (x - u(y)) . x / |x|     [Pa]
 //   pulling share = int max(0, -q) dA / int |q| dA
 // a [N/m^3] density of the springs, x [m] position of the tip, u(y) [m] displacement of the surface.

@@ -59,8 +59,8 @@ struct MeshError {
 MeshError mesh_error(const std::shared_ptr<const Body>& body, std::span<const Vec3> positions,
                      const MeshErrorOptions& options);
 
-// e and its interval at the position of each state; unknown where one of the two bodies is not solved, at rest, and where
-// a fine jet claims nothing.
+// e and its interval at the position of each state; unknown where one of the two bodies is not solved, at rest, and
+// where a fine jet claims nothing.
 std::vector<ForceError> mesh_errors(const Body& body, std::span<const State> states, double spacing);
 
 }  // namespace forefeel

@@ -97,7 +97,8 @@ class Solver {
 };
 
 // True if a second path, along the axes one after the other, ends at state.at in another stable equilibrium: one whose
-// force differs by more than 1e-4 (relative). False also if the state is not solved or the second path fails on its way.
+// force differs by more than 1e-4 (relative). False also if the state is not solved or the second path fails on its
+// way.
 bool second_way_differs(Solver& solver, const State& state, double spacing, const SolveOptions& options = {});
 
 }  // namespace forefeel

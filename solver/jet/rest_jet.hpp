@@ -1,6 +1,6 @@
 #pragma once
-// Rest jets of bodies, and the difference of a fine body's and a coarse body's (solver/body/fine_jet.hpp). One factor of
-// the fine body at rest and nine solves.
+// Rest jets of bodies, and the difference of a fine body's and a coarse body's (solver/body/fine_jet.hpp). One factor
+// of the fine body at rest and nine solves.
 
 #include <memory>
 #include <string>

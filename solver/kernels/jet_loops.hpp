@@ -3,8 +3,8 @@
 //   curvature   q_p += 1/2 d3W/du3 [U_i, U_j, .], mixed pairs twice: the second Taylor coefficient of dW/du along
 //               u + U d is sum_p q_p d_i d_j, p = 11 22 33 12 13 23
 //   path        coefficients of t^4 and t^5 of W(u + t u_1 + t^2 u_2), u_1 = U d, u_2 = sum_p V_p d_i d_j
-// F(t) = F + t G_1 + t^2 G_2 with G_k the gradients of u_k. With cof the cofactor and X(A, B) its polar form, cof(A + B)
-// = cof A + X(A, B) + cof B:
+// F(t) = F + t G_1 + t^2 G_2 with G_k the gradients of u_k. With cof the cofactor and X(A, B) its polar form, cof(A +
+// B) = cof A + X(A, B) + cof B:
 //   cof F(t) = cof F + t X(F, G_1) + t^2 (cof G_1 + X(F, G_2)) + t^3 X(G_1, G_2) + t^4 cof G_2
 //   J(t)     = 1/3 cof F(t) : F(t)        I2(t) = |cof F(t)|^2        I1(t) = |F(t)|^2
 // Include in kernel files only (see element_lanes.hpp).

@@ -66,8 +66,8 @@ struct JetKernels {
   // six fields side by side: of the pairs 11, 22, 33, 12, 13, 23.
   void (*curvature)(const ElementView&, std::int64_t stride, const double* u, const double* d, double* q,
                     const JetDirections&);
-  // out (count x 2) += coefficients of t^4 and t^5 of W along u + t U d + t^2 V[d, d] for each direction. tangent: U, as
-  // d above; v: V, as q above, or null for 0.
+  // out (count x 2) += coefficients of t^4 and t^5 of W along u + t U d + t^2 V[d, d] for each direction. tangent: U,
+  // as d above; v: V, as q above, or null for 0.
   void (*path)(const ElementView&, std::int64_t stride, const double* u, const double* tangent,
                const double* v, double* out, const JetDirections&);
 };

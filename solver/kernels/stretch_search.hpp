@@ -112,8 +112,8 @@ struct StretchSearch {
     const Lanes room2 = margin2(p);
     return most_first2(a) / (room2 > 1e-300 ? room2 : spread<Lanes>(1e-300));
   }
-  // True if some direction may reach the limit within the least distance known. |G_2|^2 is at most |d|^4 times the sum of
-  // |V_p|^2, half of it for mixed pairs.
+  // True if some direction may reach the limit within the least distance known. |G_2|^2 is at most |d|^4 times the sum
+  // of |V_p|^2, half of it for mixed pairs.
   FOREFEEL_INLINE bool may_reach(const Point<Lanes>& p, const Lanes (*a)[9], const Lanes (*b)[9]) const {
     if (__builtin_isinf(reached)) return true;
     Lanes second2 = dot9(b[0], b[0]) + dot9(b[1], b[1]) + dot9(b[2], b[2]);

@@ -1,8 +1,8 @@
 #pragma once
 // A body as the kernels see it. Local nodes: 0 .. n-1 free, in elimination order; n the contact (all contact
-// nodes, or the tip behind a pad, which move by x); n+1 the clamp. Local vectors are (n+2) x 3 [m] or [N]. The contact is
-// one local node: its row of dW/du is minus the force on the HIP, and eliminating the free nodes from d2W/du2 leaves the condensed
-// stiffness K.
+// nodes, or the tip behind a pad, which move by x); n+1 the clamp. Local vectors are (n+2) x 3 [m] or [N]. The contact
+// is one local node: its row of dW/du is minus the force on the HIP, and eliminating the free nodes from d2W/du2 leaves
+// the condensed stiffness K.
 
 #include <array>
 #include <cstdint>

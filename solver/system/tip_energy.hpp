@@ -1,6 +1,6 @@
 #pragma once
-// The fine jet dE(x) of a body (solver/body/fine_jet.hpp) as an energy of the contact's local node, whose displacement is
-// x: force, stiffness and energy of every solve contain it, and no free node feels it.
+// The fine jet dE(x) of a body (solver/body/fine_jet.hpp) as an energy of the contact's local node, whose displacement
+// is x: force, stiffness and energy of every solve contain it, and no free node feels it.
 
 #include <cstdint>
 #include <memory>

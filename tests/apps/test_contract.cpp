@@ -47,13 +47,13 @@ TEST_CASE("solve", "[contract]") {
 TEST_CASE("generate that was killed goes on from what is on disk and ends with the states of a whole run") {
   const Workshop shop;
   shop.write("beam.toml", beam_scene());
-  const std::string fine = " --set state_space.spacing=0.0004 --threads 1";  // 9261 states
+  const std::string fine = " --set state_space.spacing=0.0003 --threads 1";  // 19683 states
   shop.shell(forefeel::test::executable() + " generate beam.toml -o cut.states --quiet" + fine + " & p=$!; " +
-             forefeel::test::wait_until("[ -s cut.states-wal ]") + "sleep 0.2; kill -9 $p");
+             forefeel::test::wait_until(forefeel::test::is_larger("cut.states-wal", 400000)) + "kill -9 $p");
   const json resumed = run_json(shop, "generate beam.toml -o cut.states" + fine);
   CHECK(resumed["resumed"].get<int>() > 0);
   CHECK(resumed["solved"].get<int>() > 0);
-  CHECK(resumed["states"] == 9261);
+  CHECK(resumed["states"] == 19683);
   REQUIRE(shop.forefeel("generate beam.toml -o whole.states --quiet" + fine).code == 0);
   for (const std::string file : {"cut", "whole"}) {
     REQUIRE(shop.forefeel("export " + file + ".states -o " + file + ".csv --quiet").code == 0);

@@ -27,8 +27,8 @@ Workshop::Outcome ranks(const Workshop& shop, int count, const std::string& argu
                     "' " + arguments);
 }
 
-// The same; rank 1 gets the signal as soon as the condition holds. Rank 0 leaves its exit code in code.0: that of mpirun
-// is an error where a rank had to be ended.
+// The same; rank 1 gets the signal as soon as the condition holds. Rank 0 leaves its exit code in code.0: that of
+// mpirun is an error where a rank had to be ended.
 Workshop::Outcome ranks_but_one(const Workshop& shop, const std::string& options,
                                 const std::string& condition, const std::string& signal,
                                 const std::string& arguments) {
@@ -96,7 +96,8 @@ TEST_CASE("generate by two ranks gives the states of generate by threads, and re
 TEST_CASE("a rank of generate that is stopped, or killed where MPI allows, costs nothing but its own work") {
   const Workshop shop;
   if (const std::string why = reason_to_skip(shop); !why.empty()) return forefeel::test::skip(why);
-  const std::string finer = " --set state_space.spacing=0.001 ";
+  const std::string finer =
+      " --set state_space.spacing=0.0004 ";  // seconds of work, longer than a signal is late
   REQUIRE(shop.forefeel("generate beam.toml --threads 2 -o threads.states" + finer).code == 0);
   const std::string expected = states_of(shop, "threads.states");
   const auto stopped = ranks_but_one(shop, "-n 3", "[ -e stopped.states ]", "STOP",

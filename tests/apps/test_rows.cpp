@@ -1,5 +1,5 @@
-// One row declares a key: of a table of a scene (scene_rows.hpp), of a JSON document (document_keys.hpp), and a column of
-// a CSV file (geometry/common/csv_columns.hpp).
+// One row declares a key: of a table of a scene (scene_rows.hpp), of a JSON document (document_keys.hpp), and a column
+// of a CSV file (geometry/common/csv_columns.hpp).
 
 #include <catch2/catch.hpp>
 #include <limits>

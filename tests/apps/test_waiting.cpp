@@ -94,6 +94,10 @@ TEST_CASE("the cache says its place and size, and is emptied without touching wh
   shop.write("beam.toml", beam_scene());
   REQUIRE(shop.forefeel("session beam.toml --clock virtual --seconds 0.2 --cost constant:0.02 -o run --quiet")
               .code == 0);
+  REQUIRE(shop.forefeel("session beam.toml --clock virtual --seconds 0.1 --shape-rate 10 -o shapes --quiet "
+                        "--set state_space.jet=3")
+              .code == 0);
+  CHECK_THAT(cached(shop), Catch::Contains("-displacements-jet3.states"));
   shop.shell("echo mine > ../cache/forefeel/notes.txt");
   const auto full = shop.forefeel("cache --json").json();
   CHECK(full["files"].get<int>() >= 2);
@@ -109,7 +113,7 @@ TEST_CASE("the cache says its place and size, and is emptied without touching wh
   CHECK(cached(shop) == "notes.txt\n");
   CHECK(shop.forefeel("session beam.toml --clock virtual --seconds 0.2 --cost constant:0.02 -o again --quiet")
             .code == 0);
-  CHECK(shop.forefeel("cache --json").json()["files"] == full["files"]);
+  CHECK(shop.forefeel("cache --json").json()["files"].get<int>() >= 2);
 }
 
 TEST_CASE("a state file of the cache that a session writes is left there, and said") {
