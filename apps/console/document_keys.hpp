@@ -3,7 +3,8 @@
 // From the rows come the document and `forefeel help outputs`.
 //
 //   const JsonKeys<Region> region_keys{{"name", "", "of its group", &Region::name},
-//                                      {"volume", "m^3", "of its elements", [](const Region& r) { return r.volume(); }}};
+//                                      {"volume", "m^3", "of its elements",
+//                                       [](const Region& r) { return r.volume(); }}};
 //   Json document = document_of(region_keys, region);
 //   DeclaredTable help{"region.json", "Of region --json.", declared(region_keys)};
 //

@@ -33,6 +33,13 @@ std::vector<std::string> shared(const std::map<std::string, Names>& users) {
   return faults;
 }
 
+// A line that is a comment alone, with more characters (of UTF-8) than a comment may have.
+bool is_wide_comment(const std::string& line) {
+  const std::size_t begin = line.find_first_not_of(' ');
+  const auto characters = std::ranges::count_if(line, [](char c) { return (c & 0xC0) != 0x80; });
+  return begin != std::string::npos && line.compare(begin, 2, "//") == 0 && characters > most_columns;
+}
+
 }  // namespace
 
 std::vector<SourceFile> read_files(const fs::path& root) {
@@ -43,7 +50,10 @@ std::vector<SourceFile> read_files(const fs::path& root) {
       if (entry.path().extension() != ".hpp" && entry.path().extension() != ".cpp") continue;
       SourceFile file{fs::relative(entry.path(), root).string(), 0};
       std::ifstream in(entry.path());
-      for (std::string line; std::getline(in, line);) ++file.lines;
+      for (std::string line; std::getline(in, line);) {
+        ++file.lines;
+        if (is_wide_comment(line)) file.wide_comments.push_back(file.lines);
+      }
       files.push_back(std::move(file));
     }
   }
@@ -81,6 +91,15 @@ std::vector<std::string> long_files(const std::vector<SourceFile>& files) {
     if (!file.name.starts_with("tests/") && file.lines > most_lines)
       faults.push_back(file.name + " has " + std::to_string(file.lines) + " lines, expected at most " +
                        std::to_string(most_lines));
+  return faults;
+}
+
+std::vector<std::string> wide_comments(const std::vector<SourceFile>& files) {
+  std::vector<std::string> faults;
+  for (const SourceFile& file : files)
+    for (const std::size_t line : file.wide_comments)
+      faults.push_back(file.name + ":" + std::to_string(line) + " has a comment of more than " +
+                       std::to_string(most_columns) + " columns");
   return faults;
 }
 

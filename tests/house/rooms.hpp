@@ -12,11 +12,13 @@
 namespace forefeel::house {
 
 constexpr std::size_t least_subjects = 3, most_subjects = 30, most_lines = 400;
+constexpr std::ptrdiff_t most_columns = 120;  // of a comment
 constexpr std::size_t most_rooms = 50, most_arrows = 350;
 
 struct SourceFile {
   std::string name;  // relative to the root
   std::size_t lines;
+  std::vector<std::size_t> wide_comments = {};  // numbers of the lines, from 1
 };
 std::vector<SourceFile> read_files(
     const std::filesystem::path& root);  // .hpp and .cpp of the five folders and of tests
@@ -25,6 +27,7 @@ std::vector<SourceFile> read_files(
 std::vector<std::string> faults_of_size(const std::vector<SourceFile>& files);
 std::vector<std::string> names_used_twice(const std::vector<SourceFile>& files);
 std::vector<std::string> long_files(const std::vector<SourceFile>& files);
+std::vector<std::string> wide_comments(const std::vector<SourceFile>& files);
 std::vector<std::string> too_many_rooms_or_arrows(const std::vector<Include>& includes);
 
 }  // namespace forefeel::house

@@ -67,6 +67,18 @@ TEST_CASE("no source file of the five folders has more than 400 lines", "[rooms]
         std::vector<std::string>{"geometry/mesh/b.hpp has 401 lines, expected at most 400"});
 }
 
+TEST_CASE("no comment is wider than 120 columns", "[rooms]") {
+  check_none(wide_comments(read_files(test::source_folder())));
+  const test::TemporaryFolder root;
+  root.write("geometry/mesh/a.cpp",
+             "\n  // " + std::string(115, 'x') + "\nint wide = 0;  // " + std::string(115, 'x') + "\n");
+  CHECK(wide_comments(read_files(root.path())).empty());
+  root.write("geometry/mesh/b.hpp", "\n  // " + std::string(116, 'x') + "\n");
+  root.write("geometry/mesh/c.hpp", "// \u03b1" + std::string(116, 'x') + "\n");  // a letter of two bytes
+  CHECK(wide_comments(read_files(root.path())) ==
+        std::vector<std::string>{"geometry/mesh/b.hpp:2 has a comment of more than 120 columns"});
+}
+
 TEST_CASE("at most 50 rooms, and at most 350 arrows between them", "[rooms]") {
   check_none(too_many_rooms_or_arrows(read_includes(test::source_folder())));
   std::vector<Include> includes;
