@@ -39,7 +39,7 @@ namespace fs = std::filesystem;
 
 constexpr double farthest = 0.024, nearest = 0.004;  // positions from rest [m]
 constexpr std::size_t positions = 12;
-constexpr std::size_t fine_elements = 14'000, true_elements = 28'000;
+constexpr std::size_t fine_elements = 7'000, true_elements = 14'000;
 constexpr double lattice_spacing = 0.012;  // [m]
 
 constexpr const char* pressed = R"([body]
