@@ -104,7 +104,7 @@ TEST_CASE("errors of the command line name the option, what was given and what w
       {"session b.toml -o r --json=maybe", "--json: is 'maybe', expected no value"},
       {"bench solvr",
        "WHAT: is 'solvr', did you mean 'solver'? Expected one of approx, solver, coverage, switch, loop, "
-       "jet"},
+       "jet, truth"},
       {"evaluate s --points q --kernel x", "--kernel: is 'x', expected one of linear, cubic, quintic"}};
   for (const auto& [command, message] : wrong) {
     INFO(command);
