@@ -266,12 +266,19 @@ std::string in_words(const EnergyJet* jet) {
       std::isfinite(jet->limit) ? fmt::format("limit {:.3g} mm", 1e3 * jet->limit) : "without a limit");
 }
 
+std::string in_words(const ForceError& mesh) {
+  if (!std::isfinite(mesh.error)) return ", discretisation error not known";
+  return fmt::format(", discretisation error {:.1f} %", 100 * mesh.error) +
+         (std::isfinite(mesh.high)
+              ? fmt::format(", between {:.1f} % and {:.1f} %", 100 * mesh.low, 100 * mesh.high)
+              : "");
+}
+
 void tell(const Globals& globals, const SolveResult& result) {
   for (std::size_t i = 0; i < result.outcomes.size(); ++i) {
     std::string line = line_for(result.outcomes[i].state);
     if (result.jet > 1) line += in_words(result.outcomes[i].state.jet.get());
-    if (!result.discretisation_errors.empty())
-      line += fmt::format(", discretisation error {:.1f} %", 100 * result.discretisation_errors[i].error);
+    if (!result.discretisation_errors.empty()) line += in_words(result.discretisation_errors[i]);
     answer(globals, line);
   }
 }

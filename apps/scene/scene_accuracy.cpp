@@ -104,11 +104,18 @@ bool better(const AccuracyChoice& a, const AccuracyChoice& b) {
 }  // namespace
 
 std::vector<AccuracyTrial> accuracy_trials(const AccuracyGiven& given) {
+  constexpr std::size_t most = 80'000;
   std::vector<AccuracyTrial> trials;
+  if (given.mesh_tets > 0) {  // each level of subdivision once
+    std::size_t fine = given.mesh_tets;
+    do trials.push_back({given.element.value_or(Element::linear), 0, fine *= 8});
+    while (8 * fine < most);
+    return trials;
+  }
   for (const Element element : {Element::linear, Element::quadratic}) {
     if (given.element && *given.element != element) continue;
     const std::size_t usual = element == Element::linear ? 1'800 : 900;
-    const std::size_t own = given.mesh_given ? 0 : given.elements.value_or(usual);
+    const std::size_t own = given.elements.value_or(usual);
     if (given.fine) {
       trials.push_back({element, own, *given.fine});
       continue;
@@ -116,7 +123,7 @@ std::vector<AccuracyTrial> accuracy_trials(const AccuracyGiven& given) {
     for (const std::size_t fine : {1'800, 3'500, 7'000, 14'000, 28'000})
       trials.push_back({element, own, fine});
   }
-  if (given.fine || given.mesh_given || given.elements || given.element == Element::linear) return trials;
+  if (given.fine || given.elements || given.element == Element::linear) return trials;
   for (const std::size_t elements : {1'800, 3'500, 7'000})
     trials.push_back({Element::quadratic, elements, 0});
   return trials;

@@ -25,6 +25,7 @@ namespace {
 namespace fs = std::filesystem;
 
 constexpr std::int64_t most_elements = 10'000'000;
+constexpr std::int64_t most_fine = 100'000;  // a factor of quadratic elements takes 8 GB then
 
 // ---- the mesh
 
@@ -40,8 +41,8 @@ const SceneRows<FineKeys>& fine_rows() {
           "body.fine",
           "The fine body, whose energy at rest corrects the body's: body.fine = { elements = 14000 }; false "
           "for none.")
-          .whole("elements", 4, most_elements,
-                 "its tetrahedra; a volume mesh is subdivided until it has as many", &F::elements)
+          .whole("elements", 4, most_fine,
+                 "its tetrahedra; a volume mesh is subdivided in eights to the nearest number", &F::elements)
           .word("element", element_words, " tetrahedra", &F::element);
   return rows;
 }
@@ -49,8 +50,11 @@ const SceneRows<FineKeys>& fine_rows() {
 // { elements, element } or false.
 std::optional<FineKeys> read_fine(const SceneTable& body, const std::string& key) {
   if (!body.holds_table(key)) {
-    if (*body.boolean(key)) throw body.wrong(key, "false or a table { elements = N }");
-    return {};
+    try {
+      if (!*body.boolean(key)) return {};
+    } catch (const InputError&) {  // neither true nor false
+    }
+    throw body.wrong(key, "false or a table { elements = N }");
   }
   const SceneTable table = body.sub(key, fine_rows().names());
   FineKeys fine;
@@ -214,8 +218,19 @@ Body assemble(const BodyInput& in, const BodyKeys& keys, std::vector<std::string
   return body;
 }
 
-// A fine body: a phantom or a surface is meshed again, a volume mesh is subdivided. Numbers of nodes belong to one
-// mesh, so they cannot be carried to another.
+// Numbers of nodes belong to one mesh. key: what makes another.
+void refuse_numbers(const BodyInput& in, const std::string& key) {
+  for (const auto& [table, numbers] :
+       {std::pair(&in.sections.clamp, "nodes"), std::pair(&in.sections.contact, "nodes"),
+        std::pair(&in.sections.contact, "node")})
+    if (table->has(numbers))
+      throw InputError(
+          table->where(numbers),
+          "numbers nodes of one mesh, so " + key +
+              " cannot find them in another; expected a group, a place or a part of the body, or no " + key);
+}
+
+// A fine body: a phantom or a surface is meshed again, a volume mesh is subdivided.
 Body assemble_fine(const BodyInput& in, const Body& body, std::size_t elements) {
   BodyKeys keys = in.keys;
   keys.element = in.keys.fine->element;
@@ -226,14 +241,7 @@ Body assemble_fine(const BodyInput& in, const Body& body, std::size_t elements) 
     return fine;
   }
   keys.elements = elements;
-  for (const auto& [table, key] :
-       {std::pair(&in.sections.clamp, "nodes"), std::pair(&in.sections.contact, "nodes"),
-        std::pair(&in.sections.contact, "node")})
-    if (table->has(key))
-      throw InputError(
-          table->where(key),
-          "numbers nodes of one mesh, so body.fine cannot find them in another; expected a group, a "
-          "place or a part of the body, or body.fine = false");
+  refuse_numbers(in, "body.fine");
   std::vector<std::string> said;  // of the same file, already
   Body fine = assemble(in, keys, said);
   if (body.pad) {
@@ -255,6 +263,7 @@ FineBodies assemble_fine(const BodyInput& in, const Body& body) {
   }
   try {
     fine.second = assemble_fine(in, body, std::max<std::size_t>(4, fine.first.mesh.tets.size() / 8));
+    if (fine.second->mesh.tets.size() == fine.first.mesh.tets.size()) fine.second.reset();
   } catch (const InputError&) {
   }
   return fine;
@@ -280,10 +289,14 @@ BodyKeys of_trial(BodyKeys keys, const AccuracyTrial& trial) {
 
 AccuracyChoice accurate(const BodyInput& in, bool quiet) {
   AccuracyGiven given{.element = {}, .elements = in.keys.elements, .fine = {}};
-  given.mesh_given = !in.is_phantom && !is_surface_file(in.folder / in.keys.mesh);
-  if (given.mesh_given || in.sections.body.has("element")) given.element = in.keys.element;
+  const bool mesh_given = !in.is_phantom && !is_surface_file(in.folder / in.keys.mesh);
+  if (mesh_given)
+    given.mesh_tets = read_mesh(in.folder / in.keys.mesh).tets.size();
+  else
+    refuse_numbers(in, "body.accuracy");
+  if (mesh_given || in.sections.body.has("element")) given.element = in.keys.element;
   if (in.sections.body.has("fine")) given.fine = in.keys.fine ? in.keys.fine->elements : 0;
-  if (given.mesh_given && given.fine)
+  if (mesh_given && given.fine)
     throw in.sections.body.wrong("accuracy",
                                  "no body.fine beside it: of a volume mesh there is nothing else to choose");
   std::ostringstream about(in.sections.text, std::ios::ate);

@@ -83,7 +83,9 @@ std::shared_ptr<const FineJet> fine_jet_of(const Body& body, const FineBodies& f
 
 Body refined_to(const Body& body, std::size_t elements) {
   Body fine = body;
-  while (fine.mesh.tets.size() < elements) fine = refined(fine);
+  // the level nearest in ratio
+  while (std::sqrt(8.0) * static_cast<double>(fine.mesh.tets.size()) < static_cast<double>(elements))
+    fine = refined(fine);
   return fine;
 }
 

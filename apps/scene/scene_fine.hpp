@@ -24,7 +24,7 @@ struct FineBodies {
 std::shared_ptr<const FineJet> fine_jet_of(const Body& body, const FineBodies& fine, const InputPlace& where,
                                            bool quiet);
 
-// The body with each tetrahedron split into eight until it has at least `elements`.
+// The body with each tetrahedron split into eight, as often as brings their number nearest to `elements` in ratio.
 Body refined_to(const Body& body, std::size_t elements);
 
 }  // namespace forefeel
