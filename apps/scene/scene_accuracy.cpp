@@ -13,7 +13,6 @@
 #include "apps/console/json.hpp"
 #include "apps/scene/cache_folder.hpp"
 #include "apps/scene/kept_json.hpp"
-#include "apps/scene/scene_body.hpp"
 #include "geometry/common/error.hpp"
 #include "geometry/common/sha256.hpp"
 #include "solver/body/contact_stiffness.hpp"
@@ -35,19 +34,19 @@ double seconds_since_start(SteadyClock::time_point start) {
 }
 
 // One radius of the contact inward and to two sides.
-std::vector<Vec3> probed(const Body& body) {
+std::vector<Vec3> probed(const Body& body, const Vec3& inward) {
   const double area = contact_area(body);
   const double radius = body.pad   ? body.pad->radius
                         : area > 0 ? std::sqrt(area / std::numbers::pi)
                                    : 0.05 * longest_side(body.mesh);
-  const Vec3 n = inward_direction(body), t = n.unitOrthogonal();
+  const Vec3 n = inward.normalized(), t = n.unitOrthogonal();
   return {radius * n, radius * t, radius * n.cross(t)};
 }
 
 // Fills in what the body of a trial is like.
-void judge(Body made, AccuracyChoice& choice) {
+void judge(Body made, const Vec3& inward, AccuracyChoice& choice) {
   const auto body = std::make_shared<const Body>(std::move(made));
-  const std::vector<Vec3> at = probed(*body);
+  const std::vector<Vec3> at = probed(*body, inward);
   const double step = at.front().norm() / 3;
   Solver solver(body);
   solver.rest();
@@ -130,7 +129,7 @@ std::vector<AccuracyTrial> accuracy_trials(const AccuracyGiven& given) {
 }
 
 AccuracyChoice choose_accuracy(double wanted, std::span<const AccuracyTrial> trials, const std::string& about,
-                               const std::function<Body(const AccuracyTrial&)>& make) {
+                               const BodyMaker& maker) {
   AccuracyChoice best{.wanted = wanted, .taken = trials.front()};
   const std::filesystem::path file = file_of(wanted, trials, about);
   if (const std::optional<Json> kept = read_kept(file))
@@ -140,7 +139,9 @@ AccuracyChoice choose_accuracy(double wanted, std::span<const AccuracyTrial> tri
     end_if_interrupted("body.accuracy was met");
     AccuracyChoice choice{.wanted = wanted, .taken = trial};
     try {
-      judge(make(trial), choice);
+      Body made = maker.make(trial);
+      const Vec3 inward = maker.inward(made);
+      judge(std::move(made), inward, choice);
     } catch (const InputError&) {  // so few or so many elements cannot be made
       if (&trial == &trials.back() && !std::isfinite(best.high)) throw;
       continue;

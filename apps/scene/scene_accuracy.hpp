@@ -37,14 +37,19 @@ struct AccuracyChoice {
 struct AccuracyGiven {
   std::optional<Element> element;
   std::optional<std::size_t> elements, fine;  // fine: 0 for false
-  bool mesh_given = false;                    // a volume mesh: neither element nor elements are varied
+  std::size_t mesh_tets = 0;  // of a given volume mesh, whose element and elements are not varied; else 0
 };
 
 std::vector<AccuracyTrial> accuracy_trials(const AccuracyGiven& given);
 
-// make: the body of a trial, with its fine body. about: text that the choice depends on, beside E and the trials.
+struct BodyMaker {
+  std::function<Body(const AccuracyTrial&)> make;  // with its fine body
+  std::function<Vec3(const Body&)> inward;         // the direction of pressing
+};
+
+// about: text that the choice depends on, beside E and the trials.
 AccuracyChoice choose_accuracy(double wanted, std::span<const AccuracyTrial> trials, const std::string& about,
-                               const std::function<Body(const AccuracyTrial&)>& make);
+                               const BodyMaker& maker);
 
 std::string in_words(const AccuracyTrial& trial);
 std::string in_words(const AccuracyChoice& choice);

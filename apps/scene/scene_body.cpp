@@ -304,14 +304,14 @@ AccuracyChoice accurate(const BodyInput& in, bool quiet) {
   Globals globals;
   globals.quiet = quiet;
   Progress progress(globals, "body.accuracy");
-  return choose_accuracy(*in.keys.accuracy, accuracy_trials(given), about.str(),
-                         [&](const AccuracyTrial& trial) {
-                           progress.show(in_words(trial));
-                           std::vector<std::string> said;
-                           BodyInput tried = in;
-                           tried.keys = of_trial(in.keys, trial);
-                           return complete(tried, true, said);
-                         });
+  const auto make = [&](const AccuracyTrial& trial) {
+    progress.show(in_words(trial));
+    std::vector<std::string> said;
+    BodyInput tried = in;
+    tried.keys = of_trial(in.keys, trial);
+    return complete(tried, true, said);
+  };
+  return choose_accuracy(*in.keys.accuracy, accuracy_trials(given), about.str(), {make, inward_direction});
 }
 
 BodyRead make_body(const BodySections& sections, const fs::path& folder, const std::string& file, bool quiet,
