@@ -49,10 +49,10 @@ class FineJet {
   void add_to(EnergyJet& jet, const Vec3& x) const;
   // Error of the force f at x that is left with the fine body, by Richardson extrapolation from the second one: with
   // c = |df/dlevel| / |f|, the change of the force between the two, errors that fall as h^p leave c / (r^p - 1).
-  // error: p = 2.7; low: p = 4.5, faster than smooth solutions converge; high: p = 1.8, as beside a rim, and half of what
-  // the last degree of dE adds. The exponents were fitted to two phantoms with fine bodies of 900 and 1,800 elements
-  // (tests/bench/interval_of_truth.py). nullopt without a second fine body, at rest, and beyond 0.8 rho, where the
-  // argument saturates and nothing is claimed.
+  // error: p = 2.7; low: p = 4.5, faster than smooth solutions converge; high: p = 1.8, as beside a rim, and half of
+  // what the last degree of dE adds. The exponents were fitted to two phantoms with fine bodies of 900 and 1,800
+  // elements (tests/bench/interval_of_truth.py). nullopt without a second fine body, at rest, and beyond 0.8 rho, where
+  // the argument saturates and nothing is claimed.
   std::optional<ForceError> error_left(const Vec3& x, const Vec3& force) const;
   double radius() const { return radius_; }                        // rho [m]
   const Mat3& stiffness() const { return difference_.stiffness; }  // K_f - K_c
