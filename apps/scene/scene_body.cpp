@@ -218,8 +218,8 @@ Body assemble(const BodyInput& in, const BodyKeys& keys, std::vector<std::string
   return body;
 }
 
-// Numbers of nodes belong to one mesh. key: what makes another.
-void refuse_numbers(const BodyInput& in, const std::string& key) {
+// Numbers of nodes belong to one mesh. key: what makes another; without: the scene that makes none.
+void refuse_numbers(const BodyInput& in, const std::string& key, const std::string& without) {
   for (const auto& [table, numbers] :
        {std::pair(&in.sections.clamp, "nodes"), std::pair(&in.sections.contact, "nodes"),
         std::pair(&in.sections.contact, "node")})
@@ -227,7 +227,7 @@ void refuse_numbers(const BodyInput& in, const std::string& key) {
       throw InputError(
           table->where(numbers),
           "numbers nodes of one mesh, so " + key +
-              " cannot find them in another; expected a group, a place or a part of the body, or no " + key);
+              " cannot find them in another; expected a group, a place or a part of the body, or " + without);
 }
 
 // A fine body: a phantom or a surface is meshed again, a volume mesh is subdivided.
@@ -241,7 +241,7 @@ Body assemble_fine(const BodyInput& in, const Body& body, std::size_t elements) 
     return fine;
   }
   keys.elements = elements;
-  refuse_numbers(in, "body.fine");
+  refuse_numbers(in, "body.fine", "body.fine = false");
   std::vector<std::string> said;  // of the same file, already
   Body fine = assemble(in, keys, said);
   if (body.pad) {
@@ -293,7 +293,7 @@ AccuracyChoice accurate(const BodyInput& in, bool quiet) {
   if (mesh_given)
     given.mesh_tets = read_mesh(in.folder / in.keys.mesh).tets.size();
   else
-    refuse_numbers(in, "body.accuracy");
+    refuse_numbers(in, "body.accuracy", "no body.accuracy");
   if (mesh_given || in.sections.body.has("element")) given.element = in.keys.element;
   if (in.sections.body.has("fine")) given.fine = in.keys.fine ? in.keys.fine->elements : 0;
   if (mesh_given && given.fine)

@@ -135,8 +135,11 @@ TEST_CASE("body.fine corrects phantoms, surfaces and volume meshes", "[scene]") 
   const TetMesh beam = phantom("beam", 240);
   write_msh(shop.path() / "beam.msh", beam);
   const std::string sets = "[clamp]\ngroup = \"clamp\"\n" + pad + "nearest = [0.08, 0.01, 0.02]\n";
-  CHECK_THAT(words(load(shop, file_scene("mesh = \"beam.msh\"\n", sets), {fine})),
-             Contains("quadratic elements, " + std::to_string(8 * beam.tets.size()) + " tetrahedra"));
+  for (const auto& [wanted, level] : {std::pair(500, 1), std::pair(1000, 8), std::pair(5000, 8)})
+    CHECK_THAT(words(load(shop, file_scene("mesh = \"beam.msh\"\n", sets),
+                          {"body.fine={elements=" + std::to_string(wanted) + "}"})),
+               Contains("quadratic elements, " + std::to_string(level * static_cast<int>(beam.tets.size())) +
+                        " tetrahedra"));
 
   shop.write("cube.off", cube_off);
   const std::string cube = "mesh = \"cube.off\"\nelements = 300\nlength = 0.1\n",
