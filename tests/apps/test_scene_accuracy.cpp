@@ -39,12 +39,12 @@ Scene load(const Workshop& shop, const std::string& body, const std::vector<std:
 TEST_CASE("the least costly body that meets body.accuracy is taken, and its error is true", "[scene]") {
   const Workshop shop;
   const std::string ball = "phantom = \"ball\"\nelements = 400\n";
-  const Scene coarse = load(shop, ball + "accuracy = 0.2\n"), fine = load(shop, ball + "accuracy = 0.04\n");
+  const Scene coarse = load(shop, ball + "accuracy = 0.2\n"), fine = load(shop, ball + "accuracy = 0.03\n");
   REQUIRE(coarse.source.accuracy);
   REQUIRE(fine.source.accuracy);
   CHECK(coarse.source.accuracy->reached);
   CHECK(fine.source.accuracy->reached);
-  CHECK(fine.source.accuracy->high <= 0.04);
+  CHECK(fine.source.accuracy->high <= 0.03);
   CHECK(fine.source.accuracy->taken.fine > coarse.source.accuracy->taken.fine);
   REQUIRE(fine.body->fine);
   CHECK(fine.body->element == fine.source.accuracy->taken.element);
@@ -54,7 +54,7 @@ TEST_CASE("the least costly body that meets body.accuracy is taken, and its erro
   const Scene truth = load(shop, "phantom = \"ball\"\nelements = 6000\nelement = \"quadratic\"\n");
   const Vec3 x = 0.02 * truth.inward;
   const Vec3 force = Solver(truth.body).reference(x, 0.02, {.tolerance = 1e-7}).state.force;
-  CHECK((Solver(fine.body).reference(x, 0.01).state.force - force).norm() < 0.04 * force.norm());
+  CHECK((Solver(fine.body).reference(x, 0.01).state.force - force).norm() < 0.03 * force.norm());
 }
 
 TEST_CASE("the choice of body.accuracy is kept, and keys beside it win", "[scene]") {
