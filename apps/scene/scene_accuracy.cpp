@@ -3,6 +3,7 @@
 #include <fmt/format.h>
 
 #include <Eigen/Geometry>
+#include <array>
 #include <chrono>
 #include <cmath>
 #include <memory>
@@ -104,6 +105,8 @@ bool better(const AccuracyChoice& a, const AccuracyChoice& b) {
 
 std::vector<AccuracyTrial> accuracy_trials(const AccuracyGiven& given) {
   constexpr std::size_t most = 80'000;
+  constexpr std::array<std::size_t, 5> fine_counts{1'800, 3'500, 7'000, 14'000, 28'000};
+  constexpr std::array<std::size_t, 3> counts_alone{1'800, 3'500, 7'000};
   std::vector<AccuracyTrial> trials;
   if (given.mesh_tets > 0) {  // each level of subdivision once
     std::size_t fine = given.mesh_tets;
@@ -119,12 +122,10 @@ std::vector<AccuracyTrial> accuracy_trials(const AccuracyGiven& given) {
       trials.push_back({element, own, *given.fine});
       continue;
     }
-    for (const std::size_t fine : {1'800, 3'500, 7'000, 14'000, 28'000})
-      trials.push_back({element, own, fine});
+    for (const std::size_t fine : fine_counts) trials.push_back({element, own, fine});
   }
   if (given.fine || given.elements || given.element == Element::linear) return trials;
-  for (const std::size_t elements : {1'800, 3'500, 7'000})
-    trials.push_back({Element::quadratic, elements, 0});
+  for (const std::size_t elements : counts_alone) trials.push_back({Element::quadratic, elements, 0});
   return trials;
 }
 
