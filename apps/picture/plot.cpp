@@ -2,20 +2,19 @@
 
 #include <fcntl.h>
 #include <fmt/format.h>
-#include <signal.h>
 #include <spawn.h>
 #include <sys/wait.h>
 #include <unistd.h>
 
 #include <algorithm>
 #include <array>
-#include <cerrno>
-#include <charconv>
 #include <cmath>
 #include <cstdlib>
 #include <filesystem>
 #include <fstream>
 #include <sstream>
+
+#include "apps/picture/temporary_folder.hpp"
 
 extern char** environ;
 
@@ -23,45 +22,6 @@ namespace forefeel {
 namespace {
 
 namespace fs = std::filesystem;
-
-constexpr std::string_view folder_prefix = "forefeel-plot-";
-
-// Removes the folders of processes that ended without doing so.
-void sweep_folders(const fs::path& above) {
-  std::error_code error;
-  for (const auto& entry : fs::directory_iterator(above, error)) {
-    const std::string name = entry.path().filename().string();
-    if (!name.starts_with(folder_prefix)) continue;
-    int process = 0;
-    const char* const end = name.data() + name.size();
-    const auto [rest, bad] = std::from_chars(name.data() + folder_prefix.size(), end, process);
-    if (bad != std::errc{} || process <= 0 || rest == end || *rest != '-') continue;
-    if (kill(process, 0) != 0 && errno == ESRCH) fs::remove_all(entry.path(), error);
-  }
-}
-
-// A folder under the system's temporary folder; removed at the end, or by a later process.
-class TemporaryFolder {
- public:
-  TemporaryFolder() {
-    std::error_code error;
-    const fs::path above = fs::temp_directory_path(error);
-    if (error) return;
-    sweep_folders(above);
-    std::string pattern = (above / fmt::format("{}{}-XXXXXX", folder_prefix, getpid())).string();
-    if (mkdtemp(pattern.data())) path_ = pattern;
-  }
-  ~TemporaryFolder() {
-    std::error_code error;
-    if (!path_.empty()) fs::remove_all(path_, error);
-  }
-  TemporaryFolder(const TemporaryFolder&) = delete;
-  TemporaryFolder& operator=(const TemporaryFolder&) = delete;
-  const fs::path& path() const { return path_; }  // empty if it could not be created
-
- private:
-  fs::path path_;
-};
 
 // Runs gnuplot without its output and returns its exit code; -1 if it cannot be started.
 int run_gnuplot(const std::string& argument) {

@@ -134,7 +134,7 @@ TEST_CASE("a picture that is cut leaves nothing behind, and the target of a link
   CHECK(shop.shell("head -c 4 c.png | tail -c 3").out == "PNG");
   // A leftover of a process that is gone is removed with the next picture.
   const int gone = std::stoi(shop.shell("sh -c 'echo $$'").out);
-  const fs::path left = fs::temp_directory_path() / ("forefeel-plot-" + std::to_string(gone) + "-abcdef");
+  const fs::path left = fs::temp_directory_path() / ("forefeel-tmp-" + std::to_string(gone) + "-abcdef");
   fs::create_directories(left);
   REQUIRE(shop.forefeel("classify s.csv --spacing 0.01 -o c.png --quiet").code == 0);
   CHECK_FALSE(fs::exists(left));
