@@ -4,6 +4,7 @@
 
 #include "approx/loops/dense_kernels.hpp"
 #include "approx/loops/exact_sums.hpp"
+#include "approx/loops/jet_sums.hpp"
 #include "approx/loops/kernel_rows.hpp"
 #include "approx/loops/kernel_sums.hpp"
 #include "approx/loops/view_loops.hpp"
@@ -13,7 +14,7 @@ namespace forefeel {
 
 FOREFEEL_IN_EACH_SET(extern const dense::Loops dense_loops; extern const rows::Loops row_loops;
                      extern const sums::Loops sum_loops; extern const exact::Loops exact_loops;
-                     extern const view::Loops view_loops;)
+                     extern const view::Loops view_loops; extern const jets::Loops jet_loops;)
 
 const dense::Loops& dense::loops() {
   static const Loops& chosen = FOREFEEL_CHOSEN(dense_loops);
@@ -29,6 +30,10 @@ const exact::Loops& exact::loops() {
 }
 const view::Loops& view::loops() {
   static const Loops& chosen = FOREFEEL_CHOSEN(view_loops);
+  return chosen;
+}
+const jets::Loops& jets::loops() {
+  static const Loops& chosen = FOREFEEL_CHOSEN(jet_loops);
   return chosen;
 }
 const sums::Loops& sums::loops() {

@@ -39,13 +39,13 @@ void measure(const Field& field, const Vec3& x, EvaluatedPoints& result) {
 // The kernel used. It is a simpler one if the states do not determine the polynomial (rbf_fit.hpp).
 std::string_view kernel_of(const Model& model) {
   if (model.is_tangent()) return "tangent";
-  return model.degree() == 0 ? "linear with constant" : name(model.kernel());
+  return model.has_jets() ? "jets" : model.degree() == 0 ? "linear with constant" : name(model.kernel());
 }
 
 // The model's force at one point, its limits, and the kernel after step-down.
 void add_point(const Model& model, const Vec3& x, const ModelOptions& options, EvaluatedPoints& result) {
   result.kernels.push_back(kernel_of(model));
-  result.stepped_down += result.kernels.back() != name(options.kernel) ? 1 : 0;
+  result.stepped_down += !model.has_jets() && result.kernels.back() != name(options.kernel) ? 1 : 0;
   result.reach.push_back({model.force_bound(), 2 * model.trust_distance(), model.hold_distance()});
   measure(model, x, result);
 }
@@ -175,6 +175,8 @@ Evaluation evaluate(std::span<const State> states, std::span<const Vec3> points,
   ModelOptions& model = result.options.model = model_options(options, stiffness, usable.size());
   if (model.data == Data::force_and_stiffness && !stiffness)
     throw InputError("states", "no state has a stiffness, expected columns k11 to k33 or --data force");
+  if (model.data == Data::jet && std::ranges::none_of(usable, [](const State& s) { return s.jet != nullptr; }))
+    throw InputError("states", "no state has an energy jet, expected columns e300 to e005, or other --data");
   const std::size_t rows = usable.size();
   AveragedStates mean = averaged(std::move(usable));
   result.repeated = mean.found;

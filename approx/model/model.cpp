@@ -4,6 +4,7 @@
 #include <algorithm>
 #include <cmath>
 
+#include "approx/loops/jet_sums.hpp"
 #include "approx/loops/kernel_sums.hpp"
 #include "approx/model/lattice_field.hpp"
 #include "approx/model/model_data.hpp"
@@ -76,6 +77,13 @@ double step(double t, double& derivative) {
 
 }  // namespace
 
+void ModelData::reserve(const ModelOptions& options) {
+  reserve(most_neighbours(options) + affine_places(options), options.data != Data::force);
+  if (options.data != Data::jet) return;
+  const std::size_t most = std::min(options.neighbours, most_jets);
+  jets.data.reserve((most + jets::lanes - 1) / jets::lanes * jets::block_size);
+}
+
 void ModelData::reserve(std::size_t wanted, bool with_stiffness) {
   const std::size_t rounded = (wanted + 7) / 8 * 8;
   states.reserve(rounded);
@@ -90,6 +98,7 @@ void ModelData::reserve(std::size_t wanted, bool with_stiffness) {
 void ModelData::clear() {
   states.clear();
   lattice.reset();
+  jets.blocks = 0;
   sum.power = 0;
   sum.degree = 0;
   sum.padded = 0;
@@ -171,9 +180,30 @@ Vec3 on_lattice(const LatticeField& field, const Vec3& x, Mat3* jacobian) noexce
   return field.force(x);
 }
 
+// A blend of jets; up to hold / 2 from the centre it is a potential.
+Vec3 of_jets(const ModelData& m, const Vec3& x, Mat3* jacobian, jets::Blend& blend) noexcept {
+  const double keep = ModelData::full_share * m.bound;
+  Mat3 moved = Mat3::Identity();
+  const Vec3 at = x.allFinite() ? Vec3(m.jets.centre + saturate(x - m.jets.centre, 0.5 * m.jets.hold,
+                                                                m.jets.hold, jacobian ? &moved : nullptr))
+                                : m.jets.centre;
+  jets::loops().blend(m.jets.blocks, m.jets.data.data(), at.data(), blend);
+  const double* const h = blend.hessian;
+  if (jacobian != nullptr) {
+    Mat3 bend;
+    bend << h[0], h[3], h[4], h[3], h[1], h[5], h[4], h[5], h[2];
+    *jacobian = -bend * moved;
+  }
+  return saturate(-Eigen::Map<const Vec3>(blend.gradient), keep, m.bound, jacobian);
+}
+
 // Force (and Jacobian over x) at x; one path for both.
 Vec3 bounded(const ModelData& m, const Vec3& x, Mat3* jacobian) noexcept {
   if (m.lattice) return on_lattice(*m.lattice, x, jacobian);
+  if (m.jets.blocks > 0) {
+    jets::Blend blend;
+    return of_jets(m, x, jacobian, blend);
+  }
   if (jacobian != nullptr) jacobian->setZero();
   if (!m.known) return Vec3::Zero();
   const double keep = ModelData::full_share * m.bound;
@@ -255,7 +285,16 @@ int Model::degree() const noexcept {
   return data_->sum.degree;
 }
 bool Model::is_tangent() const noexcept {
-  return data_->known && data_->sum.power == 0;
+  return data_->known && data_->sum.power == 0 && data_->jets.blocks == 0;
+}
+bool Model::has_jets() const noexcept {
+  return data_->jets.blocks > 0;
+}
+JetEstimate Model::estimate(const Vec3& x) const noexcept {
+  if (!has_jets()) return {};
+  jets::Blend blend;
+  const Vec3 force = of_jets(*data_, x, nullptr, blend);
+  return {.force = force, .error = std::max(blend.estimate, blend.spread), .confirmed = blend.confirmed};
 }
 double Model::force_bound() const noexcept {
   return data_->bound;
@@ -264,9 +303,11 @@ std::uint64_t Model::serial() const noexcept {
   return data_->serial;
 }
 double Model::trust_distance() const noexcept {
+  if (has_jets()) return data_->jets.trusted;
   return data_->known ? data_->domain.trust * data_->sum.scale : 0;
 }
 double Model::hold_distance() const noexcept {
+  if (has_jets()) return data_->jets.hold;
   return data_->known ? data_->tangent.hold : 0;
 }
 bool Model::uses_stiffness() const noexcept {
@@ -274,8 +315,7 @@ bool Model::uses_stiffness() const noexcept {
 }
 
 void Model::reserve(const ModelOptions& options) {
-  data_->reserve(most_neighbours(options) + affine_places(options),
-                 options.data == Data::force_and_stiffness);
+  data_->reserve(options);
 }
 
 void Model::assign(ModelDraft& draft, std::uint64_t serial) noexcept {
@@ -289,8 +329,7 @@ ModelDraft::ModelDraft(ModelDraft&&) noexcept = default;
 ModelDraft& ModelDraft::operator=(ModelDraft&&) noexcept = default;
 
 void ModelDraft::reserve(const ModelOptions& options) {
-  data_->reserve(most_neighbours(options) + affine_places(options),
-                 options.data == Data::force_and_stiffness);
+  data_->reserve(options);
 }
 
 void ModelDraft::clear() {

@@ -8,6 +8,7 @@
 
 #include <cstddef>
 #include <cstdint>
+#include <limits>
 #include <memory>
 #include <span>
 #include <vector>
@@ -39,6 +40,13 @@ class ModelDraft {
   std::unique_ptr<ModelData> data_;
 };
 
+// What a model of jets says of its own force.
+struct JetEstimate {
+  Vec3 force = Vec3::Zero();  // [N]
+  double error = std::numeric_limits<double>::quiet_NaN();  // own estimate, trust included [N]
+  double confirmed = 0;  // weight of the jets within their trust, 0 to 1
+};
+
 // Never changed in part: a model is evaluated, or replaced as a whole by assign().
 class Model {
  public:
@@ -61,6 +69,8 @@ class Model {
   double hold_distance() const noexcept;   // [m]
   std::uint64_t serial() const noexcept;   // grows with every update of one updater; 0 for the empty model
   bool uses_stiffness() const noexcept;    // Hermite data, after step-down
+  bool has_jets() const noexcept;          // a blend of energy jets (jet_set.hpp)
+  JetEstimate estimate(const Vec3& x) const noexcept;  // of a model of jets; of others the error is NaN
 
   // Becomes the model that the draft describes. The two exchange their memory, so that a released model is reused
   // without allocation. Afterwards the draft has the former content of this model.

@@ -73,7 +73,16 @@ struct ModelData {
     sums::Quick function = nullptr;
   };
 
+  // A blend of energy jets (jet_set.hpp). Beyond `hold` from `centre` the force is held constant.
+  struct Jets {
+    std::size_t blocks = 0;  // 0: the model is no blend of jets
+    AlignedArray data;       // approx/loops/jet_sums.hpp
+    Vec3 centre = Vec3::Zero();
+    double trusted = 0, hold = 0;  // largest radius of a jet [m]; [m]
+  };
+
   std::vector<StateId> states;
+  Jets jets;  // if it has blocks, it is the model and the rest is not used
   RbfSum sum;
   Tangent tangent;
   Domain domain;
@@ -84,6 +93,7 @@ struct ModelData {
   double largest_stiffness = 0;                 // K [N/m]
   std::uint64_t serial = 0;
 
+  void reserve(const ModelOptions& options);
   void reserve(std::size_t states_wanted, bool with_stiffness);
   void clear();
   void prepare();  // sets `fast`; call it last

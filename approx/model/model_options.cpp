@@ -6,7 +6,10 @@ std::string_view name(Kernel kernel) {
   return kernel == Kernel::linear ? "linear" : kernel == Kernel::cubic ? "cubic" : "quintic";
 }
 std::string_view name(Data data) {
-  return data == Data::force ? "force" : "force+stiffness";
+  return data == Data::force ? "force" : data == Data::force_and_stiffness ? "force+stiffness" : "jet";
+}
+std::size_t usual_neighbours(Data data) {
+  return data == Data::force ? 100 : data == Data::force_and_stiffness ? 25 : 8;
 }
 std::string_view name(Select select) {
   return select == Select::label ? "label" : "nearest";

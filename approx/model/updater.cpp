@@ -4,6 +4,7 @@
 #include <algorithm>
 #include <cmath>
 
+#include "approx/model/jet_set.hpp"
 #include "approx/model/neighbours.hpp"
 #include "approx/model/polynomial.hpp"
 #include "approx/model/rbf_fit.hpp"
@@ -16,7 +17,7 @@ using namespace detail;
 namespace {
 
 void check(const ModelOptions& options) {
-  if (options.kernel == Kernel::linear && options.data == Data::force_and_stiffness)
+  if (options.kernel == Kernel::linear && options.data != Data::force)
     throw InputError("model.data",
                      "kernel linear takes no stiffness, expected cubic or quintic with force+stiffness");
   if (options.neighbours == 0) throw InputError("model.neighbours", "is 0, expected at least 1");
@@ -28,6 +29,15 @@ Sample sample_of(StateId id, const State& state) {
   Sample sample{.id = id, .at = state.at, .force = state.force, .stiffness = state.stiffness};
   if (!sample.stiffness.allFinite()) sample.stiffness.setConstant(unknown);
   return sample;
+}
+
+// Of states without jets.
+ModelOptions of_rbf(ModelOptions options) {
+  if (options.data == Data::jet) {
+    options.data = Data::force_and_stiffness;
+    options.neighbours = std::max(options.neighbours, usual_neighbours(options.data));
+  }
+  return options;
 }
 
 // Adds the auxiliary places of affine_places(), at the anchors of a polynomial of degree 2. Their forces are
@@ -89,14 +99,19 @@ struct ModelUpdater::Impl {
   Change change;
   ModelDraft draft;
   std::uint64_t serial = 0;
+  JetSet jets;
+  std::vector<StateId> chosen_jets;
   bool fresh = true;          // the next model must not depend on earlier ones
   bool from_scratch = false;  // the fit is a refit of exactly its set, in order of ids
+
+  bool update_jets(const Vec3& hip, Model& out, UpdateReport* report, const UpdateTag& tag);
 
   Impl(const StateSpace& known, ModelOptions wished)
       : space(known),
         options(wished),
-        fit(wished, most_neighbours(wished) + affine_places(wished)),
-        selector(known, wished) {
+        fit(of_rbf(wished), most_neighbours(wished) + affine_places(wished)),
+        selector(known, of_rbf(wished)),
+        jets(known, wished) {
     const std::size_t most = most_neighbours(options);
     change.wanted.reserve(most);
     chosen.reserve(most);
@@ -116,8 +131,24 @@ ModelUpdater::ModelUpdater(const StateSpace& space, ModelOptions options) {
 ModelUpdater::~ModelUpdater() = default;
 ModelUpdater::ModelUpdater(ModelUpdater&&) noexcept = default;
 
+bool ModelUpdater::Impl::update_jets(const Vec3& hip, Model& out, UpdateReport* report,
+                                     const UpdateTag& tag) {
+  if (options.data != Data::jet) return false;
+  jets.learn();
+  if (jets.empty()) return false;
+  jets.choose(hip, chosen_jets);
+  jets.write(chosen_jets, draft);
+  if (tag.guess) draft.forget_states();
+  ++serial;
+  out.assign(draft, tag.serial > 0 ? tag.serial : serial);
+  if (report != nullptr)
+    *report = {.n = chosen_jets.size(), .replaced = chosen_jets.size(), .refit = true, .label = space.label(hip)};
+  return true;
+}
+
 bool ModelUpdater::update(const Vec3& hip, Model& out, UpdateReport* report, const UpdateTag& tag) {
   Impl& m = *impl_;
+  if (m.update_jets(hip, out, report, tag)) return true;
   const Label label = m.selector.select(hip, m.chosen);
   m.change.wanted.clear();
   for (const Neighbour& c : m.chosen) m.change.wanted.push_back(c.id);
@@ -171,6 +202,7 @@ bool ModelUpdater::update(const Vec3& hip, Model& out, UpdateReport* report, con
 void ModelUpdater::forget() {
   impl_->fresh = true;
   impl_->selector.forget();
+  impl_->jets.forget();
 }
 
 Model ModelUpdater::model_at(const Vec3& hip) {

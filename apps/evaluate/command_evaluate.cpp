@@ -63,7 +63,7 @@ std::optional<Value> named(const std::optional<std::string>& text, std::span<con
 
 EvaluateOptions options_of(const ModelArguments& arguments) {
   constexpr std::array kernels{Kernel::linear, Kernel::cubic, Kernel::quintic};
-  constexpr std::array data{Data::force, Data::force_and_stiffness};
+  constexpr std::array data{Data::force, Data::force_and_stiffness, Data::jet};
   constexpr std::array rules{Select::label, Select::nearest};
   EvaluateOptions options;
   if (arguments.method) options.choose = *arguments.method == "auto";
@@ -288,9 +288,9 @@ void add_evaluate(CommandLine& line) {
       .one_of({"linear", "cubic", "quintic"});
   sub.option("--data", arguments->model.data,
              "What a model fits. Default: force+stiffness if the states have it")
-      .one_of({"force", "force+stiffness"});
+      .one_of({"force", "force+stiffness", "jet"});
   sub.option("--neighbours", arguments->model.neighbours,
-             "Number of states in a model. Default: 25, or 100 for states without stiffness. With --select "
+             "Number of states in a model. Default: 25, 100 for states without stiffness, 8 with --data jet. With --select "
              "label a "
              "model has more where they are needed: at least 16 outside safe regions (without stiffness at "
              "least 20 "

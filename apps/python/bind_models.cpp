@@ -52,7 +52,7 @@ void set_option(EvaluateOptions& options, const std::string& key, const py::hand
                                   std::array{Kernel::linear, Kernel::cubic, Kernel::quintic});
   } else if (key == "data") {
     options.model.data = chosen(cast_to<std::string>(value, key, "a text"), "data",
-                                std::array{Data::force, Data::force_and_stiffness});
+                                std::array{Data::force, Data::force_and_stiffness, Data::jet});
   } else if (key == "neighbours") {
     const auto n = cast_to<std::int64_t>(value, key, "a whole number");
     if (n < 1 || n > 100'000) throw InputError("neighbours", fmt::format("is {}, expected 1 to 100000", n));

@@ -90,6 +90,7 @@ const SceneRows<Scene>& rows_of_space() {
                  "also an "
                  "energy jet",
                  path(&Scene::kept, &KeptValues::jet))
+          .standard("1; 4 with model.data = \"jet\"")
           .row({"tolerance", "1", fmt::format("{}", usual_tolerance),
                 "error that spacing = \"auto\" allows where safe, and within which session and classify "
                 "--bars "
@@ -128,7 +129,7 @@ const SceneRows<ModelOptions>& rows_of_model() {
           .word("data", data_words, ": what is fitted", &M::data)
           .standard("force+stiffness; force with the linear kernel")
           .whole("neighbours", 1, 100'000, "states of a model", &M::neighbours)
-          .standard("25; 100 with data = \"force\"")
+          .standard("25; 100 with data = \"force\"; 8 with data = \"jet\"")
           .word("select", select_words, ": rule that chooses the neighbours", &M::select)
           .number("ridge", "1", not_negative(),
                   "smoothing for noisy states, added to the kernel's diagonal; 0: none", &M::ridge);
@@ -140,9 +141,9 @@ ModelOptions read_model(const SceneTable& table) {
   ModelOptions model = usual;
   rows_of_model().read(table, model);
   if (model.kernel == Kernel::linear && !table.has("data")) model.data = Data::force;
-  if (model.kernel == Kernel::linear && model.data == Data::force_and_stiffness)
+  if (model.kernel == Kernel::linear && model.data != Data::force)
     throw table.wrong("data", "\"force\" with the linear kernel, which has no derivative at a state");
-  if (model.data != usual.data && !table.has("neighbours")) model.neighbours = 100;
+  if (!table.has("neighbours")) model.neighbours = usual_neighbours(model.data);
   return model;
 }
 
@@ -222,6 +223,7 @@ Scene make_scene(const SceneDocument& document, const fs::path& file, const Scen
   }
   scene.viscosity = read_viscosity(sections.materials);
   read_state_space(space, scene.body->mesh, sections.body.has("phantom"), use, scene);
+  if (scene.model.data == Data::jet && !space.has("jet")) scene.kept.jet = most_jet_order;
   scene.kept.displacements = scene.kept.displacements || scene.shape.rate > 0;
   scene.model.length = scene.space.spacing;
   scene.session.model.fit = scene.model;
