@@ -10,7 +10,8 @@ using namespace jets;
 
 // Places of the third derivatives: a falls, then b. At xx yy zz xy xz yz and one more axis.
 constexpr std::size_t third_at[6][3] = {{0, 1, 2}, {3, 6, 7}, {5, 8, 9}, {1, 3, 4}, {2, 4, 5}, {4, 7, 8}};
-constexpr std::size_t both_at[3][3] = {{0, 3, 4}, {3, 1, 5}, {4, 5, 2}};  // of a pair of axes in xx yy zz xy xz yz
+constexpr std::size_t both_at[3][3] = {
+    {0, 3, 4}, {3, 1, 5}, {4, 5, 2}};  // of a pair of axes in xx yy zz xy xz yz
 constexpr int third_powers[10][3] = {{3, 0, 0}, {2, 1, 0}, {2, 0, 1}, {1, 2, 0}, {1, 1, 1},
                                      {1, 0, 2}, {0, 3, 0}, {0, 2, 1}, {0, 1, 2}, {0, 0, 3}};
 constexpr int second_powers[6][3] = {{2, 0, 0}, {1, 1, 0}, {1, 0, 1}, {0, 2, 0}, {0, 1, 1}, {0, 0, 2}};
@@ -38,8 +39,9 @@ FOREFEEL_INLINE void finish(Form& form, const Pack d[3], int degree) {
                                     form.third[third_at[p][2]] * d[2]);
 #pragma GCC unroll 3
   for (std::size_t i = 0; i < 3; ++i)
-    form.gradient[i] = of_gradient * (form.hessian[both_at[i][0]] * d[0] +
-                                      form.hessian[both_at[i][1]] * d[1] + form.hessian[both_at[i][2]] * d[2]);
+    form.gradient[i] =
+        of_gradient * (form.hessian[both_at[i][0]] * d[0] + form.hessian[both_at[i][1]] * d[1] +
+                       form.hessian[both_at[i][2]] * d[2]);
   form.energy = of_energy * (form.gradient[0] * d[0] + form.gradient[1] * d[1] + form.gradient[2] * d[2]);
 }
 
@@ -96,14 +98,14 @@ FOREFEEL_INLINE void slow_growth(Form& form, const Pack d[3], Pack squared, Pack
   const Pack h1 = power / radius * (k + k * (k - 1) * bend1 / radius);
   const Pack h2 = power / (radius * radius) * k * (k - 1) * bend2;
   const Pack zero{}, share = beyond ? h0 : same(1), share1 = beyond ? h1 - k * h0 / r : zero,
-                    share2 = beyond ? h2 - 2 * k * h1 / r + k * (k + 1) * h0 / (r * r) : zero;
+                     share2 = beyond ? h2 - 2 * k * h1 / r + k * (k + 1) * h0 / (r * r) : zero;
   const Pack unit[3] = {d[0] / r, d[1] / r, d[2] / r}, across = share1 / r;
   for (std::size_t i = 0; i < 3; ++i)
     for (std::size_t j = i; j < 3; ++j)
-      form.hessian[both_at[i][j]] = share * form.hessian[both_at[i][j]] +
-                                    share1 * (form.gradient[i] * unit[j] + unit[i] * form.gradient[j]) +
-                                    form.energy * ((share2 - across) * unit[i] * unit[j] +
-                                                   (i == j ? across : zero));
+      form.hessian[both_at[i][j]] =
+          share * form.hessian[both_at[i][j]] +
+          share1 * (form.gradient[i] * unit[j] + unit[i] * form.gradient[j]) +
+          form.energy * ((share2 - across) * unit[i] * unit[j] + (i == j ? across : zero));
   for (std::size_t i = 0; i < 3; ++i)
     form.gradient[i] = share * form.gradient[i] + share1 * form.energy * unit[i];
   form.energy *= share;
@@ -152,15 +154,15 @@ FOREFEEL_INLINE void set_estimate(const double* block, const Pack d[3], const Fo
   out.confirmed = over <= Pack{} ? same(1) : Pack{};
   const Pack beyond = over > Pack{} ? over : Pack{};
   const Pack growth = 1 + distrust * beyond * beyond * beyond;
-  const Pack slope = 6 * distrust * inverse * beyond * beyond;           // times d: the gradient of the growth
-  const Pack bend = 24 * distrust * inverse * inverse * beyond;          // times d d^T
+  const Pack slope = 6 * distrust * inverse * beyond * beyond;   // times d: the gradient of the growth
+  const Pack bend = 24 * distrust * inverse * inverse * beyond;  // times d d^T
 #pragma GCC unroll 3
   for (std::size_t i = 0; i < 3; ++i)
 #pragma GCC unroll 3
     for (std::size_t j = i; j < 3; ++j)
-      out.squared_hessian[both_at[i][j]] =
-          2 * growth * second[both_at[i][j]] + 2 * slope * (first[i] * d[j] + d[i] * first[j]) +
-          q * (bend * d[i] * d[j] + (i == j ? slope : Pack{}));
+      out.squared_hessian[both_at[i][j]] = 2 * growth * second[both_at[i][j]] +
+                                           2 * slope * (first[i] * d[j] + d[i] * first[j]) +
+                                           q * (bend * d[i] * d[j] + (i == j ? slope : Pack{}));
 #pragma GCC unroll 3
   for (std::size_t i = 0; i < 3; ++i) out.squared_gradient[i] = 2 * growth * first[i] + q * slope * d[i];
   out.own = q;
@@ -180,19 +182,18 @@ FOREFEEL_INLINE void set_terms(const double* block, const double x[3], Terms& ou
   Pack bent[3];
 #pragma GCC unroll 3
   for (std::size_t i = 0; i < 3; ++i) {
-    bent[i] = at_row(block, row_bend + both_at[i][0]) * d[0] + at_row(block, row_bend + both_at[i][1]) * d[1] +
-              at_row(block, row_bend + both_at[i][2]) * d[2];
+    bent[i] = at_row(block, row_bend + both_at[i][0]) * d[0] +
+              at_row(block, row_bend + both_at[i][1]) * d[1] + at_row(block, row_bend + both_at[i][2]) * d[2];
     out.gradient[i] = at_row(block, row_slope + i) + bent[i] + forms[0].gradient[i] + forms[1].gradient[i] +
                       forms[2].gradient[i];
   }
   out.energy = at_row(block, row_energy) + forms[0].energy + forms[1].energy + forms[2].energy;
 #pragma GCC unroll 3
-  for (std::size_t i = 0; i < 3; ++i)
-    out.energy += (at_row(block, row_slope + i) + 0.5 * bent[i]) * d[i];
+  for (std::size_t i = 0; i < 3; ++i) out.energy += (at_row(block, row_slope + i) + 0.5 * bent[i]) * d[i];
 #pragma GCC unroll 6
   for (std::size_t p = 0; p < 6; ++p)
-    out.hessian[p] = at_row(block, row_bend + p) + forms[0].hessian[p] + forms[1].hessian[p] +
-                     forms[2].hessian[p];
+    out.hessian[p] =
+        at_row(block, row_bend + p) + forms[0].hessian[p] + forms[1].hessian[p] + forms[2].hessian[p];
 }
 
 constexpr std::size_t packs_in_block = lanes / width;
@@ -206,7 +207,7 @@ void blend(std::size_t blocks, const double* data, const double x[3], Blend& out
     total += 1 / (terms[t].squared * terms[t].squared);
   }
   const double scale = 1 / sum_of(total);
-  Pack energy{}, gradient[3]{}, pull[3]{}, estimate{}, confirmed{};
+  Pack energy{}, gradient[3]{}, mixed[3]{}, pull[3]{}, estimate{}, confirmed{};
   Pack weights[most_blocks * packs_in_block];
   for (std::size_t t = 0; t < count; ++t) {
     const Terms& a = terms[t];
@@ -225,14 +226,16 @@ void blend(std::size_t blocks, const double* data, const double x[3], Blend& out
     for (std::size_t i = 0; i < 3; ++i) {
       const Pack z = steep * a.squared_gradient[i];
       pull[i] += z;
-      gradient[i] += (a.energy - out.energy) * z;
+      mixed[i] += (a.energy - out.energy) * z;
     }
   }
-  double of_weights[3];
+  double of_weights[3], mixing = 0;
   for (std::size_t i = 0; i < 3; ++i) {
-    out.gradient[i] = sum_of(gradient[i]);
+    out.gradient[i] = sum_of(gradient[i]) + sum_of(mixed[i]);
+    mixing += sum_of(mixed[i]) * sum_of(mixed[i]);
     of_weights[i] = sum_of(pull[i]);
   }
+  out.mixing = __builtin_sqrt(mixing);
   Pack hessian[6]{}, spread{};
   for (std::size_t t = 0; t < count; ++t) {
     const Terms& a = terms[t];
@@ -255,8 +258,8 @@ void blend(std::size_t blocks, const double* data, const double x[3], Blend& out
   out.spread = __builtin_sqrt(sum_of(spread));
   for (std::size_t i = 0; i < 3; ++i)
     for (std::size_t j = i; j < 3; ++j)
-      out.hessian[both_at[i][j]] = sum_of(hessian[both_at[i][j]]) - of_weights[i] * out.gradient[j] -
-                                   of_weights[j] * out.gradient[i];
+      out.hessian[both_at[i][j]] =
+          sum_of(hessian[both_at[i][j]]) - of_weights[i] * out.gradient[j] - of_weights[j] * out.gradient[i];
 }
 
 void estimates(const double* block, const double x[3], double* out) {

@@ -32,13 +32,14 @@ enum Row : std::size_t {
   rows = 65
 };
 inline constexpr std::size_t block_size = rows * lanes;
-inline constexpr double distrust = 30;  // c
+inline constexpr double distrust = 1;  // c
 inline constexpr std::size_t most_blocks = 8;
 
 struct Blend {
   double energy = 0, gradient[3] = {}, hessian[6] = {};  // [J], [N], [N/m]: xx yy zz xy xz yz
-  double estimate = 0;   // sqrt of sum_i w_i Q_i [N]
-  double spread = 0;     // sqrt of sum_i w_i |grad E_i - grad E|^2 [N]
+  double estimate = 0;                                   // sqrt of sum_i w_i Q_i [N]
+  double spread = 0;                                     // sqrt of sum_i w_i |grad E_i - grad E|^2 [N]
+  double mixing = 0;     // size of the part of the gradient that comes from the weights [N]
   double confirmed = 0;  // sum of the w_i with |d_i| <= t_i
 };
 

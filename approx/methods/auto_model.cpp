@@ -205,8 +205,8 @@ ModelOptions wished_model(const ModelWishes& wishes, bool stiffness, std::size_t
   model.kernel = wishes.kernel.value_or(stiffness ? Kernel::quintic : Kernel::cubic);
   model.data = wishes.data.value_or(stiffness && model.kernel != Kernel::linear ? Data::force_and_stiffness
                                                                                 : Data::force);
-  model.neighbours = std::clamp<std::size_t>(wishes.neighbours.value_or(usual_neighbours(model.data)),
-                                             1, std::max<std::size_t>(states, 1));
+  model.neighbours = std::clamp<std::size_t>(wishes.neighbours.value_or(usual_neighbours(model.data)), 1,
+                                             std::max<std::size_t>(states, 1));
   model.select = wishes.select.value_or(Select::label);
   model.ridge = wishes.ridge.value_or(0);
   return model;

@@ -175,7 +175,8 @@ Evaluation evaluate(std::span<const State> states, std::span<const Vec3> points,
   ModelOptions& model = result.options.model = model_options(options, stiffness, usable.size());
   if (model.data == Data::force_and_stiffness && !stiffness)
     throw InputError("states", "no state has a stiffness, expected columns k11 to k33 or --data force");
-  if (model.data == Data::jet && std::ranges::none_of(usable, [](const State& s) { return s.jet != nullptr; }))
+  if (model.data == Data::jet &&
+      std::ranges::none_of(usable, [](const State& s) { return s.jet != nullptr; }))
     throw InputError("states", "no state has an energy jet, expected columns e300 to e005, or other --data");
   const std::size_t rows = usable.size();
   AveragedStates mean = averaged(std::move(usable));

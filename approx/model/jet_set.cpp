@@ -115,7 +115,8 @@ void JetSet::add(StateId id, const State& state) {
     squared_.resize(squared_.size() + jets::lanes);
   }
   const EnergyJet& of = *state.jet;
-  constexpr std::array<std::array<Eigen::Index, 2>, 6> pairs{{{0, 0}, {1, 1}, {2, 2}, {0, 1}, {0, 2}, {1, 2}}};
+  constexpr std::array<std::array<Eigen::Index, 2>, 6> pairs{
+      {{0, 0}, {1, 1}, {2, 2}, {0, 1}, {0, 2}, {1, 2}}};
   for (std::size_t i = 0; i < 3; ++i) {
     value(jet, jets::row_at + i) = state.at[static_cast<Eigen::Index>(i)];
     value(jet, jets::row_slope + i) = -state.force[static_cast<Eigen::Index>(i)];
@@ -144,9 +145,9 @@ void JetSet::add(StateId id, const State& state) {
 
 void JetSet::set_trust(std::size_t jet) {
   Trust& trust = trusts_[jet];
-  trust.distance = std::min(
-      std::max({limits_[jet], least_trust * spacing_, beyond_confirmed * trust.confirmed}),
-      below_surprise * trust.surprised);
+  trust.distance =
+      std::min(std::max({limits_[jet], least_trust * spacing_, beyond_confirmed * trust.confirmed}),
+               below_surprise * trust.surprised);
   value(jet, jets::row_trust) = 1 / (trust.distance * trust.distance);
 }
 
@@ -178,7 +179,8 @@ void JetSet::confirm_again(std::size_t jet) {
   for (std::uint32_t i = 0; i <= seen_ && i < space_.size(); ++i) {
     const State& other = space_[StateId{i}];
     if (!is_evidence(other) || StateId{i} == ids_[jet]) continue;
-    jets::loops().estimates(blocks_.data() + jet / jets::lanes * jets::block_size, other.at.data(), estimates.data());
+    jets::loops().estimates(blocks_.data() + jet / jets::lanes * jets::block_size, other.at.data(),
+                            estimates.data());
     judge(jet, other, estimates.data());
   }
 }
@@ -190,7 +192,8 @@ void JetSet::learn() {
     const State& state = space_[id];
     if (!is_evidence(state)) continue;
     for (std::size_t first = 0; first < ids_.size(); first += jets::lanes) {
-      jets::loops().estimates(blocks_.data() + first / jets::lanes * jets::block_size, state.at.data(), estimates.data());
+      jets::loops().estimates(blocks_.data() + first / jets::lanes * jets::block_size, state.at.data(),
+                              estimates.data());
       for (std::size_t jet = first; jet < std::min(ids_.size(), first + jets::lanes); ++jet) {
         judge(jet, state, estimates.data());
         set_trust(jet);
@@ -214,8 +217,10 @@ void JetSet::choose(const Vec3& x, std::vector<StateId>& out) {
   out.clear();
   std::array<double, 5 * jets::lanes> estimates;
   for (std::size_t first = 0; first < ids_.size(); first += jets::lanes) {
-    jets::loops().estimates(blocks_.data() + first / jets::lanes * jets::block_size, x.data(), estimates.data());
-    std::copy_n(estimates.begin() + jets::lanes, jets::lanes, squared_.begin() + static_cast<std::ptrdiff_t>(first));
+    jets::loops().estimates(blocks_.data() + first / jets::lanes * jets::block_size, x.data(),
+                            estimates.data());
+    std::copy_n(estimates.begin() + jets::lanes, jets::lanes,
+                squared_.begin() + static_cast<std::ptrdiff_t>(first));
   }
   for (const StateId id : last_) squared_[place_of(id)] *= sticky * sticky;
   out.assign(ids_.begin(), ids_.end());
@@ -254,6 +259,7 @@ void JetSet::write(std::span<const StateId> chosen, ModelDraft& draft) const {
     radius = std::max(radius, to[jets::row_radius * jets::lanes]);
     apart = std::max(apart, (space_[chosen[slot]].at - model.centre).norm());
   }
+  model.tolerance = tolerance_;
   model.trusted = radius;
   model.hold = hold_radii * radius + apart;
   out.known = true;

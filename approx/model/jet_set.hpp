@@ -36,7 +36,8 @@ class JetSet {
   // The ids of the `most` jets of least estimate at x, the least first. Members of the last choice count 0.8 times.
   void choose(const Vec3& x, std::vector<StateId>& out);
   void forget() { last_.clear(); }
-  void write(std::span<const StateId> chosen, ModelDraft& draft) const;  // the model of these jets: copies of them
+  void write(std::span<const StateId> chosen,
+             ModelDraft& draft) const;  // the model of these jets: copies of them
 
   struct Trust {
     double distance = 0;   // t [m]

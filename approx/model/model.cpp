@@ -294,7 +294,10 @@ JetEstimate Model::estimate(const Vec3& x) const noexcept {
   if (!has_jets()) return {};
   jets::Blend blend;
   const Vec3 force = of_jets(*data_, x, nullptr, blend);
-  return {.force = force, .error = std::max(blend.estimate, blend.spread), .confirmed = blend.confirmed};
+  const double error = std::max({blend.estimate, blend.spread, blend.mixing});
+  return {.force = force,
+          .error = error,
+          .trusted = blend.confirmed >= 0.5 && error <= data_->jets.tolerance.limit(force.norm())};
 }
 double Model::force_bound() const noexcept {
   return data_->bound;

@@ -42,9 +42,10 @@ class ModelDraft {
 
 // What a model of jets says of its own force.
 struct JetEstimate {
-  Vec3 force = Vec3::Zero();  // [N]
+  Vec3 force = Vec3::Zero();                                // [N]
   double error = std::numeric_limits<double>::quiet_NaN();  // own estimate, trust included [N]
-  double confirmed = 0;  // weight of the jets within their trust, 0 to 1
+  // The jets that make the force are within their trust, and the estimate is within ModelOptions::tolerance.
+  bool trusted = false;
 };
 
 // Never changed in part: a model is evaluated, or replaced as a whole by assign().

@@ -79,6 +79,7 @@ struct ModelData {
     AlignedArray data;       // approx/loops/jet_sums.hpp
     Vec3 centre = Vec3::Zero();
     double trusted = 0, hold = 0;  // largest radius of a jet [m]; [m]
+    Tolerance tolerance = {};      // of a trusted force
   };
 
   std::vector<StateId> states;

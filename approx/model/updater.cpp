@@ -142,7 +142,8 @@ bool ModelUpdater::Impl::update_jets(const Vec3& hip, Model& out, UpdateReport* 
   ++serial;
   out.assign(draft, tag.serial > 0 ? tag.serial : serial);
   if (report != nullptr)
-    *report = {.n = chosen_jets.size(), .replaced = chosen_jets.size(), .refit = true, .label = space.label(hip)};
+    *report = {
+        .n = chosen_jets.size(), .replaced = chosen_jets.size(), .refit = true, .label = space.label(hip)};
   return true;
 }
 
@@ -213,6 +214,12 @@ Model ModelUpdater::model_at(const Vec3& hip) {
 
 Model fit_model(std::span<const State> states, const ModelOptions& options, const Vec3& centre) {
   check(options);
+  if (options.data == Data::jet) {
+    StateSpace space({.spacing = options.length > 0 ? options.length : 0.006});
+    for (const State& state : states)
+      if (state.usable()) space.insert(state);
+    return ModelUpdater(space, options).model_at(centre);
+  }
   std::vector<Sample> samples;
   samples.reserve(states.size());
   for (std::size_t i = 0; i < states.size(); ++i)

@@ -147,6 +147,7 @@ TetMesh graded_phantom(std::string_view name, const PhantomOptions& asked, SizeF
   auto& contact = mesh.groups["contact"];
   contact = surface_nodes_within(mesh, blueprint(name).tip, phantom_patch(name));
   if (contact.empty()) contact = {nearest_surface_node(mesh, blueprint(name).tip)};
+  mark_lump(name, mesh);
   return std::move(mesh);
 }
 

@@ -111,6 +111,7 @@ TetMesh phantom(std::string_view name, std::size_t elements) {
   auto& contact = mesh.groups["contact"];
   contact = surface_nodes_within(mesh, known.tip, phantom_patch(name));
   if (contact.empty()) contact = {nearest_surface_node(mesh, known.tip)};  // a mesh coarser than the patch
+  mark_lump(name, mesh);
   return mesh;
 }
 

@@ -105,6 +105,17 @@ const Blueprint& blueprint(std::string_view name) {
                                           fmt::join(blueprint_names(), ", ")));
 }
 
+void mark_lump(std::string_view name, TetMesh& mesh) {
+  if (name != "slab") return;
+  const Vec3 centre = blueprint(name).tip - Vec3(0, 0, 0.018);
+  constexpr double radius = 0.012;
+  for (TetIndex t = 0; t < mesh.tets.size(); ++t) {
+    Vec3 middle = Vec3::Zero();
+    for (const NodeIndex node : mesh.tets[t]) middle += 0.25 * mesh.nodes[node];
+    if ((middle - centre).norm() <= radius) mesh.element_groups["lump"].push_back(t);
+  }
+}
+
 double phantom_patch(std::string_view name) {
   return name == "beam" ? 0.01 : 0.02;
 }

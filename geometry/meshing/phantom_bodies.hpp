@@ -34,6 +34,8 @@ struct Blueprint {
 const Blueprint& blueprint(std::string_view name);  // InputError lists the known ones
 std::vector<std::string> blueprint_names();
 
+void mark_lump(std::string_view name,
+               TetMesh& mesh);                // of the slab: element group "lump", 18 mm below the tip
 double phantom_patch(std::string_view name);  // radius of the group "contact" [m]
 
 bool within_share(std::size_t count, std::size_t asked);  // of 5 %

@@ -37,6 +37,9 @@ struct Judgement {
 struct ForceBar {
   double scale = unknown;                                       // [N]
   std::array<double, 3> half_width{unknown, unknown, unknown};  // [N]
+  // Of a model of energy jets: the force is that of jets within their trust, and their own estimate is within the
+  // tolerance (approx/model/jet_set.hpp).
+  bool trusted = false;
 };
 
 struct FrameTiming {             // real clock only

@@ -9,31 +9,16 @@
 
 #include "approx/model/model_options.hpp"
 #include "geometry/common/quantiles.hpp"
-#include "scheduling/motion/halton.hpp"
+#include "geometry/states/energy_jet.hpp"
 #include "scheduling/motion/random.hpp"
+#include "scheduling/placement/covering.hpp"
+#include "scheduling/placement/estimate_points.hpp"
 
 namespace forefeel {
 namespace {
 
-constexpr double start_share = 0.75;  // of the half box: where the first eight corners lie
-constexpr double grid_shares[] = {-1, -0.75, -0.4, 0, 0.4, 0.75, 1};
-constexpr std::size_t uniform_points = 512;
+constexpr double start_share = 0.75;    // of the half box: where the first eight corners lie
 constexpr std::size_t most_rounds = 5;  // of truth
-
-// Where the error is estimated: first a uniform sample of the box, for quantiles; then a grid up to its faces.
-struct EstimatePoints {
-  std::vector<Vec3> at;
-  std::size_t uniform = 0;
-
-  explicit EstimatePoints(const Box& box) {
-    at = halton_points(box, uniform_points);
-    uniform = at.size();
-    const Vec3 centre = box.centre(), half = 0.5 * box.size();
-    for (const double x : grid_shares)
-      for (const double y : grid_shares)
-        for (const double z : grid_shares) at.push_back(centre + half.cwiseProduct(Vec3(x, y, z)));
-  }
-};
 
 // uniform: how many of the first values the quantiles are of; the maximum is of all.
 ErrorQuantiles quantiles_of(std::span<const double> values, std::size_t uniform) {
@@ -193,7 +178,8 @@ class Placement {
   void place() {
     const Box& box = options_.space.box;
     solve(box.contains(Vec3::Zero()) ? Vec3(Vec3::Zero()) : Vec3(box.centre()));
-    for (const int index : {0, 3, 5, 6}) solve(corner(index, start_share));
+    if (!jets_)
+      for (const int index : {0, 3, 5, 6}) solve(corner(index, start_share));
     while (true) {
       refresh_estimate();
       if (report_.estimate_holds) {
@@ -219,20 +205,25 @@ class Placement {
     return true;
   }
 
-  // The remaining corners first, then anywhere; false where no position is left.
+  // Of jets: where they serve most. Else the remaining corners first, then anywhere; false where no position is left.
   bool solve_next() {
     std::vector<Vec3> corners;
     for (const int index : {1, 2, 4, 7}) {
       const Vec3 x = corner(index, start_share);
-      if (!space_.find(x).valid() && !has_failed(x)) corners.push_back(x);
+      if (!jets_ && !space_.find(x).valid() && !has_failed(x)) corners.push_back(x);
     }
     std::span<const Vec3> candidates = points_.at;
     if (!corners.empty()) candidates = corners;
     std::vector<double> weights;
     for (const Vec3& x : candidates) weights.push_back(has_failed(x) ? 0 : 1);
-    const auto worst = worst_position(estimator_, space_, candidates, weights);
-    if (!worst) return false;
-    solve(candidates[worst->index]);
+    std::optional<std::size_t> next;
+    if (jets_)
+      next = covering_position(space_, candidates, estimates_, weights,
+                               {.error = options_.error, .order = options_.jet});
+    else if (const auto worst = worst_position(estimator_, space_, candidates, weights))
+      next = worst->index;
+    if (!next) return false;
+    solve(candidates[*next]);
     return true;
   }
 
@@ -242,7 +233,8 @@ class Placement {
       if (options_.stop.stop_requested()) return;
       values.push_back(estimator_(x));
     }
-    report_.estimate = quantiles_of(values, points_.uniform);
+    estimates_ = std::move(values);
+    report_.estimate = quantiles_of(estimates_, points_.uniform);
     report_.estimate_holds = report_.estimate.held() <= options_.error;
     progress_(
         {.states = space_.size(), .most_states = report_.most_states, .estimate = report_.estimate.held()});
@@ -341,10 +333,12 @@ class Placement {
   StateSpace space_;
   ErrorEstimator estimator_;
   EstimatePoints points_;
+  std::vector<double> estimates_;  // at the points
   Solver solver_;
   Failed failed_;
-  std::vector<std::vector<State>> rounds_;  // of truth
-  std::size_t round_ = 0;                   // the round that was looked at last
+  bool jets_ = options_.estimate.model.data == Data::jet;  // then one state has an estimate
+  std::vector<std::vector<State>> rounds_;                 // of truth
+  std::size_t round_ = 0;                                  // the round that was looked at last
   PlacementReport report_;
 };
 
@@ -394,7 +388,9 @@ ErrorQuantiles true_error(ErrorEstimator& estimator, std::span<const State> trut
 PlacementReport place_states(std::shared_ptr<const Body> body, const PlacementOptions& options,
                              std::span<const State> known, const std::function<void(State)>& sink,
                              const std::function<void(const PlacementProgress&)>& progress) {
-  return Placement(std::move(body), options, known, sink, progress).run();
+  PlacementOptions whole = options;
+  if (options.estimate.model.data == Data::jet && options.jet < 2) whole.jet = most_jet_order;
+  return Placement(std::move(body), whole, known, sink, progress).run();
 }
 
 }  // namespace forefeel

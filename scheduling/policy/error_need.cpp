@@ -19,6 +19,8 @@ constexpr double far = 5;             // distance of a state where none is known
 constexpr double least_share = 1e-5;  // of the need of all places: below it a place needs nothing
 constexpr double local = 3;           // width of r [spacings]
 constexpr double local_strength = 2;  // residuals that r = 0 counts as
+constexpr double cautious = 4;        // median of the estimate of jets over the error
+constexpr double jet_power = 4;       // of the distance, in the error of a jet
 
 double normal_share(double x) {
   return 0.5 * std::erfc(-x * M_SQRT1_2);
@@ -30,6 +32,7 @@ void ErrorNeed::begin(const StateSpace& space) {
   space_ = &space;
   spacing_ = space.options().spacing;
   known_ = 0;
+  asked_ = static_cast<std::size_t>(-1);
   fit_ = ErrorFit();
   residuals_.clear();
   box_.clear();
@@ -124,9 +127,38 @@ void ErrorNeed::weigh(const PlannerView& view) {
   places_.insert(places_.end(), box_.begin(), box_.end());
 }
 
+// The estimates of the box change with the states only.
+void ErrorNeed::ask_jets(const PlannerView& view) {
+  jets_ = static_cast<bool>(view.estimate) && std::isfinite(view.estimate(view.hip.at));
+  content_ = jets_;
+  if (!jets_) return;
+  if (asked_ != known_) {
+    asked_ = known_;
+    std::vector<double> growth;
+    for (Place& place : box_) {
+      place.estimate = view.estimate(place.at);
+      if (place.delta > 0) growth.push_back(place.estimate / std::pow(place.delta, jet_power));
+    }
+    const auto middle = growth.begin() + static_cast<std::ptrdiff_t>(growth.size() / 2);
+    std::ranges::nth_element(growth, middle);
+    growth_ = growth.empty() ? 0 : *middle;
+  }
+  const std::size_t ahead = places_.size() - box_.size();
+  for (std::size_t i = 0; i < places_.size(); ++i) {
+    places_[i].estimate = i < ahead ? view.estimate(places_[i].at) : box_[i - ahead].estimate;
+    content_ = content_ && !(places_[i].estimate > 1);
+  }
+}
+
+double ErrorNeed::exponent(const Place& place, double log_scale, double share) const {
+  if (!jets_)
+    return (log_scale + fit_.slope() * log_distance(place.delta / spacing_ * share)) / fit_.deviation();
+  const double left = growth_ * std::pow(place.delta * share, jet_power);
+  return std::log((share < 1 ? std::min(place.estimate, left) : place.estimate) / cautious + 1e-9);
+}
+
 // The needs of all places, as tables over the distance of the nearest state.
 void ErrorNeed::estimate() {
-  const double v = fit_.deviation();
   std::vector<double> log_scale;  // ln m without the part of delta
   for (const Place& place : places_)
     log_scale.push_back(fit_.intercept(place.side) +
@@ -137,6 +169,7 @@ void ErrorNeed::estimate() {
       const std::size_t j = random::mix(step, i) % i;
       std::swap(log_scale[i - 1], log_scale[j]);
       std::swap(places_[i - 1].delta, places_[j].delta);
+      std::swap(places_[i - 1].estimate, places_[j].estimate);
     }
   }
   needs_.clear();
@@ -144,8 +177,9 @@ void ErrorNeed::estimate() {
   for (std::size_t i = 0; i < places_.size(); ++i) {
     Need need{.at = places_[i].at, .delta = places_[i].delta};
     for (int k = 0; k <= levels; ++k) {
-      const double error = log_scale[i] + fit_.slope() * log_distance(need.delta / spacing_ * k / levels);
-      need.table[static_cast<std::size_t>(k)] = places_[i].weight * normal_share(error / v);
+      const double share = static_cast<double>(k) / levels;
+      need.table[static_cast<std::size_t>(k)] =
+          places_[i].weight * normal_share(exponent(places_[i], log_scale[i], share));
     }
     all += need.table[levels];
     needs_.push_back(need);
@@ -158,6 +192,7 @@ void ErrorNeed::look(const PlannerView& view) {
   solve_ = std::max(view.solve_seconds, 1e-3);
   learn(view);
   weigh(view);
+  ask_jets(view);
   estimate();
   pend(view.pending);
 }

@@ -11,6 +11,9 @@
 // side: distance from q to the mean of the 8 states nearest to it, over their mean distance: about 0 among states, 1
 // outside of them. a, b, c, v are fitted by least squares to the errors that the model had at the states solved so far
 // (PlannerView::surprises); a prior counts as some states; r(q): mean of their residuals within about 3 h.
+// A model of energy jets estimates its own error m' (PlannerView::estimate, in JNDs), which was 4 times the error at the
+// median. Then nothing is fitted: m = m' / 4, v = 1, and a state at the distance d lowers m' to k d^4, with k the median
+// of m' / delta^4 over the box. If no m' is above 1, the policy is content: no solve is worth it.
 // Why the probability and not the mean error: far from all states the error may be tens of JNDs. A mean would spend
 // most solves there, where a single solve helps little.
 
@@ -39,6 +42,8 @@ class ErrorNeed {
   // V of each candidate [1/s]; never negative. out: #candidates.
   void worth(std::span<const Candidate> candidates, std::span<double> out) const;
 
+  bool is_content() const { return content_; }
+
   const ErrorFit& fit() const { return fit_; }  // m without r, and v
 
  private:
@@ -48,6 +53,7 @@ class ErrorNeed {
     double weight = 0, delta = 0, side = 1;    // delta of known states [m]
     double reach = 0;                          // to the 8th state [m]
     double residuals = 0, residual_count = 0;  // weighted sum of the residuals near it, and of their weights
+    double estimate = unknown;                 // m'
   };
   // What is left of the need of a place, by the distance of its nearest state.
   struct Need {
@@ -65,11 +71,16 @@ class ErrorNeed {
   void add(const Residual& residual, double sign, Place& place) const;
   void remember(const Residual& residual);
   void weigh(const PlannerView& view);
+  void ask_jets(const PlannerView& view);
+  // ln m / v of a place, as a function of the share of delta that a new state leaves.
+  double exponent(const Place& place, double log_scale, double share) const;
   void estimate();
 
   ErrorNeedOptions options_;
   const StateSpace* space_ = nullptr;
-  std::size_t known_ = 0;
+  std::size_t known_ = 0, asked_ = 0;
+  bool jets_ = false, content_ = false;
+  double growth_ = 0;  // k [1/m^4]
   double spacing_ = 0.006, solve_ = 0.01;
   ErrorFit fit_;
   std::vector<Residual> residuals_;

@@ -25,6 +25,10 @@ class NeedPolicy final : public Policy {
   bool reads_surprises() const override { return true; }
   bool reads_future() const override { return path_ == NeedPath::true_one; }
   void look(const PlannerView& view) override { need_.look(view); }
+  bool is_content() const override {
+    if constexpr (requires { need_.is_content(); }) return need_.is_content();
+    return false;
+  }
   void pend(const PlannerView& view) override { need_.pend(view.pending); }
   double at_most(double priority) const override {
     return priority < nothing ? priority : std::max(priority, 2 * nothing);

@@ -56,6 +56,8 @@ struct PlannerView {
   // By state id, for policies that request it: the error that the model had at the state's position before
   // the state was known, divided by the JND of its force. NaN: not measured. May be shorter than the space.
   std::span<const float> surprises = {};
+  // Of a model of energy jets: its own estimate of its error at a place, in JNDs, trust included. Empty for others.
+  std::function<double(const Vec3&)> estimate = {};
 };
 
 struct Candidate {
@@ -89,6 +91,8 @@ class Policy {
   virtual bool reads_regions() const { return true; }
   // Whether PlannerView::surprises is used. Each of them costs a model fit.
   virtual bool reads_surprises() const { return false; }
+  // After look(): whether no candidate is worth a solve. The workers then stay idle until the next step.
+  virtual bool is_content() const { return false; }
   // Whether PlannerView::predicted must hold the true motion instead of a prediction. This requires a motion
   // that does not depend on the force; the session refuses other devices.
   virtual bool reads_future() const { return false; }

@@ -111,6 +111,8 @@ constexpr RunColumn<Frame> frame_columns[] = {
      }},
     {"bar_scale", "N", "scale of the newest model's error that the error bar is made of",
      [](Text& o, const Frame& f) { put(o, f.bar.scale); }},
+    {"trusted", "", "1: the force is that of energy jets within their trust and the tolerance; else 0",
+     [](Text& o, const Frame& f) { put(o, f.bar.trusted); }},
     {"elastic_x,elastic_y,elastic_z", "N", "rendered force before the relaxation function",
      [](Text& o, const Frame& f) { put(o, f.elastic); }, false, true},
     {"elastic_rx,elastic_ry,elastic_rz", "N", "force of the tight solve before the relaxation function",

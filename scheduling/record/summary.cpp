@@ -97,7 +97,7 @@ SessionSummary::ErrorBars error_bars_of(const SessionResult& result) {
   return found;
 }
 
-SessionSummary::Error error_of(const SessionResult& result, const SwitchOptions& options) {
+SessionSummary::Error error_of(const SessionResult& result, const SwitchOptions& options, bool jets) {
   SessionSummary::Error error;
   error.samples = errors_of(result, options, [](const FrameRecord& f) { return f.judged.sampled; });
   const std::vector<double> approximation = sorted_part(result, &Judgement::approximation),
@@ -110,6 +110,15 @@ SessionSummary::Error error_of(const SessionResult& result, const SwitchOptions&
   for (const Label label : all_labels)
     error.by_label[label] = errors_of(
         result, options, [label](const FrameRecord& f) { return f.judged.sampled && f.label == label; });
+  for (const bool trusted : {false, true})
+    error.by_trust[trusted ? 1 : 0] = errors_of(result, options, [trusted](const FrameRecord& f) {
+      return f.judged.sampled && f.bar.trusted == trusted;
+    });
+  const auto trusted =
+      std::ranges::count_if(result.frames, [](const FrameRecord& f) { return f.bar.trusted; });
+  if (jets)
+    error.time_trusted =
+        static_cast<double>(trusted) / static_cast<double>(std::max<std::size_t>(1, result.frames.size()));
   error.bars = error_bars_of(result);
   error.first_visit = errors_of(result, options, [](const FrameRecord& f) { return f.judged.first_visit; });
   return error;
@@ -335,7 +344,7 @@ SessionSummary summarise(const SessionResult& result, const SessionInput& input,
           .states = states_of(result, input.foreign),
           .time_in = time_in_labels(result),
           .switching = switching_of(result, options.switching.rule, options.clock.frame),
-          .error = error_of(result, options.switching),
+          .error = error_of(result, options.switching, options.model.fit.data == Data::jet),
           .load = load_of(result, input, options),
           .energy = energy_of(result, input, options),
           .safety = safety_of(result),

@@ -98,6 +98,8 @@ struct SessionSummary {
     Errors samples;
     Parts parts_p95, parts_p50;
     ByLabel<Errors> by_label;
+    std::array<Errors, 2> by_trust;  // of frames without and with trust (ForceBar::trusted)
+    double time_trusted = unknown;   // share of the frames with it; unknown: the models are not of jets
     Errors first_visit;
     ErrorBars bars;
     Mesh mesh;

@@ -103,6 +103,14 @@ void add_error(std::vector<Column>& columns, const SessionSummary::Error& error,
   add_errors(columns, "error.first_visit", error.first_visit, false);
 }
 
+void add_trust(std::vector<Column>& columns, const SessionSummary::Error& error) {
+  Group(columns, "")
+      .number("time_trusted", error.time_trusted, "1",
+              "share of the frames whose force is that of energy jets within their trust");
+  add_errors(columns, "error.by_trusted.no", error.by_trust[0]);
+  add_errors(columns, "error.by_trusted.yes", error.by_trust[1]);
+}
+
 void add_bars(std::vector<Column>& columns, const std::string& key, const SessionSummary::Bars& bars) {
   Group(columns, key)
       .count("samples", bars.samples, "frames with an error bar that were compared with a tight solve")
@@ -253,6 +261,7 @@ std::vector<Column> later_columns(const SessionSummary& summary) {
               "time of the first sample within the just noticeable difference");
   add_stability(columns, summary);
   add_error_bars(columns, summary.error.bars);
+  add_trust(columns, summary.error);
   add_control(columns, summary.energy.control);
   const SessionSummary::Mesh& mesh = summary.error.mesh;
   Group(columns, "")

@@ -58,7 +58,8 @@ void BarKeeper::learn_from(const State& state, const Model* model) {
   }
   if (!model || newest_.scale.empty()) return;
   const Vec3 predicted = model->force(state.at);
-  const double scale = newest_.scale.at(state.at, predicted) / newest_.scale.stretched();
+  const double scale = model->has_jets() ? model->estimate(state.at).error
+                                         : newest_.scale.at(state.at, predicted) / newest_.scale.stretched();
   level_.learn((predicted - state.force).norm() / scale);
 }
 

@@ -66,10 +66,13 @@ void RenderLoop::record(const ForceSwitch::Frame& f, const ForceBar& bar) noexce
 // Tells the planner what is rendered here, so that it can be scored later.
 ForceBar RenderLoop::bar(const ForceSwitch::Frame& frame) noexcept {
   if (const auto newer = link_.bars.take()) bar_ = *newer;
-  const double scale = bar_.scale.at(hip().at, frame.undamped);
+  const Model* const newest = models_.newest();
+  const bool jets = newest && newest->has_jets();
+  const JetEstimate own = jets ? newest->estimate(hip().at) : JetEstimate{};
+  const double scale = jets ? own.error * bar_.scale.stretched() : bar_.scale.at(hip().at, frame.undamped);
   const double residual = (frame.force - frame.undamped).norm();
   link_.rendered.push({hip().at, frame.force, scale, residual, bar_.label});
-  ForceBar made{.scale = scale};
+  ForceBar made{.scale = scale, .trusted = own.trusted};
   for (std::size_t i = 0; i < made.half_width.size(); ++i)
     made.half_width[i] = std::hypot(bar_.factors[i] * scale, residual);
   return made;

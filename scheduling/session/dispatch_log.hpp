@@ -28,6 +28,11 @@ class DispatchLog {
   }  // the next state of the space; -1: known at the start
 
   StateCounts counts = {};
+  struct Plans {
+    std::size_t all = 0;      // planning steps with an idle worker
+    std::size_t content = 0;  // of these, the policy found no candidate worth a solve
+  };
+  Plans plans = {};
   std::size_t jobs = 0;       // of the solved states
   std::size_t strays = 0;     // results of no running job
   std::size_t elsewhere = 0;  // results for another position than asked

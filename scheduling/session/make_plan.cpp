@@ -9,6 +9,7 @@
 #include "approx/model/model_options.hpp"
 #include "geometry/common/error.hpp"
 #include "geometry/common/memory.hpp"
+#include "geometry/states/energy_jet.hpp"
 #include "scheduling/common/option_check.hpp"
 #include "scheduling/motion/device.hpp"
 #include "scheduling/motion/trace_check.hpp"
@@ -204,6 +205,7 @@ SessionPlan make_plan(SessionInput input, SessionOptions options) {
   options.switching.frame = options.clock.frame;
   check(options);
   check_known(input.known);
+  if (options.model.fit.data == Data::jet && input.touched.jet < 2) input.touched.jet = most_jet_order;
   SessionPlan plan{.input = std::move(input), .options = std::move(options), .device = nullptr};
   const SessionOptions& chosen = plan.options;
   if (chosen.motion.replay)

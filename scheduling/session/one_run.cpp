@@ -147,9 +147,11 @@ std::shared_ptr<ReferenceService> references_of(const SessionInput& input, const
   return std::make_shared<ReferenceService>(options, workers.threads);
 }
 
-bool adds_rest(const SessionInput& input, const PlanningOptions& options) {
+bool adds_rest(const SessionInput& input, const SessionOptions& options) {
   const auto is_rest = [](const State& s) { return s.usable() && s.at.isZero(0); };
-  return !input.foreign && options.rest_known && std::ranges::none_of(input.known, is_rest);
+  const bool jets = options.model.fit.data == Data::jet && options.model.method == SessionMethod::rbf;
+  return !input.foreign && (options.planning.rest_known || jets) &&
+         std::ranges::none_of(input.known, is_rest);
 }
 
 SessionResult run_once(const SessionPlan& plan, const SessionHooks& hooks, ShapedRun* shapes) {
@@ -157,7 +159,7 @@ SessionResult run_once(const SessionPlan& plan, const SessionHooks& hooks, Shape
   const auto run = [&](const SessionPlan& whole) {
     return run_and_judge(divide(whole, *references), *references, hooks, shapes);
   };
-  SessionResult result = adds_rest(plan.input, plan.options.planning)
+  SessionResult result = adds_rest(plan.input, plan.options)
                              ? run(with_known(plan, {references->get(Vec3::Zero())}))
                              : run(plan);
   if (references->damage() && !plan.input.references)

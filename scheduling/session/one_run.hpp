@@ -11,7 +11,7 @@ std::shared_ptr<ReferenceService> references_of(const SessionInput& input, const
 
 // Whether the state at rest must be known from the start but is not among the known states. If so, run_once() appends
 // it to them.
-bool adds_rest(const SessionInput& input, const PlanningOptions& options);
+bool adds_rest(const SessionInput& input, const SessionOptions& options);
 
 struct ShapedRun;  // shaped_run.hpp
 

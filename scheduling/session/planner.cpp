@@ -54,6 +54,8 @@ Planner::Planner(PlannerSetup setup, Generator& generator, Hooks hooks)
   }
   log_.counts.start = space_.size();
   if (setup_.policy->reads_surprises()) surprises_.emplace(space_, setup_.model, setup_.jnd);
+  if (setup_.policy->reads_surprises() && setup_.model.fit.data == Data::jet)
+    jets_.emplace(space_, setup_.model.fit, setup_.jnd);
 }
 
 bool Planner::insert(const State& state, std::int64_t dispatch) {
@@ -158,6 +160,11 @@ void Planner::plan(double now) {
   if (idle_workers == 0) return consider_preemption(now);
   if (rest_comes_first(now)) return;
   look(now);
+  ++log_.plans.all;
+  if (setup_.policy->is_content()) {
+    ++log_.plans.content;
+    return;
+  }
   const bool many = idle_workers > 1 && setup_.options.batch == 1 && ranking_.ranks_many();
   if (many) ranking_.begin_many();
   for (int worker = 0; worker < slots_.count() && idle_workers > 0 && !candidates.empty(); ++worker) {
@@ -188,7 +195,8 @@ void Planner::look(double now) {
                  .hip = hip_,
                  .solve_seconds = solves_.times.expected(),
                  .workers = generator_.workers(),
-                 .surprises = surprises_ ? surprises_->by_id() : std::span<const float>()},
+                 .surprises = surprises_ ? surprises_->by_id() : std::span<const float>(),
+                 .estimate = jets_ ? std::ref(*jets_) : std::function<double(const Vec3&)>()},
                 pending());
 }
 
@@ -299,6 +307,10 @@ void Planner::finish(SessionResult& result, ModelKeeper& models) {
   log_.finish(result, models);
   result.solver.seconds = solves_.times.take();
   for (std::string& line : ranking_.complaints()) result.notes.push_back(std::move(line));
+  if (log_.plans.content > 0)
+    result.notes.push_back(fmt::format(
+        "workers stayed idle in {:.0f} % of the planning steps: the model estimated no error above the JND",
+        100.0 * static_cast<double>(log_.plans.content) / static_cast<double>(log_.plans.all)));
   if (log_.strays > 0)
     result.notes.push_back(fmt::format(
         "the workers gave {} results that belong to no running job: they were ignored", log_.strays));

@@ -14,6 +14,7 @@
 #include "geometry/common/signed_vector.hpp"
 #include "scheduling/render/model_keeper.hpp"
 #include "scheduling/session/dispatch_log.hpp"
+#include "scheduling/session/jet_estimates.hpp"
 #include "scheduling/session/planner_setup.hpp"
 #include "scheduling/session/ranking.hpp"
 #include "scheduling/session/solve_starts.hpp"
@@ -91,6 +92,7 @@ class Planner {
   std::function<void(const State&)> on_state_;
   StateSpace space_;
   std::optional<Surprises> surprises_;  // none unless requested
+  std::optional<JetEstimates> jets_;    // none unless requested, or without jets
   Ranking ranking_;
   HipSample hip_;
   SignedVector<Slot> slots_;

@@ -70,9 +70,10 @@ PlannerView Ranking::view() const {
           .solve_seconds = moment_.solve_seconds + 2 * setup_.latency,
           .workers = moment_.workers,
           .pending = pending_,
-          .with_stiffness = setup_.model.fit.data == Data::force_and_stiffness,
+          .with_stiffness = setup_.model.fit.data != Data::force,
           .in_cells = setup_.model.method != SessionMethod::rbf,
-          .surprises = moment_.surprises};
+          .surprises = moment_.surprises,
+          .estimate = moment_.estimate};
 }
 
 void Ranking::look(const PlanMoment& moment, std::vector<Vec3> pending) {

@@ -21,6 +21,7 @@ struct PlanMoment {
   double solve_seconds = 0;  // expected, without messages
   int workers = 1;
   std::span<const float> surprises = {};
+  std::function<double(const Vec3&)> estimate = {};  // PlannerView::estimate
 };
 
 class Ranking {

@@ -102,7 +102,7 @@ SessionResult run_rehearsed(SessionPlan plan, const SessionHooks& hooks, ShapedR
   if (rehearsed.cut) {
     open_state_file(state_file, states_header(plan.input.touched));
     SessionResult result = not_begun(
-        std::move(*rehearsed.cut), adds_rest(plan.input, plan.options.planning),
+        std::move(*rehearsed.cut), adds_rest(plan.input, plan.options),
         fmt::format("interrupted while simulating schedule {} of {}: the session itself was not begun",
                     rehearsed.tried + 1, rehearsed.of));
     if (hooks.when_run) hooks.when_run(result);

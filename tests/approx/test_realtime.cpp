@@ -10,6 +10,7 @@
 #include "approx/error/error_scale.hpp"
 #include "approx/model/rbf_fit.hpp"
 #include "approx/switch/force_switch.hpp"
+#include "geometry/states/energy_jet.hpp"
 #include "tests/approx/sets.hpp"
 #include "tests/support/skip.hpp"
 
@@ -100,6 +101,32 @@ TEST_CASE("Evaluation and switch allocate nothing and lock nothing", "[realtime]
       CHECK(locked_after == locked);
       CHECK(sum.allFinite());
     }
+}
+
+TEST_CASE("A model of jets and what it says of itself allocate nothing and lock nothing", "[realtime]") {
+  if (!counting_works()) return;
+  auto states = states_at(hard_set("lattice", 20, 1));
+  for (State& s : states) {
+    s.energy = 0.1;
+    s.jet = std::make_shared<const EnergyJet>(EnergyJet{.order = 4, .limit = 0.02});
+  }
+  const ModelOptions options{.data = Data::jet, .neighbours = 20};
+  const Model a = fit_model(states, options, Vec3::Zero());
+  REQUIRE(a.has_jets());
+  const long allocated = allocations, locked = locks;
+  Vec3 sum = Vec3::Zero(), force;
+  Mat3 jacobian;
+  double errors = 0;
+  for (int frame = 0; frame < 500; ++frame) {
+    const Vec3 x(1e-4 * frame, -5e-5 * frame, 2e-5 * frame);
+    a.evaluate(x, force, jacobian);
+    sum += force + jacobian.col(0);
+    errors += a.estimate(x).error;
+  }
+  const long allocated_after = allocations, locked_after = locks;
+  CHECK(allocated_after == allocated);
+  CHECK(locked_after == locked);
+  CHECK((sum.allFinite() && errors > 0));
 }
 
 TEST_CASE("The scale of an error bar allocates nothing and locks nothing", "[realtime]") {
