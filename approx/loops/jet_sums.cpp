@@ -94,7 +94,7 @@ FOREFEEL_INLINE void slow_growth(Form& form, const Pack d[3], Pack squared, Pack
   const Pack ratio = radius / r;
   Pack power = same(1);  // (R / r)^k
   for (int i = 0; i < degree; ++i) power *= ratio;
-  const Pack h0 = power * (1 + k * s / radius + 0.5 * k * (k - 1) * bend0 / (radius * radius));
+  const Pack h0 = power * (1 + k * s / radius + k * (k - 1) * bend0 / (radius * radius));
   const Pack h1 = power / radius * (k + k * (k - 1) * bend1 / radius);
   const Pack h2 = power / (radius * radius) * k * (k - 1) * bend2;
   const Pack zero{}, share = beyond ? h0 : same(1), share1 = beyond ? h1 - k * h0 / r : zero,

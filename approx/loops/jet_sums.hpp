@@ -6,7 +6,7 @@
 //   Q_i    = q_i (1 + c max(0, |d|^2 / t^2 - 1)^3)     t: trust [m]
 // with gradient and Hessian, those of the weights included. S_k(|d|) is 1 up to the radius R of a jet. Beyond it the
 // term grows ever more slowly, from 2 R on linearly: S_k |d|^k = h_k,
-//   h_k = R^k (1 + k s / R + 1/2 k (k - 1) g(s) / R^2),  s = |d| - R,  g'' = max(0, 1 - s / R)^2
+//   h_k = R^k (1 + k s / R + k (k - 1) g(s) / R^2),  s = |d| - R,  g'' = max(0, 1 - s / R)^2, g(0) = g'(0) = 0
 // Each lane of a vector is a jet; padding has a large e_0. Compiled for several instruction sets (instruction_set.hpp).
 // The third derivatives T of a form of degree k give the others (Euler): H = T d / (k - 2), grad = H d / (k - 1),
 // E = grad . d / k.
