@@ -177,7 +177,8 @@ void Reader::read_fixed() {
   }
 }
 
-// Keys of one section that change together: { name = "r3, n = 100", kernel = "cubic", neighbours = 100 }.
+// Keys of one section that change together: { name = "r3, n = 100", kernel = "cubic", neighbours = 100 }. A key of another
+// section is written in full, in quotes.
 StudyFileValue Reader::read_together(const std::string& section, const toml::node& node,
                                      const InputPlace& place) {
   const toml::table* table = node.as_table();
@@ -186,8 +187,9 @@ StudyFileValue Reader::read_together(const std::string& section, const toml::nod
   const toml::node* name = table->get("name");
   StudyFileValue value{.text = name ? shown(*name) : shown(node), .overrides = {}, .number = {}};
   for (const auto& [word, child] : in_file_order(*table)) {
-    const std::string key = scene_key(fmt::format("{}.{}", section, word), place, false);
     if (word == "name") continue;
+    const bool whole = word.find('.') != std::string::npos;
+    const std::string key = scene_key(whole ? word : fmt::format("{}.{}", section, word), place, false);
     value.overrides.push_back(fmt::format("{}={}", key, rebased(paths(), key, *child)));
     if (std::ranges::find(together_, key) == together_.end()) together_.push_back(key);
   }

@@ -14,6 +14,7 @@
 //   speed = [0.03, 0.06]                 # of path devices [m/s]
 //   "model.kernel" = ["cubic", "quintic"]                          # any scene key, in quotes
 //   material = [{ name = "soft", young = 2e3, poisson = 0.4 }, …]  # keys of one section that change together
+//   contact = [{ name = "beam", nearest = [1.0, 0.0, 0.0], "body.phantom" = "beam" }, …]   # and of others, in full
 //
 //   [[step]]                        # instead of [vary] or beside it: an ablation
 //   name = "predecessor"            # each step keeps what earlier steps changed and adds its own keys
