@@ -17,10 +17,10 @@ using testing::virtual_options;
 
 namespace {
 
-SessionOptions jet_options(double seconds, double speed) {
+SessionOptions jet_options(double seconds, double speed, const char* policy = "worth") {
   SessionOptions options = virtual_options(seconds);
   options.model.fit = {.data = Data::jet, .neighbours = 8};
-  options.planning.policy = Registered("worth");
+  options.planning.policy = Registered(policy);
   options.motion.device = PathMotion{.path = PathName::lissajous, .speed = speed};
   options.workers.count = 2;
   options.workers.cost = ConstantCost{0.05};
@@ -31,7 +31,7 @@ SessionOptions jet_options(double seconds, double speed) {
 
 TEST_CASE("With jets the state at rest is there before the loop, and the first frames are its jet",
           "[jets]") {
-  const SessionResult r = run_session(small_input(), jet_options(1.0, 0.05));
+  const SessionResult r = run_session(small_input(), jet_options(1.0, 0.05, "coverage"));
   REQUIRE(r.frames.size() == 1000);
   CHECK(r.counts.start == 1);
   CHECK(r.frames.front().known == 1);
@@ -51,7 +51,7 @@ TEST_CASE("With jets the state at rest is there before the loop, and the first f
     CHECK((f.undamped - expected).norm() <= 1e-9 * (1 + expected.norm()));
   }
   CHECK(alone >= 20);
-  const SessionSummary s = summarise(r, small_input(), jet_options(1.0, 0.05));
+  const SessionSummary s = summarise(r, small_input(), jet_options(1.0, 0.05, "coverage"));
   CHECK(s.error.time_trusted > 0);
   CHECK(s.error.by_trust[0].samples + s.error.by_trust[1].samples == s.error.samples.samples);
   if (s.error.by_trust[1].samples > 0) CHECK(s.error.by_trust[1].p95 < 0.07);
