@@ -56,6 +56,10 @@ TEST_CASE("bodies, files, interruption, errors and documentation of the Python p
   run_checks("tests/apps/python_package.py");
 }
 
+TEST_CASE("masks, floats as numbers, masked and complex arrays and positions without forces in Python") {
+  run_checks("tests/apps/python_input.py");
+}
+
 TEST_CASE("a Python body with a pad has the forces of the command, and wrong pads are refused") {
   run_checks("tests/apps/python_pads.py");
 }

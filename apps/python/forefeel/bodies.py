@@ -10,7 +10,8 @@ import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
 from . import _core
-from .states import States, known_rows, numbers
+from .arrays import node_set, numbers, whole_numbers
+from .states import States, known_rows
 
 Progress = Callable[[float], Any]
 
@@ -21,8 +22,8 @@ class Body:
 
     nodes    (v, 3): rest positions [m]
     tets     (t, 4): numbers of nodes, from 0
-    clamp    numbers of the nodes that never move
-    contact  numbers of the nodes that move by the position of the tip; none with a pad
+    clamp    numbers of the nodes that never move, or a mask (v,) of True and False
+    contact  numbers of the nodes that move by the position of the tip, or a mask; none with a pad
     law      "linear", "st-venant-kirchhoff", "neo-hookean", "stable-neo-hookean" or "mooney-rivlin"
     young    Young's modulus [Pa]
     poisson  Poisson's ratio, in (-1, 0.5)
@@ -36,8 +37,13 @@ class Body:
     def __init__(self, nodes: ArrayLike, tets: ArrayLike, clamp: ArrayLike, contact: ArrayLike = (),
                  law: str = "neo-hookean", young: float = 5e3, poisson: float = 0.45,
                  element: str = "linear", pad: Mapping[str, Any] | None = None) -> None:
-        self._body = nodes if isinstance(nodes, _core.Body) else _core.Body(
-            nodes, tets, clamp, contact, law, young, poisson, element, dict(pad) if isinstance(pad, Mapping) else pad)
+        if isinstance(nodes, _core.Body):
+            self._body = nodes
+            return
+        nodes = numbers(nodes, "nodes")
+        self._body = _core.Body(nodes, whole_numbers(tets, "tets"), node_set(clamp, len(nodes), "clamp"),
+                                node_set(contact, len(nodes), "contact"), law, young, poisson, element,
+                                dict(pad) if isinstance(pad, Mapping) else pad)
 
     @classmethod
     def _of(cls, body: _core.Body) -> Body:
@@ -99,7 +105,7 @@ class Body:
         """All states of the lattice {k spacing} in the box (2, 3) [m], sorted by position. threads 0: all cores.
         progress(share) is called a few times a second; Ctrl-C ends it."""
         array = self._body.generate(spacing, numbers(box, "box"), threads, progress)
-        return States(array, spacing, np.array(box, float), {}, {})
+        return States(array, spacing, numbers(box, "box").copy(), {}, {})
 
 
 class Run:

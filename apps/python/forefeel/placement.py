@@ -8,6 +8,7 @@ import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
 from . import _core
+from .arrays import numbers
 
 
 class Placement:
@@ -33,7 +34,7 @@ class Placement:
     def __init__(self, low: ArrayLike, high: ArrayLike, spacing: float, floor: float = 0.05,
                  rule: Any = None) -> None:
         self.rule = rule
-        self.low, self.high = np.asarray(low, float), np.asarray(high, float)
+        self.low, self.high = numbers(low, "low"), numbers(high, "high")
         self.spacing, self.floor = float(spacing), float(floor)
         if not (self.low.shape == self.high.shape == (3,) and np.all(self.low < self.high) and self.spacing > 0):
             raise _core.InputError("Placement: expected corners (3,) with low < high, and spacing > 0")
@@ -60,12 +61,12 @@ class Placement:
 
     def tell(self, at: ArrayLike, force: ArrayLike, stiffness: ArrayLike | None = None) -> None:
         """Adds a state: force (3,) [N] at a position (3,) [m], and stiffness (3, 3) [N/m], K = -df/dx, if known."""
-        at, force = np.asarray(at, float).reshape(3), np.asarray(force, float).reshape(3)
+        at, force = numbers(at, "at").reshape(3), numbers(force, "force").reshape(3)
         if not (np.all(np.isfinite(at)) and np.all(np.isfinite(force))):
             raise _core.InputError("Placement.tell: expected finite numbers")
         self._at.append(at)
         self._force.append(force)
-        self._stiffness.append(None if stiffness is None else np.asarray(stiffness, float).reshape(3, 3))
+        self._stiffness.append(None if stiffness is None else numbers(stiffness, "stiffness").reshape(3, 3))
         self._open = [x for x in self._open if not np.array_equal(x, at)]
 
     def ask(self, n: int = 1) -> NDArray[np.float64]:

@@ -8,7 +8,8 @@ import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
 from . import _core
-from .states import States, numbers, rows_of
+from .arrays import numbers
+from .states import States, has_forces, refuse_positions, rows_of
 
 
 def _length(spacing: Any) -> float | None:
@@ -80,18 +81,25 @@ def error_bar(positions: ArrayLike, forces: ArrayLike, points: ArrayLike, stiffn
 class StateSpace:
     """Known states, indexed by position. Made once; every method is vectorised and uses all cores.
 
-    states      structured array, States, or positions (n, 3) [m]
+    states      structured array, States, or positions (n, 3) [m], which have labels but no forces
     spacing     that counts as dense [m]; None: of the States, else the median distance of states
     thresholds  of the labels
     """
 
     def __init__(self, states: Any, spacing: float | None = None, thresholds: _core.Thresholds | None = None) -> None:
         if isinstance(states, _core.StateSpace):
-            self._space = states
+            self._space, self._has_forces = states, True
             return
         if spacing is None and isinstance(states, States) and np.isfinite(states.spacing):
             spacing = states.spacing
+        self._has_forces = has_forces(states)
         self._space = _core.StateSpace(rows_of(states), _length(spacing), thresholds or _core.Thresholds())
+
+    def _known(self) -> _core.StateSpace:
+        """The space, if its states have forces. InputError otherwise."""
+        if not self._has_forces:
+            refuse_positions()
+        return self._space
 
     def __len__(self) -> int:
         return len(self._space)
@@ -108,8 +116,12 @@ class StateSpace:
 
     @property
     def states(self) -> NDArray[Any]:
-        """Structured array (n,) of its states: those given, without failed and repeated ones."""
-        return self._space.states
+        """Structured array (n,) of its states: those given, without failed and repeated ones. The forces of positions
+        are nan."""
+        rows = self._space.states
+        if not self._has_forces:
+            rows["force"] = np.nan
+        return rows
 
     def label(self, points: ArrayLike) -> NDArray[np.uint8]:
         """uint8 (m,) at points (m, 3) [m]: 0 safe, 1 sparse, 2 gap, 3 blank"""
@@ -132,15 +144,16 @@ class StateSpace:
         return self._space.nearest(numbers(points, "points"), n)
 
     def evaluate(self, points: ArrayLike, **options: Any) -> NDArray[np.float64]:
-        """Forces (m, 3) [N] at points (m, 3) [m]; each has the model of its own neighbours. Options: evaluate()."""
-        return _core.evaluate_in(self._space, numbers(points, "points"), **options)[0]
+        """Forces (m, 3) [N] at points (m, 3) [m]; each has the model of its own neighbours. Options: evaluate().
+        InputError if the space was made from positions alone, which have no forces; error_bar and model_at likewise."""
+        return _core.evaluate_in(self._known(), numbers(points, "points"), **options)[0]
 
     def error_bar(self, points: ArrayLike, level: float = 0.95, **options: Any) -> NDArray[np.float64]:
         """Half-widths (m,) [N] of the error bars of evaluate() at points (m, 3) [m], at the share `level` (0.9, 0.95 or
         0.99) of the places. Function error_bar() says how they are made."""
         _column(level)
-        return _bars(_core.evaluate_in(self._space, numbers(points, "points"), bars=True, **options)[1], level)
+        return _bars(_core.evaluate_in(self._known(), numbers(points, "points"), bars=True, **options)[1], level)
 
     def model_at(self, hip: ArrayLike, **options: Any) -> _core.Model:
         """The Model around a HIP position (3,) [m]; evaluate it anywhere near. Options as of evaluate()."""
-        return _core.model_at(self._space, numbers(hip, "hip"), **options)
+        return _core.model_at(self._known(), numbers(hip, "hip"), **options)

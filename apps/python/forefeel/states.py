@@ -8,6 +8,7 @@ import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
 from . import _core
+from .arrays import numbers, refuse_masked
 
 
 class States:
@@ -96,19 +97,20 @@ def measured(positions: ArrayLike, forces: ArrayLike, stiffness: ArrayLike | Non
                           None if stiffness is None else numbers(stiffness, "stiffness"))
 
 
-def numbers(values: Any, argument: str) -> NDArray[np.float64]:
-    """Any array-like as floats. InputError names the argument."""
-    try:
-        return np.asarray(values, dtype=float)
-    except (TypeError, ValueError):
-        raise _core.InputError(f"{argument}: expected an array of numbers") from None
+def refuse_positions() -> None:
+    raise _core.InputError("states: positions alone have no forces, expected States or a structured array; "
+                           "forefeel.measured(positions, forces) makes one")
+
+
+def has_forces(states: Any) -> bool:
+    """False: the states are positions alone."""
+    return isinstance(states, States) or np.asarray(states).dtype.names is not None
 
 
 def known_rows(states: Any) -> NDArray[Any]:
     """The structured array of States or of a structured array. InputError for positions: their forces are not known."""
-    if not isinstance(states, States) and np.asarray(states).dtype.names is None:
-        raise _core.InputError("states: positions alone have no forces, expected States or a structured array; "
-                               "forefeel.measured(positions, forces) makes one")
+    if not has_forces(states):
+        refuse_positions()
     return rows_of(states)
 
 
@@ -117,6 +119,7 @@ def rows_of(states: Any) -> NDArray[Any]:
     forces of positions are zero and must not be used."""
     if isinstance(states, States):
         return states.array
+    refuse_masked(states, "states")
     states = np.asarray(states)
     if states.dtype.names:
         if states.dtype != _core.state_dtype:
