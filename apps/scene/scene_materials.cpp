@@ -43,10 +43,12 @@ const SceneRows<Material>& rows_of_material() {
           .required_with_mesh("a material law")
           .number("young", "Pa",
                   {softest_young, stiffest_young, false, false, "a number above 0, from 1e-3 to 1e15 [Pa]"},
-                  "Young's modulus at small strain", &M::young)
+                  "Young's modulus at small strain, of every law: at rest its stiffness is that of the "
+                  "linear law",
+                  &M::young)
           .required_with_mesh("a number")
           .number("poisson", "1", {-1, 0.5, true, true, "a number between -1 and 0.5, both excluded"},
-                  "Poisson's ratio, between -1 and 0.5", &M::poisson)
+                  "Poisson's ratio at small strain, of every law, between -1 and 0.5", &M::poisson)
           .required_with_mesh("a number")
           .row({"viscosity", "", "",
                 "[[material.viscosity]] tables: the tissue relaxes; the same for all materials"})

@@ -2,6 +2,8 @@
 
 #include <fmt/format.h>
 
+#include <set>
+
 #include "geometry/common/sha256.hpp"
 #include "solver/body/fine_jet.hpp"
 
@@ -33,6 +35,16 @@ std::string material_of(const Body& body) {
   return text;
 }
 
+// The forms of the laws in use that have several. States of another form have other forces.
+std::string forms_of(const Body& body) {
+  std::set<Law> laws;
+  for (const MaterialPart& part : material_parts(body)) laws.insert(part.material.law);
+  std::string text;
+  for (const Law law : laws)
+    if (!form(law).empty()) text += fmt::format("{}{}: {}", text.empty() ? "" : "; ", name(law), form(law));
+  return text;
+}
+
 std::string contact_of(const Body& body) {
   if (!body.pad) return hash_nodes(body.contact);
   const auto& [site, radius, stiffness] = *body.pad;
@@ -54,6 +66,7 @@ BodyIdentity identity_of(const Body& body) {
                         {"material", material_of(body)},
                         {"clamp", hash_nodes(body.clamp)},
                         {"contact", contact_of(body)}};
+  if (const std::string forms = forms_of(body); !forms.empty()) identity["form of the law"] = forms;
   if (body.fine) identity["fine"] = body.fine->fine_body();
   return identity;
 }

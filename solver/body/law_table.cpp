@@ -24,6 +24,10 @@ std::string_view name(Law law) {
   return portable_law_entry(law).name;
 }
 
+std::string_view form(Law law) {
+  return portable_law_entry(law).form;
+}
+
 std::vector<Law> all_laws() {
 #define FOREFEEL_LAW_VALUE(law) Law::law,
   return {FOREFEEL_LAWS(FOREFEEL_LAW_VALUE)};

@@ -9,10 +9,12 @@
 namespace forefeel {
 
 std::string_view name(Law law);  // "neo-hookean", …
+std::string_view form(Law law);  // that this version computes, where older ones had another; else ""
 std::vector<Law> all_laws();     // in the order of solver/kernels/law_list.hpp
 
 struct Material {
   Law law = Law::neo_hookean;
+  // Of every law: its stiffness at rest is that of the linear law with the same two.
   double young = 5000;    // E [Pa], > 0
   double poisson = 0.45;  // nu, in (-1, 0.5)
   friend bool operator==(const Material&, const Material&) = default;

@@ -34,8 +34,8 @@ double evaluate_one(const LawConstants& constants, const double* f, double* out,
 
 template <class L>
 constexpr LawEntry entry_of() {
-  return {L::name,      L::linear,       L::needs_positive_j, L::softens,    L::least_stretch,
-          L::constants, evaluate_one<L>, Both<L>::table,      Jets<L>::table};
+  return {L::name,          L::form,      L::linear,       L::needs_positive_j, L::softens,
+          L::least_stretch, L::constants, evaluate_one<L>, Both<L>::table,      Jets<L>::table};
 }
 
 }  // namespace

@@ -75,6 +75,7 @@ struct JetKernels {
 // What one law's file defines, once per instruction set.
 struct LawEntry {
   const char* name;       // in scenes: "neo-hookean"
+  const char* form;       // which of several forms of the law; "" for the only one
   bool linear;            // f = -K x exactly
   bool needs_positive_j;  // psi grows without bound as J = det F -> 0
   bool softens;           // loses stiffness in compression

@@ -21,6 +21,7 @@ struct Terms {
 
 // Properties of a law. A law derives from this struct and redefines those that differ.
 struct LawDefaults {
+  static constexpr const char* form = "";      // which of several forms of the law; part of a body's identity
   static constexpr bool linear = false;        // f = -K x exactly
   static constexpr bool of_invariants = true;  // gives terms(); false: energy(), stress(), stress_change()
   static constexpr bool uses_i2 = false;       // d2 is not zero everywhere

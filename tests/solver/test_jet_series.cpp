@@ -50,8 +50,8 @@ T density(const Material& material, const std::array<T, 9>& f) {
     case Law::neo_hookean:
       return 0.5 * mu * (i1 - 3.0) - mu * log(j) + 0.5 * lambda * log(j) * log(j);
     case Law::mooney_rivlin:
-      return 0.35 * mu * (i1 - 3.0) + 0.15 * mu * (0.5 * (i1 * i1 - cc) - 3.0) -
-             2 * (0.35 + 2 * 0.15) * mu * log(j) + 0.5 * lambda * log(j) * log(j);
+      return 0.35 * mu * (i1 - 3.0 - 2.0 * log(j)) +
+             0.15 * mu * (0.5 * (i1 * i1 - cc) - 3.0 - 4.0 * (j - 1.0)) + 0.5 * lambda * log(j) * log(j);
     case Law::stable_neo_hookean: {
       const double m = 4 * mu / 3, l = lambda + 5 * mu / 6, a = 1 + m / l - m / (4 * l);
       return 0.5 * m * (i1 - 3.0) + 0.5 * l * (j - a) * (j - a) - 0.5 * m * log(i1 + 1.0);

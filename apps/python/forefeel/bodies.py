@@ -25,8 +25,8 @@ class Body:
     clamp    numbers of the nodes that never move, or a mask (v,) of True and False
     contact  numbers of the nodes that move by the position of the tip, or a mask; none with a pad
     law      "linear", "st-venant-kirchhoff", "neo-hookean", "stable-neo-hookean" or "mooney-rivlin"
-    young    Young's modulus [Pa]
-    poisson  Poisson's ratio, in (-1, 0.5)
+    young    Young's modulus at small strain, of every law: at rest its stiffness is that of the linear law [Pa]
+    poisson  Poisson's ratio at small strain, of every law, in (-1, 0.5)
     element  "linear", or "quadratic", which does not lock above a ratio of 0.45
     pad      dict: springs between the surface and the tip, about a fingertip, in place of contact nodes:
                nearest    (3,): a place; the pad is at the point of the surface that is nearest to it [m]
