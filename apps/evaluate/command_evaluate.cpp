@@ -28,6 +28,7 @@
 #include "geometry/states/check_solves.hpp"
 #include "geometry/states/state_file.hpp"
 #include "geometry/states/state_summary.hpp"
+#include "geometry/states/stiffness_agreement.hpp"
 
 namespace forefeel {
 namespace {
@@ -140,6 +141,10 @@ KnownStates read_known(const Globals& globals, const EvaluateArguments& argument
   if (loaded.damaged > 0) warn(globals, damage_in_words(arguments.states, loaded.damaged));
   if (std::ranges::none_of(loaded.states, &State::usable))
     throw InputError(arguments.states, "holds no solved state, expected at least one");
+  if (loaded.header.identity.empty())
+    if (const std::string problem = disagreement_in_words(stiffness_agreement(loaded.states));
+        !problem.empty())
+      warn(globals, fmt::format("{}: {}", arguments.states, problem));
   KnownStates known{.spacing = loaded.header.spacing, .checks = check_solves(loaded.header)};
   if (!arguments.scene.empty()) {
     const Scene scene = load_scene(arguments.scene, globals.set);

@@ -13,8 +13,10 @@
 #include "geometry/common/error.hpp"
 #include "geometry/common/output_file.hpp"
 #include "geometry/common/scanner.hpp"
+#include "geometry/mesh/length_unit.hpp"
 #include "geometry/states/state_file.hpp"
 #include "geometry/states/state_summary.hpp"
+#include "geometry/states/stiffness_agreement.hpp"
 
 namespace forefeel {
 namespace {
@@ -22,9 +24,32 @@ namespace {
 // ---- import ----------------------------------------------------------------------------------------------
 
 struct ImportArguments {
-  std::string input, output;
+  std::string input, output, unit = "m";
   double spacing = 0;
 };
+
+// Lengths of the file in another unit: positions, spacings, and the stiffness in N per unit.
+void take_in(std::vector<State>& states, double metres) {
+  for (State& state : states) {
+    if (state.jet)
+      throw InputError("--unit", "is for states without energy jets, whose columns are in SI units");
+    state.at *= metres;
+    state.spacing *= metres;
+    state.stiffness /= metres;
+  }
+}
+
+// A word where neighbouring states are many spacings apart, or the box is larger than any hand reaches: both are so for
+// positions in another unit than metres.
+std::string unlikely_box(const std::vector<State>& states, const Box& box, double spacing) {
+  const double side = box.size().maxCoeff(), apart = typical_distance(states);
+  if (!(apart > 20 * spacing) && !(side > 3)) return {};
+  return fmt::format(
+      "the states span {:.3g} m and are {:.3g} m apart, with a spacing of {:g} mm; expected metres, or "
+      "--unit cm, mm or "
+      "um",
+      side, apart, 1e3 * spacing);
+}
 
 // An imported file may be imported again. A file with solved states is never overwritten.
 void refuse_solved(const std::string& output) {
@@ -41,7 +66,8 @@ void refuse_solved(const std::string& output) {
 int run_import(const Globals& globals, const ImportArguments& arguments) {
   if (!(arguments.spacing > 0) || !std::isfinite(arguments.spacing))
     throw InputError("--spacing", fmt::format("{} m, expected a positive number", arguments.spacing));
-  const std::vector<State> states = read_states_csv(arguments.input);
+  std::vector<State> states = read_states_csv(arguments.input);
+  if (const double metres = unit_of(arguments.unit).value_or(1); metres != 1) take_in(states, metres);
   check_appendable(arguments.output, {arguments.input});
   refuse_solved(arguments.output);
   StateFileHeader header;
@@ -50,6 +76,10 @@ int run_import(const Globals& globals, const ImportArguments& arguments) {
   header.box = sum.extent;
   if (const auto line = spacing_beyond("--spacing", header.spacing, header.box, "the states"))
     warn(globals, *line);
+  else if (const std::string unlikely = unlikely_box(states, header.box, header.spacing); !unlikely.empty())
+    warn(globals, fmt::format("{}: {}", arguments.input, unlikely));
+  if (const std::string problem = disagreement_in_words(stiffness_agreement(states)); !problem.empty())
+    warn(globals, fmt::format("{}: {}", arguments.input, problem));
   header.notes["source"] = "import " + arguments.input;
   StateFile file = StateFile::open_or_create(arguments.output, header);
   file.replace(header, states);
@@ -118,6 +148,9 @@ void add_import(CommandLine& line) {
   sub.option("--spacing", arguments->spacing, "Spacing h that counts as fully populated [m]")
       .required()
       .shows("H");
+  sub.option("--unit", arguments->unit,
+             "Unit of the file's lengths: x, y, z and h are in it, k11 to k33 in N per unit. Default: m")
+      .one_of({"m", "cm", "mm", "um"});
 }
 
 void add_export(CommandLine& line) {

@@ -16,6 +16,7 @@
 #include "geometry/index/path_walk.hpp"
 #include "geometry/states/energy_jet.hpp"
 #include "geometry/states/state_file.hpp"
+#include "geometry/states/stiffness_agreement.hpp"
 
 namespace forefeel::python {
 
@@ -250,6 +251,11 @@ void bind_states(py::module_& module) {
         return array_of(states_of(positions, forces, stiffness));
       },
       py::arg("positions"), py::arg("forces"), py::arg("stiffness") = py::none());
+  module.def("_stiffness_problem", [](const py::array_t<StateRow>& rows) {
+    const std::vector<State> states = states_of(rows);
+    const py::gil_scoped_release released;
+    return disagreement_in_words(stiffness_agreement(states));
+  });
   bind_thresholds(module);
   bind_space(module);
   module.def(

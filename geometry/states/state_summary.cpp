@@ -2,6 +2,8 @@
 
 #include <algorithm>
 #include <cmath>
+#include <limits>
+#include <vector>
 
 #include "geometry/states/energy_jet.hpp"
 #include "geometry/states/state_outcome.hpp"
@@ -28,6 +30,20 @@ StateSetSummary summarise(std::span<const State> states) {
   }
   sum.at_one_position = repeated_states(states);
   return sum;
+}
+
+double typical_distance(std::span<const State> states) {
+  const std::size_t count = std::min<std::size_t>(states.size(), 200);
+  std::vector<double> distances(count, std::numeric_limits<double>::infinity());
+  for (std::size_t k = 0; k < count; ++k)
+    for (const State& state : states) {
+      const double distance = (state.at - states[k * states.size() / count].at).norm();
+      if (distance > 0) distances[k] = std::min(distances[k], distance);
+    }
+  if (distances.empty()) return std::numeric_limits<double>::infinity();
+  const auto middle = distances.begin() + static_cast<std::ptrdiff_t>(count / 2);
+  std::nth_element(distances.begin(), middle, distances.end());
+  return *middle;
 }
 
 }  // namespace forefeel

@@ -26,4 +26,8 @@ struct StateSetSummary {
 
 StateSetSummary summarise(std::span<const State> states);
 
+// Median distance to the nearest state at another position, of at most 200 states spread over the set [m]; infinite
+// for fewer than two positions. O(200 n).
+double typical_distance(std::span<const State> states);
+
 }  // namespace forefeel

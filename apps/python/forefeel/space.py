@@ -9,7 +9,7 @@ from numpy.typing import ArrayLike, NDArray
 
 from . import _core
 from .arrays import numbers
-from .states import States, has_forces, refuse_positions, rows_of
+from .states import States, has_forces, refuse_positions, rows_of, warn_of_stiffness
 
 
 def _length(spacing: Any) -> float | None:
@@ -50,8 +50,11 @@ def evaluation(positions: ArrayLike, forces: ArrayLike, points: ArrayLike, stiff
     that contradicted another at their position), and for method "auto" expected_error {p50, p95} [N]. With bars=True
     also bars (m, 3) [N], the half-widths of 90, 95 and 99 %, and error_bar: how well they cover known forces that are
     left out (levels, coverage, samples, width_p50 [N])."""
-    return _core.evaluate(numbers(positions, "positions"), numbers(forces, "forces"), numbers(points, "points"),
-                          None if stiffness is None else numbers(stiffness, "stiffness"), **options)
+    at, force = numbers(positions, "positions"), numbers(forces, "forces")
+    given = None if stiffness is None else numbers(stiffness, "stiffness")
+    if given is not None:
+        warn_of_stiffness(_core.measured(at, force, given))
+    return _core.evaluate(at, force, numbers(points, "points"), given, **options)
 
 
 def _column(level: float) -> int:

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import warnings
 from typing import Any
 
 import numpy as np
@@ -93,8 +94,18 @@ def write_states(file: Any, states: Any, spacing: float | None = None) -> None:
 def measured(positions: ArrayLike, forces: ArrayLike, stiffness: ArrayLike | None = None) -> NDArray[Any]:
     """States from measured values, a structured array (n,): positions (n, 3) [m], forces (n, 3) [N], stiffness
     (n, 3, 3) [N/m] with K = -df/dx, or None."""
-    return _core.measured(numbers(positions, "positions"), numbers(forces, "forces"),
+    rows = _core.measured(numbers(positions, "positions"), numbers(forces, "forces"),
                           None if stiffness is None else numbers(stiffness, "stiffness"))
+    if stiffness is not None:
+        warn_of_stiffness(rows)
+    return rows
+
+
+def warn_of_stiffness(rows: NDArray[Any]) -> None:
+    """Warns where the stiffness contradicts the forces of neighbours: another sign or unit."""
+    problem = _core._stiffness_problem(rows)
+    if problem:
+        warnings.warn("states: " + problem.replace(" (k11 to k33)", ""), stacklevel=3)
 
 
 def refuse_positions() -> None:

@@ -1,0 +1,96 @@
+#include "geometry/states/stiffness_agreement.hpp"
+
+#include <fmt/format.h>
+
+#include <algorithm>
+#include <array>
+#include <cmath>
+#include <limits>
+#include <optional>
+#include <vector>
+
+namespace forefeel {
+namespace {
+
+constexpr std::size_t most_compared = 500, neighbours = 8, fewest = 3;
+
+struct Near {
+  double distance2 = std::numeric_limits<double>::infinity();
+  const State* state = nullptr;
+};
+
+// The nearest usable states at other positions, by distance.
+std::array<Near, neighbours> nearest(std::span<const State> states, const State& from) {
+  std::array<Near, neighbours> best{};
+  for (const State& state : states) {
+    if (!state.usable() || !state.force.allFinite()) continue;
+    const double distance2 = (state.at - from.at).squaredNorm();
+    if (distance2 == 0 || distance2 >= best.back().distance2) continue;
+    auto at = std::ranges::upper_bound(best, distance2, {}, &Near::distance2);
+    std::move_backward(at, best.end() - 1, best.end());
+    *at = {distance2, &state};
+  }
+  return best;
+}
+
+struct Fit {
+  double scale = 0, correlation = 0;
+};
+
+std::optional<Fit> fit_around(std::span<const State> states, const State& a) {
+  double both = 0, expected2 = 0, found2 = 0;
+  std::size_t count = 0;
+  for (const Near& near : nearest(states, a)) {
+    if (!near.state) continue;
+    const Vec3 expected = -a.stiffness * (near.state->at - a.at), found = near.state->force - a.force;
+    both += expected.dot(found), expected2 += expected.squaredNorm(), found2 += found.squaredNorm();
+    ++count;
+  }
+  if (count < fewest || !(expected2 > 0) || !(found2 > 0)) return {};
+  return Fit{both / expected2, both / std::sqrt(expected2 * found2)};
+}
+
+}  // namespace
+
+StiffnessAgreement stiffness_agreement(std::span<const State> states) {
+  std::vector<const State*> with;
+  for (const State& state : states)
+    if (state.usable() && state.force.allFinite() && state.has_stiffness()) with.push_back(&state);
+  StiffnessAgreement found;
+  std::vector<double> scales;
+  const std::size_t count = std::min(with.size(), most_compared);
+  for (std::size_t k = 0; k < count; ++k) {
+    const std::optional<Fit> fit = fit_around(states, *with[k * with.size() / count]);
+    if (!fit) continue;
+    ++found.tried;
+    if (!(std::abs(fit->correlation) > 0.7)) continue;
+    ++found.compared;
+    found.opposite += fit->scale < 0;
+    scales.push_back(std::abs(fit->scale));
+  }
+  if (scales.empty()) return found;
+  const auto middle = scales.begin() + static_cast<std::ptrdiff_t>(scales.size() / 2);
+  std::nth_element(scales.begin(), middle, scales.end());
+  found.scale = *middle;
+  return found;
+}
+
+std::string disagreement_in_words(const StiffnessAgreement& found) {
+  if (found.compared < fewest || 3 * found.compared < found.tried) return {};
+  const double share = static_cast<double>(found.opposite) / static_cast<double>(found.compared);
+  if (share > 0.05)
+    return fmt::format(
+        "the stiffness (k11 to k33) has the other sign of what the forces of neighbouring states show, at {} "
+        "of {} "
+        "states compared; expected K = -df/dx, positive for a body that resists",
+        found.opposite == found.compared ? std::string("all") : std::to_string(found.opposite),
+        found.compared);
+  if (found.scale > 1.0 / 5 && found.scale < 5) return {};
+  return fmt::format(
+      "the stiffness (k11 to k33) is {:.2g} times what the forces of neighbouring states show, at {} states "
+      "compared; "
+      "expected N/m, as forces in N and positions in m",
+      1 / found.scale, found.compared);
+}
+
+}  // namespace forefeel
