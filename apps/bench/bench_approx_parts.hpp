@@ -8,6 +8,7 @@
 #include <string>
 #include <vector>
 
+#include "apps/bench/bench_row.hpp"
 #include "apps/console/console.hpp"
 #include "geometry/coverage/state_space.hpp"
 #include "solver/equilibrium/solver.hpp"
@@ -55,7 +56,8 @@ constexpr std::size_t replacements[3] = {1, 5, 20};
 // Time of one method compared with a baseline; medians [us].
 struct Comparison {
   std::string name, baseline;  // "update r3", "own refit"
-  double ours = unknown, theirs = unknown;
+  double ours = unknown;
+  BenchTime theirs = {unknown, unknown};
   Errors error;  // of the method, inside
   std::size_t n = 0;
   std::optional<std::size_t> k = {};  // replaced states, of an update

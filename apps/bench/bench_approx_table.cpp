@@ -32,11 +32,24 @@ std::string table_line(const Measured& m) {
   return line;
 }
 
+BenchRow bench_row(const Comparison& r) {
+  return {.name = r.name,
+          .baseline = r.baseline,
+          .ours_us = r.ours,
+          .baseline_us = r.theirs.wall_us,
+          .error = {r.error.p50, r.error.p95, r.error.max},
+          .n = r.n,
+          .k = r.k,
+          .baseline_processor_us = r.theirs.processor_us};
+}
+
 std::string row_line(const Comparison& r) {
-  return fmt::format("{:18} {:4} {:>3} {:10.3f} {:>26} {:10.3f} {:7.2f} {:9.1e} {:9.1e} {:>8}", r.name, r.n,
-                     r.k ? std::to_string(*r.k) : "-", r.ours, r.baseline, r.theirs, r.theirs / r.ours,
-                     r.error.p50, r.error.p95,
-                     std::isfinite(r.by_refit) ? fmt::format("{:.0f} %", 100 * r.by_refit) : "-");
+  const std::string mark = not_counted(bench_row(r));
+  return fmt::format("{:18} {:4} {:>3} {:10.3f} {:>26} {:10.3f} {:>7} {:9.1e} {:9.1e} {:>8}{}", r.name, r.n,
+                     r.k ? std::to_string(*r.k) : "-", r.ours, r.baseline, r.theirs.wall_us,
+                     mark.empty() ? fmt::format("{:.2f}", r.theirs.wall_us / r.ours) : "-", r.error.p50,
+                     r.error.p95, std::isfinite(r.by_refit) ? fmt::format("{:.0f} %", 100 * r.by_refit) : "-",
+                     mark.empty() ? "" : "  not counted: " + mark);
 }
 
 std::vector<double> numbers(const Errors& e) {
@@ -104,14 +117,7 @@ Json document_of(const Case& taken, const std::vector<Comparison>& rows, const s
                  const std::vector<std::string>& notes) {
   Json document{{"rows", Json::array()}};
   for (const Comparison& row : rows) {
-    Json r = row_json({.name = row.name,
-                       .baseline = row.baseline,
-                       .ours_us = row.ours,
-                       .baseline_us = row.theirs,
-                       .error = numbers(row.error),
-                       .n = row.n,
-                       .k = row.k},
-                      {.scene = taken.name, .body = taken.body.get(), .tolerance = 1e-9});
+    Json r = row_json(bench_row(row), {.scene = taken.name, .body = taken.body.get(), .tolerance = 1e-9});
     add_to(r, comparison_keys(), row);
     document["rows"].push_back(std::move(r));
   }

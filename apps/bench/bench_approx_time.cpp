@@ -36,12 +36,12 @@ class ModelTiming {
     draft.reserve(options);
     double sink = 0;
     RbfFit own(options, n);
-    std::vector<double> refits, theirs;
+    BenchTimes refits, theirs;
     for (std::size_t t = 0; t < 3; ++t) {
       const std::size_t k = replacements[t];
       if (2 * k > n) continue;
       const std::vector<Change> made = changes(n, k);
-      std::vector<double> updates, own_refits, lu_refits;
+      BenchTimes updates, own_refits, lu_refits;
       RbfFit fit(options, n);
       fit.refit({pool_.data(), n});
       std::size_t by_refit = 0;  // updates made by a refit, because that is cheaper
@@ -56,14 +56,14 @@ class ModelTiming {
         });
         if (lu) time_block(block, lu_refits, [&](std::size_t i) { sink += lu->refit(made[i].all); });
       }
-      m.update[t] = median(updates);
+      m.update[t] = median(updates.wall);
       const double share = double(by_refit) / double(made.size());
       if (lu) row("update", m, "Eigen PartialPivLU refit", updates, lu_refits, k, share);
       row("update", m, "own refit", updates, own_refits, k, share);
-      refits.insert(refits.end(), own_refits.begin(), own_refits.end());
-      theirs.insert(theirs.end(), lu_refits.begin(), lu_refits.end());
+      refits.add(own_refits);
+      theirs.add(lu_refits);
     }
-    m.refit = median(refits);
+    m.refit = median(refits.wall);
     if (lu) row("refit", m, "Eigen PartialPivLU refit", refits, theirs, std::nullopt);
     if (!std::isfinite(sink)) warn(globals_, "the LU baseline met a singular system");
   }
@@ -149,10 +149,10 @@ class ModelTiming {
       return Vec3(std::hypot(factors[0] * s, residual), std::hypot(factors[1] * s, residual),
                   std::hypot(factors[2] * s, residual) + force.sum());
     };
-    std::vector<double> with, without;
+    BenchTimes with, without;
     for (int block = 0; block < 25 * blocks; ++block) {
-      with.push_back(evaluation_us(globals_, barred, at, repeats));
-      without.push_back(evaluation_us(
+      with.add(evaluation_time(globals_, barred, at, repeats));
+      without.add(evaluation_time(
           globals_, [&](const Vec3& x) { return model.force(x); }, at, repeats));
     }
     row("evaluate with bars", m, "force alone", with, without, std::nullopt);
@@ -161,7 +161,7 @@ class ModelTiming {
   template <class Scalar>
   void beside_scalar(const Model& model, const Scalar& scalar, const std::vector<Vec3>& at, Measured& m) {
     constexpr int repeats = 400;
-    std::vector<double> ours, theirs;
+    BenchTimes ours, theirs;
     double apart = 0;
     for (const Vec3& x : at)
       apart = std::max(apart, (scalar(x) - model.force(x)).norm() / model.force_bound());
@@ -170,11 +170,11 @@ class ModelTiming {
            fmt::format("evaluate {} with {}: the scalar baseline gives another force", m.method, m.n));
     for (int block = 0; block < 25 * blocks;
          ++block) {  // alternating, so that other load on the machine affects both
-      ours.push_back(evaluation_us(
+      ours.add(evaluation_time(
           globals_, [&](const Vec3& x) { return model.force(x); }, at, repeats));
-      theirs.push_back(evaluation_us(globals_, scalar, at, repeats));
+      theirs.add(evaluation_time(globals_, scalar, at, repeats));
     }
-    m.evaluate = median(ours);
+    m.evaluate = median(ours.wall);
     row("evaluate", m, "scalar -O2", ours, theirs, std::nullopt);
   }
 
@@ -198,22 +198,22 @@ class ModelTiming {
     return made;
   }
 
-  // Microseconds of step(i) for every i of a block.
+  // Times of step(i) for every i of a block.
   template <class Step>
-  static void time_block(int block, std::vector<double>& times, const Step& step) {
+  static void time_block(int block, BenchTimes& times, const Step& step) {
     for (int i = block * per_block; i < (block + 1) * per_block; ++i) {
-      const double start = now_us();
+      const BenchTime start = bench_time();
       step(static_cast<std::size_t>(i));
-      times.push_back(now_us() - start);
+      times.add(bench_time() - start);
     }
   }
 
-  void row(const std::string& what, const Measured& m, const char* baseline, const std::vector<double>& ours,
-           const std::vector<double>& theirs, std::optional<std::size_t> k, double by_refit = unknown) {
+  void row(const std::string& what, const Measured& m, const char* baseline, const BenchTimes& ours,
+           const BenchTimes& theirs, std::optional<std::size_t> k, double by_refit = unknown) {
     rows_.push_back({.name = what + " " + m.method,
                      .baseline = baseline,
-                     .ours = median(ours),
-                     .theirs = median(theirs),
+                     .ours = median(ours.wall),
+                     .theirs = theirs.median(),
                      .error = m.inside,
                      .n = m.n,
                      .k = k,

@@ -9,20 +9,25 @@
 
 namespace forefeel::bench {
 
-// Microseconds of one force(x), mean of `repeats`.
+// Time of one force(x), mean of `repeats`.
 template <class Force>
-double evaluation_us(const Globals& globals, const Force& force, const std::vector<Vec3>& at, int repeats) {
+BenchTime evaluation_time(const Globals& globals, const Force& force, const std::vector<Vec3>& at,
+                          int repeats) {
   Vec3 sum = Vec3::Zero();
   const Vec3 *next = at.data(),
              *end = next + at.size();  // not an index modulo the size, whose time would count
-  const double start = now_us();
+  const BenchTime start = bench_time();
   for (int i = 0; i < repeats; ++i) {
     sum += force(*next);
     if (++next == end) next = at.data();
   }
-  const double time = (now_us() - start) / repeats;
+  const BenchTime took = bench_time() - start;
   if (!sum.allFinite()) warn(globals, "an evaluation was not finite");
-  return time;
+  return {took.wall_us / repeats, took.processor_us / repeats};
+}
+template <class Force>
+double evaluation_us(const Globals& globals, const Force& force, const std::vector<Vec3>& at, int repeats) {
+  return evaluation_time(globals, force, at, repeats).wall_us;
 }
 
 // Times refit, update and evaluation of a model with these options. The model holds the first n samples of the pool;

@@ -86,9 +86,16 @@ std::vector<Vec3> make_path(const Field& field, std::size_t steps, double phase)
 }
 
 // One query or insertion at a time; labels have no error.
-BenchRow coverage_row(std::string name, std::string baseline, double ours_us, double baseline_us,
+BenchRow coverage_row(std::string name, std::string baseline, double ours_us, const BenchTime& theirs,
                       std::size_t n) {
-  return {std::move(name), std::move(baseline), ours_us, baseline_us, {0, 0, 0}, n, 1};
+  return {.name = std::move(name),
+          .baseline = std::move(baseline),
+          .ours_us = ours_us,
+          .baseline_us = theirs.wall_us,
+          .error = {0, 0, 0},
+          .n = n,
+          .k = 1,
+          .baseline_processor_us = theirs.processor_us};
 }
 
 struct Sums {  // results are summed so that the compiler does not remove the work
@@ -118,68 +125,67 @@ class CoverageBench {
     return rows;
   }
   double sum() const { return sums_.value; }
-  double insert_us() const { return insert_us_; }
+  const BenchTime& insert_time() const { return insert_; }
 
  private:
   static constexpr int batches = 9;
   Box box() const { return {Vec3::Constant(-field_.half), Vec3::Constant(field_.half)}; }
 
   template <class Work>
-  double batch(std::size_t count, Work&& work) {
-    const double start = now_us();
+  void batch(BenchTimes& times, std::size_t count, Work&& work) {
+    const BenchTime start = bench_time();
     for (std::size_t i = 0; i < count; ++i) sums_.value += work(i);
-    return (now_us() - start) / static_cast<double>(count);
+    times.add(bench_time() - start, static_cast<double>(count));
   }
 
   // Labels along a path: ours against CGAL's locate from the last cell, the octree against the k-d tree's
   // nearest. Ours keep a walk between queries, as CGAL keeps its hint.
   void query_path(std::vector<BenchRow>& rows) {
     constexpr std::size_t steps = 4000;
-    std::vector<double> ours, cgal, octree, nano;
+    BenchTimes ours, cgal, octree, nano;
     Triangulation::Cell_handle hint;
     PathWalk walk, counted;
     for (int b = 0; b < batches; ++b) {
       const std::vector<Vec3> path = make_path(field_, steps, 0.3 * b);
-      ours.push_back(
-          batch(steps, [&](std::size_t i) { return static_cast<double>(space_.label(path[i], walk)); }));
-      cgal.push_back(batch(steps, [&](std::size_t i) {
+      batch(ours, steps, [&](std::size_t i) { return static_cast<double>(space_.label(path[i], walk)); });
+      batch(cgal, steps, [&](std::size_t i) {
         hint = plain_.locate(point(path[i]), hint);
         return static_cast<double>(hint->vertex(1)->info());
-      }));
-      octree.push_back(
-          batch(steps, [&](std::size_t i) { return static_cast<double>(octree_.label(path[i], counted)); }));
-      nano.push_back(batch(steps, [&](std::size_t i) { return nearest(path[i]); }));
+      });
+      batch(octree, steps,
+            [&](std::size_t i) { return static_cast<double>(octree_.label(path[i], counted)); });
+      batch(nano, steps, [&](std::size_t i) { return nearest(path[i]); });
     }
-    add(rows, "delaunay query path", "CGAL locate", median(ours), median(cgal));
-    add(rows, "octree query path", "nanoflann", median(octree), median(nano));
+    add(rows, "delaunay query path", "CGAL locate", ours, cgal);
+    add(rows, "octree query path", "nanoflann", octree, nano);
   }
 
   void query_random(std::vector<BenchRow>& rows) {
     constexpr std::size_t count = 1000;
     std::uniform_real_distribution<double> uniform(-field_.half, field_.half);
-    std::vector<double> ours, cgal, nano, octree;
+    BenchTimes ours, cgal, nano, octree;
     for (int b = 0; b < batches; ++b) {
       std::vector<Vec3> q;
       for (std::size_t i = 0; i < count; ++i)
         q.emplace_back(uniform(random_), uniform(random_), uniform(random_));
-      ours.push_back(batch(count, [&](std::size_t i) { return static_cast<double>(space_.label(q[i])); }));
+      batch(ours, count, [&](std::size_t i) { return static_cast<double>(space_.label(q[i])); });
       Triangulation::Cell_handle hint;
-      cgal.push_back(batch(count, [&](std::size_t i) {
+      batch(cgal, count, [&](std::size_t i) {
         hint = plain_.locate(point(q[i]), hint);
         return static_cast<double>(hint->vertex(1)->info());
-      }));
-      octree.push_back(batch(count, [&](std::size_t i) { return static_cast<double>(octree_.label(q[i])); }));
-      nano.push_back(batch(count, [&](std::size_t i) { return nearest(q[i]); }));
+      });
+      batch(octree, count, [&](std::size_t i) { return static_cast<double>(octree_.label(q[i])); });
+      batch(nano, count, [&](std::size_t i) { return nearest(q[i]); });
     }
-    add(rows, "delaunay query random", "CGAL locate", median(ours), median(cgal));
-    add(rows, "delaunay query random", "nanoflann", median(ours), median(nano));
-    add(rows, "octree query random", "nanoflann", median(octree), median(nano));
+    add(rows, "delaunay query random", "CGAL locate", ours, cgal);
+    add(rows, "delaunay query random", "nanoflann", ours, nano);
+    add(rows, "octree query random", "nanoflann", octree, nano);
   }
 
   // Inserts a new state every quarter spacing along a path into all three indexes.
   void insert_path(std::vector<BenchRow>& rows) {
     const std::size_t count = std::clamp<std::size_t>(field_.states.size() / 20, 50, 400);
-    std::vector<double> ours, cgal, octree;
+    BenchTimes ours, cgal, octree;
     Triangulation::Cell_handle hint;
     for (int b = 0; b < batches; ++b) {
       const std::vector<Vec3> dense = make_path(field_, count * 25, 0.11 + 0.3 * b);
@@ -187,30 +193,30 @@ class CoverageBench {
       std::vector<Vec3> fresh;
       for (std::size_t i = 0; i < count; ++i)
         fresh.push_back(dense[25 * i] + Vec3(jitter(random_), jitter(random_), jitter(random_)));
-      cgal.push_back(batch(count, [&](std::size_t i) {
+      batch(cgal, count, [&](std::size_t i) {
         hint = plain_.insert(point(fresh[i]), hint)->cell();
         return hint->vertex(0)->info();
-      }));
+      });
       std::vector<StateId> ids;
-      ours.push_back(batch(count, [&](std::size_t i) {
+      batch(ours, count, [&](std::size_t i) {
         State state;
         state.at = fresh[i];
         ids.push_back(space_.insert(std::move(state)).id);
         return 1.0;
-      }));
-      octree.push_back(batch(count, [&](std::size_t i) {
+      });
+      batch(octree, count, [&](std::size_t i) {
         octree_.insert(ids[i], fresh[i]);
         return 1.0;
-      }));
+      });
     }
-    add(rows, "delaunay insert path", "CGAL insert", median(ours), median(cgal));
-    add(rows, "octree insert", "delaunay insert", median(octree), median(ours));
-    insert_us_ = median(ours);
+    add(rows, "delaunay insert path", "CGAL insert", ours, cgal);
+    add(rows, "octree insert", "delaunay insert", octree, ours);
+    insert_ = ours.median();
   }
 
-  void add(std::vector<BenchRow>& rows, const char* name, const char* baseline, double ours_us,
-           double baseline_us) const {
-    rows.push_back(coverage_row(name, baseline, ours_us, baseline_us, field_.states.size()));
+  void add(std::vector<BenchRow>& rows, const char* name, const char* baseline, const BenchTimes& ours,
+           const BenchTimes& theirs) const {
+    rows.push_back(coverage_row(name, baseline, median(ours.wall), theirs.median(), field_.states.size()));
   }
 
   double nearest(const Vec3& q) const {
@@ -228,7 +234,7 @@ class CoverageBench {
   std::unique_ptr<KdTree> tree_;
   std::mt19937_64 random_;
   Sums sums_;
-  double insert_us_ = 0;
+  BenchTime insert_;
 };
 
 }  // namespace
@@ -246,9 +252,9 @@ int bench_coverage(const Globals& globals) {
     if (sizes[i] <= 100'000)
       for (const RegionCost& cost : bench_regions(sizes[i], globals.seed)) {
         rows.push_back(coverage_row("region update " + cost.name, "delaunay insert", cost.look_us,
-                                    bench.insert_us(), cost.states));
+                                    bench.insert_time(), cost.states));
         rows.push_back(coverage_row("region settle " + cost.name, "delaunay insert", cost.whole_us,
-                                    bench.insert_us(), cost.states));
+                                    bench.insert_time(), cost.states));
         sum += cost.sum;
       }
     sum += bench.sum();
@@ -258,8 +264,8 @@ int bench_coverage(const Globals& globals) {
                            "baseline [us]", "ratio"));
   for (const BenchRow& row : rows) {
     out["rows"].push_back(row_json(row, {.scene = "jittered lattice, 6 mm"}));
-    say(globals, fmt::format("{:<24}{:<18}{:>9}{:>12.3f}{:>14.3f}{:>9.3g}", row.name, row.baseline, row.n,
-                             row.ours_us, row.baseline_us, row.baseline_us / row.ours_us));
+    say(globals, fmt::format("{:<24}{:<18}{:>9}{:>12.3f}{:>14.3f}{:>9}", row.name, row.baseline, row.n,
+                             row.ours_us, row.baseline_us, ratio_text(row)));
   }
   report_agreement(globals, out);
   add_to(out, provenance_keys(), {});

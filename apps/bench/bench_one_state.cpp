@@ -31,6 +31,7 @@ using SteadyClock = std::chrono::steady_clock;
 
 struct OneState {
   double analysis = 0, solve = 0;  // [s]
+  double processor = 0;            // of the thread that solved [s]
   double bytes = 0;
   double force[3] = {};
   double residual = 0;
@@ -47,15 +48,20 @@ struct Problem {
   double tolerance = 1e-6;
 };
 
+void take(const BenchTime& took, OneState& result) {
+  result.solve = 1e-6 * took.wall_us;
+  result.processor = 1e-6 * took.processor_us;
+}
+
 OneState solve_ours(const Problem& problem) {
   OneState result;
   const auto begun = SteadyClock::now();
   Continuation path(problem.d);
   result.analysis = seconds_since(begun);
   path.begin_at(problem.from, {problem.start.u, {}});
-  const auto start = SteadyClock::now();
+  const BenchTime start = bench_time();
   const NewtonReport report = path.advance(problem.to, 0, problem.tolerance, 30, {});
-  result.solve = seconds_since(start);
+  take(bench_time() - start, result);
   for (int i = 0; i < 3; ++i) result.force[i] = report.force[i];
   result.residual = report.residual;
   result.iterations = path.iterations();
@@ -69,9 +75,9 @@ OneState solve_baseline(const Problem& problem, Baseline which) {
   BaselineNewton newton(problem.d, which);
   result.analysis = seconds_since(begun);
   std::vector<double> u = problem.start.u;
-  const auto start = SteadyClock::now();
+  const BenchTime start = bench_time();
   const State state = newton.solve(u, problem.to, problem.tolerance);
-  result.solve = seconds_since(start);
+  take(bench_time() - start, result);
   for (int i = 0; i < 3; ++i) result.force[i] = state.force[i];
   result.residual = state.solve.residual;
   result.iterations = state.solve.iterations;
@@ -162,16 +168,21 @@ const JsonKeys<OneStatePair>& one_state_keys() {
   return keys;
 }
 
-Json one_state_json(const Problem& problem, const SolverRow& row, const OneState& ours, double apart) {
+BenchRow bench_row(const SolverRow& row, const OneState& ours, double apart) {
   const OneState& r = *row.result;
+  return {.name = "one state",
+          .baseline = row.name,
+          .ours_us = 1e6 * ours.solve,
+          .baseline_us = 1e6 * r.solve,
+          .error = {apart, apart, apart},
+          .n = 1,
+          .baseline_processor_us = 1e6 * r.processor,
+          .baseline_failed = row.solved() ? 0u : 1u};
+}
+
+Json one_state_json(const Problem& problem, const BenchRow& row, const OneState& ours, const OneState& r) {
   Json json = row_json(
-      BenchRow{.name = "one state",
-               .baseline = row.name,
-               .ours_us = 1e6 * ours.solve,
-               .baseline_us = 1e6 * r.solve,
-               .error = {apart, apart, apart},
-               .n = 1},
-      BenchSubject{.scene = problem.scene, .body = problem.body.get(), .tolerance = problem.tolerance});
+      row, BenchSubject{.scene = problem.scene, .body = problem.body.get(), .tolerance = problem.tolerance});
   add_to(json, one_state_keys(), {ours, r});
   return json;
 }
@@ -214,10 +225,14 @@ int bench_one_state(const Globals& globals, std::shared_ptr<const Body> body, do
     if (!row.result) continue;
     const OneState& r = *row.result;
     const double apart = (Vec3(r.force[0], r.force[1], r.force[2]) - force).norm() / force.norm();
-    say(globals, fmt::format("{:<36}{:>14.3f}{:>12.3f}{:>12}{:>10.0f}{:>14.1e}{:>12.2f}", row.name,
-                             r.analysis, r.solve, r.iterations, 1e-6 * r.bytes, apart, r.solve / ours.solve));
+    const BenchRow made = bench_row(row, ours, apart);
+    const std::string mark = not_counted(made);
+    say(globals, fmt::format("{:<36}{:>14.3f}{:>12.3f}{:>12}{:>10.0f}{:>14.1e}{:>12}{}", row.name, r.analysis,
+                             r.solve, r.iterations, 1e-6 * r.bytes, apart,
+                             mark.empty() ? fmt::format("{:.2f}", r.solve / ours.solve) : "-",
+                             mark.empty() ? "" : "  not counted: " + mark));
     if (&row == &rows.front()) continue;
-    document["rows"].push_back(one_state_json(problem, row, ours, apart));
+    document["rows"].push_back(one_state_json(problem, made, ours, r));
   }
   add_to(document, solver_machine_keys(), {});
   add_to(document, provenance_keys(), {});

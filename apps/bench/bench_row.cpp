@@ -2,6 +2,8 @@
 
 #include <fmt/format.h>
 
+#include <time.h>
+
 #include <chrono>
 #include <filesystem>
 
@@ -29,10 +31,16 @@ const JsonKeys<RowAndSubject>& common_keys() {
       {"name", "", "what is measured", [](const R& r) { return r.row.name; }},
       {"baseline", "", "what it is compared with, in the same run",
        [](const R& r) { return r.row.baseline; }},
-      {"ratio", "1", "time of the baseline over ours",
-       [](const R& r) { return r.row.baseline_us / r.row.ours_us; }},
+      {"ratio", "1", "time of the baseline over ours; null: not counted",
+       [](const R& r) {
+         return not_counted(r.row).empty() ? Json(r.row.baseline_us / r.row.ours_us) : Json();
+       }},
       {"ours_us", "us", "time of ours", [](const R& r) { return r.row.ours_us; }},
       {"baseline_us", "us", "time of the baseline", [](const R& r) { return r.row.baseline_us; }},
+      {"baseline_processor_us", "us", "the same by the processor time of its thread; null: not measured",
+       [](const R& r) { return r.row.baseline_processor_us; }},
+      {"not_counted", "", "why the ratio is not counted; empty: it is",
+       [](const R& r) { return not_counted(r.row); }},
       {"error.p50,p95,max", "1", "relative error of ours, or difference of the forces",
        [](const R& r) { return json_numbers(r.row.error); }},
       {"n", "", "number of states or centres", [](const R& r) { return r.row.n; }},
@@ -47,6 +55,15 @@ const JsonKeys<RowAndSubject>& common_keys() {
 }
 
 }  // namespace
+
+std::string not_counted(const BenchRow& row) {
+  if (row.baseline_failed > 0) return fmt::format("{} solves of the baseline failed", row.baseline_failed);
+  if (row.baseline_processor_us < row.baseline_us / 1.2)
+    return fmt::format("the baseline waited for a processor for {:.0f} % of its time",
+                       100 * (1 - row.baseline_processor_us / row.baseline_us));
+  if (row.baseline_processor_us > 1.2 * row.baseline_us) return "the baseline used several processors";
+  return {};
+}
 
 std::vector<double> p50_p95_max(const std::vector<double>& values) {
   return {quantile_of(values, 0.5), quantile_of(values, 0.95), quantile_of(values, 1)};
@@ -91,6 +108,22 @@ void claim_bench_folder(const std::string& folder, const std::vector<std::string
     throw InputError(folder, fmt::format("{}, expected a folder for {}",
                                          there ? "is a file" : "cannot be made", fmt::join(files, " and ")));
   claim_folder(folder, files);
+}
+
+BenchTime BenchTimes::median() const {
+  return {forefeel::median(wall), forefeel::median(processor)};
+}
+
+std::string ratio_text(const BenchRow& row) {
+  const std::string mark = not_counted(row);
+  return mark.empty() ? fmt::format("{:.3g}", row.baseline_us / row.ours_us) : "-, not counted: " + mark;
+}
+
+BenchTime bench_time() {
+  timespec processor{};
+  clock_gettime(CLOCK_THREAD_CPUTIME_ID, &processor);
+  return {now_us(),
+          1e6 * static_cast<double>(processor.tv_sec) + 1e-3 * static_cast<double>(processor.tv_nsec)};
 }
 
 double now_us() {

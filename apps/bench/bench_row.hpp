@@ -29,7 +29,12 @@ struct BenchRow {
   std::vector<double> error;            // p50, p95, max
   std::size_t n = 0;
   std::optional<std::size_t> k = {};
+  double baseline_processor_us = unknown;  // processor time of its thread; NaN: not measured
+  std::size_t baseline_failed = 0;         // solves of the baseline that failed
 };
+// Why the ratio of a row does not count: its baseline waited for a processor for over 20 % of its time, or failed.
+// Empty: it counts.
+std::string not_counted(const BenchRow& row);
 
 std::vector<double> p50_p95_max(const std::vector<double>& values);
 Json row_json(const BenchRow& row, const BenchSubject& subject);
@@ -49,5 +54,30 @@ DeclaredTable bench_table(const std::string& name, std::initializer_list<std::ve
 void claim_bench_folder(const std::string& folder, const std::vector<std::string>& files);
 
 double now_us();  // of a steady clock [us]
+
+// Wall time, and the processor time of the calling thread.
+struct BenchTime {
+  double wall_us = 0, processor_us = 0;
+  friend BenchTime operator-(const BenchTime& a, const BenchTime& b) {
+    return {a.wall_us - b.wall_us, a.processor_us - b.processor_us};
+  }
+};
+BenchTime bench_time();
+
+// Repeated times of one piece of work [us].
+struct BenchTimes {
+  std::vector<double> wall, processor;
+  void add(const BenchTime& took, double pieces = 1) {
+    wall.push_back(took.wall_us / pieces);
+    processor.push_back(took.processor_us / pieces);
+  }
+  void add(const BenchTimes& more) {
+    wall.insert(wall.end(), more.wall.begin(), more.wall.end());
+    processor.insert(processor.end(), more.processor.begin(), more.processor.end());
+  }
+  BenchTime median() const;  // of each
+};
+// The ratio as text, or "-" and the reason why it is not counted.
+std::string ratio_text(const BenchRow& row);
 
 }  // namespace forefeel

@@ -22,6 +22,7 @@
 #include "apps/bench/bench.hpp"
 #include "apps/bench/bench_one_state.hpp"
 #include "apps/bench/bench_row.hpp"
+#include "apps/bench/bench_solver_parts.hpp"
 #include "apps/bench/newton_baseline.hpp"
 #include "apps/console/console.hpp"
 #include "apps/scene/scene.hpp"
@@ -52,12 +53,6 @@ void match_blas_to_processor() {
         arguments.data());  // returns only on failure: then the run continues with the old kernels
 }
 
-struct BenchCase {
-  std::shared_ptr<const Body> body;
-  StateSpaceOptions space;
-  std::string name;
-};
-
 BenchCase take_case(const Globals& globals, const std::string& file) {
   const Scene scene = file.empty() ? built_in_scene(globals.set) : load_scene(file, globals.set);
   for (const std::string& warning : scene.source.warnings) warn(globals, warning);
@@ -72,117 +67,10 @@ Box shrunk(const StateSpaceOptions& space, std::size_t most) {
   return box;
 }
 
-constexpr std::size_t error_sample = 60;
 constexpr int rounds = 3;
-constexpr double tolerance = 1e-6;
 constexpr double enough = 40;                  // [s]; no further round starts after this
-constexpr double time_for_errors = 120;        // [s]
 constexpr double most_alone = 240;             // [s]; longest run on one thread
 constexpr std::size_t most_for_eigen = 20000;  // elements; above, its factor takes seconds
-
-using ShowShare = std::function<void(double)>;  // of a part of the bench
-
-struct Errors {
-  std::vector<double> values;
-  double at(double share) const { return quantile_of(values, share); }
-};
-
-// Relative force errors of a random sample of states against tight solves on the reference branch, as many as fit into
-// the time for errors.
-Errors sample_errors(const BenchCase& bench, const std::vector<State>& states, std::uint64_t seed,
-                     int threads, const ShowShare& show) {
-  std::mt19937_64 random(seed + 1);
-  std::vector<const State*> sample;
-  for (const State& s : states)
-    if (s.usable() && s.at.norm() > 0) sample.push_back(&s);
-  std::shuffle(sample.begin(), sample.end(), random);
-  sample.resize(std::min(sample.size(), error_sample));
-  std::vector<double> values(sample.size(), unknown);
-  SolverBasis basis(bench.body);
-  const auto start = SteadyClock::now();
-  std::size_t done = 0;
-#pragma omp parallel num_threads(threads)
-  {
-    Solver solver(basis);
-#pragma omp for schedule(dynamic)
-    for (std::size_t i = 0; i < sample.size(); ++i) {
-      if (seconds_since(start) > time_for_errors) continue;
-#pragma omp critical(forefeel_bench_solver)
-      show(std::max(static_cast<double>(++done) / static_cast<double>(sample.size()),
-                    seconds_since(start) / time_for_errors));
-      const State tight = solver.reference(sample[i]->at, bench.space.spacing).state;
-      if (tight.usable())
-        values[i] = (sample[i]->force - tight.force).norm() / std::max(tight.force.norm(), 0.05);
-    }
-  }
-  std::erase_if(values, [](double v) { return !std::isfinite(v); });
-  return {values};
-}
-
-struct BaselineRun {
-  double per_state = 0;  // [s] of a solved state, all threads together
-  std::size_t states = 0, failed = 0;
-  double iterations = 0;
-  double factor_bytes = unknown;  // of one solver
-  std::vector<State> solved;
-};
-
-// Solves the sample, each state from the displacements of its neighbour one spacing nearer to rest. The time
-// of the neighbours does not count. No state is started after `budget` seconds.
-BaselineRun run_baseline(Baseline which, const BenchCase& bench, const std::vector<State>& states,
-                         const std::vector<std::size_t>& sample, int threads, double budget,
-                         const ShowShare& show) {
-  const auto d = std::make_shared<const Discretisation>(discretise(*bench.body));
-  const double h = bench.space.spacing;
-  const auto key = [&](const Vec3& x) {
-    return std::array<long, 3>{std::lround(x[0] / h), std::lround(x[1] / h), std::lround(x[2] / h)};
-  };
-  std::map<std::array<long, 3>, const State*> known;
-  for (const State& s : states)
-    if (s.displacements) known[key(s.at)] = &s;
-  std::vector<std::pair<Vec3, std::vector<double>>> starts;
-  for (const std::size_t i : sample) {
-    std::array<long, 3> k = key(states[i].at);
-    const auto longest = static_cast<std::size_t>(
-        std::max_element(k.begin(), k.end(), [](long a, long b) { return std::abs(a) < std::abs(b); }) -
-        k.begin());
-    k[longest] -= k[longest] > 0 ? 1 : k[longest] < 0 ? -1 : 0;
-    const auto from = known.find(k);
-    if (from == known.end()) continue;
-    std::vector<double> u(static_cast<std::size_t>(d->local_size())), by_node = *from->second->displacements;
-    for (const auto& [a, b] : d->edges)  // mid-edge nodes start halfway between the ends of their edge
-      for (std::size_t c = 0; c < 3; ++c)
-        by_node.push_back(0.5 * (by_node[3 * static_cast<std::size_t>(a) + c] +
-                                 by_node[3 * static_cast<std::size_t>(b) + c]));
-    d->to_local(by_node, u.data());
-    starts.emplace_back(states[i].at, std::move(u));
-  }
-  BaselineRun run;
-  run.solved.resize(starts.size());
-  std::vector<std::unique_ptr<BaselineNewton>> solvers;
-  for (int i = 0; i < threads; ++i) solvers.push_back(std::make_unique<BaselineNewton>(d, which));
-  const auto start = SteadyClock::now();
-#pragma omp parallel for schedule(dynamic) num_threads(threads)
-  for (std::size_t i = 0; i < starts.size(); ++i)
-    if (seconds_since(start) < budget) {
-      run.solved[i] = solvers[static_cast<std::size_t>(omp_get_thread_num())]->solve(
-          starts[i].second, starts[i].first, tolerance);
-#pragma omp critical(forefeel_bench_solver)
-      show(seconds_since(start) / budget);
-    }
-  const double seconds = seconds_since(start);
-  run.factor_bytes = solvers.front()->factor_bytes();
-  std::erase_if(run.solved,
-                [](const State& s) { return s.solve.status == SolveStatus::measured; });  // not started
-  for (const State& s : run.solved) {
-    run.failed += !s.usable();
-    run.iterations += s.solve.iterations;
-  }
-  run.states = run.solved.size();
-  run.iterations /= static_cast<double>(std::max<std::size_t>(1, run.states));
-  run.per_state = seconds / static_cast<double>(std::max<std::size_t>(1, run.states - run.failed));
-  return run;
-}
 
 double peak_bytes() {
   std::ifstream status("/proc/self/status");
@@ -191,16 +79,21 @@ double peak_bytes() {
   return unknown;
 }
 
-Json make_row(const BenchCase& bench, const std::string& baseline, double ours, double theirs,
-              const Errors& errors, std::size_t n, int threads) {
+BenchRow make_row(const char* baseline, double ours, double theirs, const BaselineRun& run,
+                  const Errors& errors, std::size_t n) {
+  return {.name = "generate",
+          .baseline = baseline,
+          .ours_us = 1e6 * ours,
+          .baseline_us = 1e6 * theirs,
+          .error = p50_p95_max(errors.values),
+          .n = n,
+          .baseline_processor_us = 1e6 * theirs * run.processor_share,
+          .baseline_failed = run.failed};
+}
+
+Json json_of(const BenchRow& row, const BenchCase& bench, int threads) {
   return row_json(
-      {.name = "generate",
-       .baseline = baseline,
-       .ours_us = 1e6 * ours,
-       .baseline_us = 1e6 * theirs,
-       .error = p50_p95_max(errors.values),
-       .n = n},
-      {.scene = bench.name, .body = bench.body.get(), .threads = threads, .tolerance = tolerance});
+      row, {.scene = bench.name, .body = bench.body.get(), .threads = threads, .tolerance = bench_tolerance});
 }
 
 // Results of the rounds. Times are in seconds per state, one for each round.
@@ -217,7 +110,25 @@ struct SolverRounds {
   double ours() const { return median(our_times); }
   double eigen() const { return median(eigen_times); }
   double cholmod() const { return median(cholmod_times); }
+  // One for each baseline.
+  std::vector<BenchRow> rows() const {
+    std::vector<BenchRow> all;
+    const std::size_t n = report.solved;
+    if (has_eigen())
+      all.push_back(make_row("Eigen SimplicialLDLT full Newton", ours(), eigen(), last_eigen, errors, n));
+    all.push_back(make_row("CHOLMOD full Newton", ours(), cholmod(), last_cholmod, errors, n));
+    return all;
+  }
 };
+
+// Of all rounds: a round in which the baseline waited or failed marks the row.
+void gather(BaselineRun& all, BaselineRun round) {
+  if (all.states > 0) {
+    round.processor_share = std::min(round.processor_share, all.processor_share);
+    round.failed += all.failed;
+  }
+  all = std::move(round);
+}
 
 // A random share of the lattice, new in each round, that takes no longer than about our whole lattice.
 std::vector<std::size_t> draw_sample(const Globals& globals, int round, std::size_t states) {
@@ -251,12 +162,12 @@ void run_round(const Globals& globals, const BenchCase& bench, const LatticeOpti
   const std::vector<std::size_t> sample = draw_sample(globals, round, m.states.size());
   const double budget = std::max(2.0, m.report.seconds);
   if (bench.body->mesh.tets.size() <= most_for_eigen) {
-    m.last_eigen = run_baseline(Baseline::eigen_ldlt, bench, m.states, sample, options.threads, budget,
-                                show("Eigen", 0.5, 0.75));
+    gather(m.last_eigen, run_baseline(Baseline::eigen_ldlt, bench, m.states, sample, options.threads, budget,
+                                      show("Eigen", 0.5, 0.75)));
     m.eigen_times.push_back(m.last_eigen.per_state);
   }
-  m.last_cholmod = run_baseline(Baseline::cholmod, bench, m.states, sample, options.threads, budget,
-                                show("CHOLMOD", 0.75, 1));
+  gather(m.last_cholmod, run_baseline(Baseline::cholmod, bench, m.states, sample, options.threads, budget,
+                                      show("CHOLMOD", 0.75, 1)));
   m.cholmod_times.push_back(m.last_cholmod.per_state);
 }
 
@@ -293,6 +204,11 @@ const JsonKeys<SolverRounds>& solver_keys() {
       {"speedup_over_one_thread", "1", "null: not measured", &R::scaling},
       {"errors_drawn", "", "states compared with tight solves",
        [](const R& r) { return r.errors.values.size(); }},
+      {"multivalued", "",
+       "states drawn that are an equilibrium of another branch than the reference; not in error",
+       [](const R& r) { return r.errors.multivalued; }},
+      {"off_branch", "1", "largest relative difference of their force from the reference branch",
+       [](const R& r) { return r.errors.off_branch; }},
       {"baseline_states", "", "list: states solved by each baseline",
        [](const R& r) {
          return Json::array({r.last_eigen.states, r.last_cholmod.states});
@@ -311,12 +227,7 @@ const JsonKeys<SolverRounds>& solver_keys() {
 
 Json document_of(const BenchCase& bench, int threads, const SolverRounds& m) {
   Json document{{"rows", Json::array()}};
-  const std::size_t n = m.report.solved;
-  if (m.has_eigen())
-    document["rows"].push_back(
-        make_row(bench, "Eigen SimplicialLDLT full Newton", m.ours(), m.eigen(), m.errors, n, threads));
-  document["rows"].push_back(
-      make_row(bench, "CHOLMOD full Newton", m.ours(), m.cholmod(), m.errors, n, threads));
+  for (const BenchRow& row : m.rows()) document["rows"].push_back(json_of(row, bench, threads));
   add_to(document, solver_machine_keys(), {});
   add_to(document, solver_keys(), m);
   add_to(document, provenance_keys(), {});
@@ -333,11 +244,13 @@ void print_text(const Globals& globals, const BenchCase& bench, int threads, Sol
         fmt::format("the {} states nearest to rest, of {} in the scene's box", n + m.report.failed, m.whole));
   say(globals, fmt::format("{:<36}{:>14}{:>10}", "", "us a state", "ratio"));
   say(globals, fmt::format("{:<36}{:>14.1f}", "generate", 1e6 * m.ours()));
-  if (m.has_eigen())
-    say(globals, fmt::format("{:<36}{:>14.1f}{:>10.1f}", "Eigen SimplicialLDLT full Newton", 1e6 * m.eigen(),
-                             m.eigen() / m.ours()));
-  say(globals, fmt::format("{:<36}{:>14.1f}{:>10.1f}  ({})", "CHOLMOD full Newton", 1e6 * m.cholmod(),
-                           m.cholmod() / m.ours(), cholmod_blas()));
+  for (const BenchRow& row : m.rows()) {
+    const std::string mark = not_counted(row);
+    say(globals, fmt::format("{:<36}{:>14.1f}{:>10}{}{}", row.baseline, row.baseline_us,
+                             mark.empty() ? fmt::format("{:.1f}", row.baseline_us / row.ours_us) : "-",
+                             row.baseline.starts_with("CHOLMOD") ? "  (" + cholmod_blas() + ")" : "",
+                             mark.empty() ? "" : "; not counted: " + mark));
+  }
   if (std::isfinite(m.scaling)) say(globals, fmt::format("{} threads over one: {:.2f}", threads, m.scaling));
   say(globals, fmt::format("memory of a thread: {:.0f} MB, CHOLMOD's factor alone {:.0f} MB, ratio {:.2f}",
                            1e-6 * m.bytes_per_thread, 1e-6 * m.last_cholmod.factor_bytes,
@@ -349,6 +262,12 @@ void print_text(const Globals& globals, const BenchCase& bench, int threads, Sol
                   m.last_eigen.states, m.last_cholmod.states, m.last_eigen.failed, m.last_cholmod.failed));
   say(globals, fmt::format("force error against tight solves ({} drawn): p50 {:.1e}, p95 {:.1e}, max {:.1e}",
                            m.errors.values.size(), m.errors.at(0.5), m.errors.at(0.95), m.errors.at(1)));
+  if (m.errors.multivalued > 0)
+    say(globals,
+        fmt::format(
+            "multivalued: {} more states drawn are equilibria of another branch, up to {:.2g} % off the "
+            "reference branch",
+            m.errors.multivalued, 100 * m.errors.off_branch));
 }
 
 }  // namespace
@@ -369,7 +288,7 @@ int bench_solver(const Globals& globals, const std::string& scene, std::size_t m
   options.spacing = bench.space.spacing;
   options.box = bench.space.box;
   options.threads = threads;
-  options.tolerance = tolerance;
+  options.tolerance = bench_tolerance;
   options.want_displacements = true;
 
   Progress progress(globals, "bench solver");
