@@ -11,6 +11,7 @@
 #include "apps/console/commands.hpp"
 #include "apps/console/console.hpp"
 #include "apps/console/json.hpp"
+#include "apps/files/info_labels.hpp"
 #include "apps/files/info_scene.hpp"
 #include "apps/mesh/extent.hpp"
 #include "geometry/common/error.hpp"
@@ -19,6 +20,7 @@
 #include "geometry/mesh/mesh_file.hpp"
 #include "geometry/mesh/mesh_summary.hpp"
 #include "geometry/meshing/surface_summary.hpp"
+#include "geometry/segmentation/label_volume.hpp"
 #include "geometry/states/state_file.hpp"
 #include "geometry/states/state_summary.hpp"
 
@@ -158,6 +160,7 @@ int run_info(const Globals& globals, const std::string& file) {
   const std::string start = read_start(file, 16);  // reports a file that is missing, a folder or empty
   if (start.starts_with("SQLite format 3")) return info_states(globals, file);
   if (is_surface_file(file)) return info_surface(globals, file);
+  if (is_label_volume_file(file)) return info_labels(globals, file);
   if (is_mesh_file(file)) return info_mesh(globals, file);
   const std::string extension = lower_case(std::filesystem::path(file).extension().string());
   if (extension == ".csv" || extension == ".states") return info_states(globals, file);
@@ -165,16 +168,18 @@ int run_info(const Globals& globals, const std::string& file) {
   throw InputError(
       file,
       "unknown kind of file, expected a scene (.toml), states (.states .csv), a mesh (.msh .vtk .vtu "
-      ".mesh) or a surface (.obj .off .stl .ply .vtp)");
+      ".mesh), a surface (.obj .off .stl .ply .vtp) or a label volume (.nii .mha .nrrd .vti)");
 }
 
 }  // namespace
 
 void add_info(CommandLine& line) {
   auto file = std::make_shared<std::string>();
-  Command sub = line.add("info", "Show what a file holds: scene, states, mesh or surface");
+  Command sub = line.add("info", "Show what a file holds: scene, states, mesh, surface or label volume");
   sub.runs([file](const Globals& globals) { return run_info(globals, *file); });
-  sub.option("FILE", *file, "Scene, state file, CSV of states, mesh or surface").required().shows("FILE");
+  sub.option("FILE", *file, "Scene, state file, CSV of states, mesh, surface or label volume")
+      .required()
+      .shows("FILE");
 }
 
 }  // namespace forefeel

@@ -16,9 +16,10 @@ namespace {
 
 std::string taken_in_words(const LabelVolume& volume) {
   const Vec3 steps = 1e3 * volume.axes.colwise().norm().transpose();
-  return fmt::format("{} x {} x {} voxels of {:.3g} x {:.3g} x {:.3g} mm; lengths taken in {}{}",
+  return fmt::format("{} x {} x {} voxels of {:.3g} x {:.3g} x {:.3g} mm; lengths taken in {}{}{}{}",
                      volume.size[0], volume.size[1], volume.size[2], steps[0], steps[1], steps[2],
-                     volume.unit, volume.unit_given ? "" : ", since the file names no unit");
+                     volume.unit, volume.unit_given ? "" : ", since the file names no unit",
+                     volume.directions.empty() ? "" : "; x, y, z: ", volume.directions);
 }
 
 // Lengths in another unit than the file's own.
@@ -66,6 +67,7 @@ LabelBody body_of_labels(const std::string& file, LabelMeshOptions options, cons
   LabelBody body{.mesh = {}, .report = {}, .unit = volume.metres, .taken = taken_in_words(volume)};
   body.mesh = mesh_labels(volume, options, body.report,
                           [&](const LabelMeshProgress& p) { progress.show(in_words(p)); });
+  body.report.warnings.insert(body.report.warnings.begin(), volume.warnings.begin(), volume.warnings.end());
   return body;
 }
 

@@ -99,8 +99,11 @@ class MetaReader {
     for (std::size_t d = 0; d < 3; ++d) {
       const auto column = static_cast<Eigen::Index>(d);
       header.origin[column] = origin[d];
-      header.axes.col(column) = spacing[d] * Vec3(turn[3 * d], turn[3 * d + 1], turn[3 * d + 2]);
+      header.axes.col(column) =
+          positive_size(spacing[d], fmt::format("ElementSpacing {} of 3", d + 1), header.warnings) *
+          Vec3(turn[3 * d], turn[3 * d + 1], turn[3 * d + 2]);
     }
+    header.directions = "left, posterior, superior (DICOM), as is usual in this format";
     header.type = type();
     const bool big = flag("BinaryDataByteOrderMSB") || flag("ElementByteOrderMSB");
     header.swap = big != (std::endian::native == std::endian::big);

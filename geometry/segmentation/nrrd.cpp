@@ -70,6 +70,14 @@ class NrrdReader {
                          {Scalar::float64, "double"}});
   }
 
+  // "left-posterior-superior", "LPS" or "3D-right-handed", as the file has it.
+  static std::string directions(const std::string& space) {
+    if (space == "lps" || space == "left-posterior-superior") return "left, posterior, superior";
+    if (space == "ras" || space == "right-anterior-superior") return "right, anterior, superior";
+    if (space == "las" || space == "left-anterior-superior") return "left, anterior, superior";
+    return space.empty() ? "not named by the file" : space;
+  }
+
   void place(ImageHeader& header) const {
     header.axes.setIdentity();
     if (fields_.has("space directions")) {
@@ -78,8 +86,12 @@ class NrrdReader {
         for (int r = 0; r < 3; ++r) header.axes(r, d) = m[static_cast<std::size_t>(3 * d + r)];
     } else if (fields_.has("spacings")) {
       const std::vector<double> s = fields_.numbers("spacings", 3);
-      header.axes = Vec3(s[0], s[1], s[2]).asDiagonal();
+      for (std::size_t d = 0; d < 3; ++d)
+        header.axes.col(static_cast<Eigen::Index>(d)) =
+            positive_size(s[d], fmt::format("spacings, entry {} of 3,", d + 1), header.warnings) *
+            Vec3::Unit(static_cast<Eigen::Index>(d));
     }
+    header.directions = directions(lower_case(get("space")));
     if (fields_.has("space origin")) {
       const std::vector<double> o = fields_.numbers("space origin", 3);
       header.origin = Vec3(o[0], o[1], o[2]);

@@ -29,6 +29,11 @@ void check_axes(const ImageHeader& header, const std::string& file) {
 
 }  // namespace
 
+double positive_size(double size, const std::string& entry, std::vector<std::string>& warnings) {
+  if (size < 0) warnings.push_back(fmt::format("{} is {:g}, taken as {:g}", entry, size, -size));
+  return std::abs(size);
+}
+
 std::size_t checked_voxels(const ImageHeader& header, const std::string& file, std::size_t bytes_each) {
   double voxels = 1;
   for (const std::int64_t n : header.size) {
@@ -55,6 +60,8 @@ LabelCollector::LabelCollector(const ImageHeader& header, std::size_t voxels, co
   volume_.unit = header.unit_name;
   volume_.metres = header.unit;
   volume_.unit_given = header.unit_given;
+  volume_.directions = header.directions;
+  volume_.warnings = header.warnings;
   volume_.voxels.resize(voxels);
 }
 

@@ -27,7 +27,12 @@ struct ImageHeader {
   Scalar type = Scalar::uint8;
   bool swap = false;                // the byte order is not that of this machine
   double slope = 1, intercept = 0;  // value = slope * stored + intercept
+  std::string directions = {};      // of x, y and z
+  std::vector<std::string> warnings = {};
 };
+
+// |size|. A warning names the entry of the header that is negative.
+double positive_size(double size, const std::string& entry, std::vector<std::string>& warnings);
 
 // Number of voxels. InputError for a size that is not positive or overflows, or if the voxels (`bytes_each` in the
 // file, and the labels made of them) do not fit into the available memory.

@@ -91,10 +91,12 @@ class VtiReader {
     for (unsigned d = 0; d < 3; ++d) {
       header_.size[d] = whole_[2 * d + 1] - whole_[2 * d] + (cells ? 0 : 1);
       header_.origin[d] = origin[d];
-      for (unsigned r = 0; r < 3; ++r) header_.axes(r, d) = spacing[d] * turn[3 * r + d];
+      const double size = positive_size(spacing[d], fmt::format("Spacing {} of 3", d + 1), header_.warnings);
+      for (unsigned r = 0; r < 3; ++r) header_.axes(r, d) = size * turn[3 * r + d];
       first[d] = static_cast<double>(whole_[2 * d]) + (cells ? 0.5 : 0.0);
     }
     header_.origin += header_.axes * first;
+    header_.directions = "not named by the file";
   }
 
   std::size_t fill(const VtkXmlPiece& piece, const VtkXmlArray& array, LabelCollector& to) const {
