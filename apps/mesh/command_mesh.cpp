@@ -18,6 +18,7 @@
 #include "apps/mesh/mesh_labels.hpp"
 #include "apps/mesh/mesh_study_table.hpp"
 #include "apps/mesh/mesh_toward.hpp"
+#include "apps/mesh/repair_keys.hpp"
 #include "geometry/common/error.hpp"
 #include "geometry/common/output_file.hpp"
 #include "geometry/mesh/length_unit.hpp"
@@ -149,7 +150,8 @@ void judge(MadeMesh& made, const Surface& surface, const MeshArguments& argument
   if (made.report.repair.wrapped)
     made.warnings.push_back(
         fmt::format("{}: the surface could not be repaired in place and was rebuilt around", name));
-  const Deviation deviation = deviation_of(surface, made.mesh, made.hausdorff, arguments.length);
+  const Deviation deviation =
+      deviation_of(surface, made.mesh, made.hausdorff, arguments.length, made.report.repair);
   made.volume_change = deviation.volume_change;
   for (const std::string& words : in_words(deviation, made.report.repair))
     made.warnings.push_back(fmt::format("{}: {}", name, words));
@@ -227,19 +229,6 @@ struct WrittenMesh {
   const MeshSummary& sum;
   const std::string& file;
 };
-
-const JsonKeys<RepairReport>& repair_keys() {
-  using R = RepairReport;
-  static const JsonKeys<R> keys{
-      {"self_intersections", "", "pairs of triangles that intersected", &R::self_intersections},
-      {"holes", "", "holes that were closed", &R::holes},
-      {"components", "", "connected parts of the input", &R::components},
-      {"reoriented", "", "true: triangles were turned", &R::reoriented},
-      {"wrapped", "", "true: the surface was wrapped anew, since it could not be repaired", &R::wrapped},
-      {"triangles_before", "", "of the input", &R::triangles_before},
-      {"triangles_after", "", "of the repaired surface", &R::triangles_after}};
-  return keys;
-}
 
 Json groups_json(const WrittenMesh& written) {
   Json groups = Json::object();

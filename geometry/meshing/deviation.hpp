@@ -19,11 +19,11 @@ struct Deviation {
 };
 // hausdorff: NaN if it was not measured. length: of the longest side [m], where the mesh was scaled to one; it is then
 // compared with the surface at that length. The mesh's own longest side is no measure of the scale, since coarse
-// meshes cut off ends.
+// meshes cut off ends. repair: where facets were flipped or parts united, the volume of the repaired surface counts.
 Deviation deviation_of(const Surface& surface, const TetMesh& mesh, double hausdorff,
-                       std::optional<double> length = std::nullopt);
+                       std::optional<double> length = std::nullopt, const RepairReport& repair = {});
 
-// One sentence for each of the two deviations that is above 5 % (of the volume; of the longest side): what, how much,
+// A sentence about parts that cross, and one for each of the two deviations that is above 5 % (of the volume; of the longest side): what, how much,
 // what to do.
 std::vector<std::string> in_words(const Deviation& deviation, const RepairReport& repair);
 

@@ -27,9 +27,14 @@ double enclosed_volume(const Surface& surface) {
 }
 
 Box bounding_box(const Surface& surface) {
-  if (surface.nodes.empty()) return {};
-  Box box{surface.nodes.front(), surface.nodes.front()};
-  for (const Vec3& node : surface.nodes) box.low = box.low.cwiseMin(node), box.high = box.high.cwiseMax(node);
+  if (surface.nodes.empty() || surface.triangles.empty()) return {};
+  const Vec3& first = surface.nodes[surface.triangles.front()[0]];
+  Box box{first, first};
+  for (const Triangle& triangle : surface.triangles)
+    for (const NodeIndex node : triangle) {
+      box.low = box.low.cwiseMin(surface.nodes[node]);
+      box.high = box.high.cwiseMax(surface.nodes[node]);
+    }
   return box;
 }
 

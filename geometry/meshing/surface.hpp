@@ -26,21 +26,24 @@ Surface read_surface(const std::filesystem::path& file);
 
 Surface boundary_surface(const TetMesh& mesh);   // outward; nodes in the order of the mesh, renumbered
 double enclosed_volume(const Surface& surface);  // [m^3], positive where the triangles face outward
-Box bounding_box(const Surface& surface);
+Box bounding_box(const Surface& surface);        // of its triangles; other nodes do not count
 Vec3 nearest_point(const Surface& surface, const Vec3& point);  // of the surface
 
 struct RepairReport {
   std::size_t self_intersections = 0;  // pairs of triangles in the input
   std::size_t holes = 0;
   std::size_t components = 0;
+  std::size_t crossing = 0;  // parts that crossed another one
+  bool united = false;       // the body is their union
   bool reoriented = false;
   bool wrapped = false;  // local repair failed; rebuilt as an alpha wrap
   std::size_t triangles_before = 0, triangles_after = 0;
+  double volume = 0;  // of the repaired surface [m^3]
 };
 
 // A closed surface near the input, outward, without self-intersections. By CGAL: polygon soup repair,
-// orientation, hole filling, removal of self-intersections; if that fails, an alpha wrap. InputError if it
-// encloses no volume.
+// orientation, hole filling, union of parts that cross, removal of self-intersections; if that fails, an alpha wrap.
+// InputError if it encloses no volume.
 Surface repair_surface(const Surface& surface, RepairReport& report);
 
 // Hausdorff distance [m]: the largest distance from a point of either surface to the other one. Sampled every

@@ -15,6 +15,7 @@
 #include "geometry/common/error.hpp"
 #include "geometry/meshing/surface_cgal.hpp"
 #include "geometry/meshing/surface_process.hpp"
+#include "geometry/meshing/surface_union_cgal.hpp"
 
 namespace forefeel {
 namespace {
@@ -86,6 +87,10 @@ bool repair_locally(Mesh& mesh, RepairReport& report, Surface& patched) {
   if (report.holes > 0) patched = cgal::from_mesh(mesh);
   if (!CGAL::is_closed(mesh)) return false;
   report.components = drop_crumbs(mesh);
+  if (report.self_intersections > 0) {
+    report.crossing = cgal::unite_crossing_parts(mesh, report.united);
+    if (report.crossing > 0 && !report.united) return false;  // local repair would cut the parts open
+  }
   if (report.self_intersections > 0 || PMP::does_self_intersect(mesh))
     PMP::experimental::remove_self_intersections(mesh);
   return is_solid(mesh);
@@ -131,6 +136,7 @@ Surface repair_surface(const Surface& surface, RepairReport& report) {
   } else {
     result = alpha_wrap(patched, diagonal(surface) / 60);
     report.wrapped = true;
+    report.united = false;
     Mesh wrapped = cgal::to_mesh(result);
     report.components = drop_crumbs(wrapped);
     result = cgal::from_mesh(wrapped);
@@ -143,6 +149,7 @@ Surface repair_surface(const Surface& surface, RepairReport& report) {
   const double side = bounding_box(result).size().maxCoeff();
   if (!(enclosed_volume(result) > 1e-9 * side * side * side))
     throw InputError("surface", "encloses no volume, expected a closed surface");
+  report.volume = enclosed_volume(result);
   report.triangles_after = result.triangles.size();
   return result;
 }

@@ -188,8 +188,9 @@ TetMesh fill_as_given(const Surface& closed, const TetrahedraliseOptions& option
 TetMesh make(const Surface& input, const TetrahedraliseOptions& options, bool measure,
              TetrahedraliseReport& report, Told& told) {
   TetMesh mesh;
+  Surface closed;
   try {
-    const Surface closed = repair_surface(input, report.repair);
+    closed = repair_surface(input, report.repair);
     if (options.elements == 0) {
       mesh = fill_as_given(closed, options, told);
     } else {
@@ -206,7 +207,9 @@ TetMesh make(const Surface& input, const TetrahedraliseOptions& options, bool me
   }
   if (options.length) match_length(mesh, *options.length, bounding_box(input).centre());
   tell(told, MeshingStep::compare);
-  if (measure) report.hausdorff = hausdorff_distance(input, boundary_surface(mesh));
+  // The walls inside a union are no part of it.
+  if (measure)
+    report.hausdorff = hausdorff_distance(report.repair.united ? closed : input, boundary_surface(mesh));
   return mesh;
 }
 
