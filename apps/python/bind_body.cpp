@@ -105,6 +105,9 @@ PyBody make_body(const Doubles& nodes, const Integers& tets, const Integers& cla
   body->contact = node_set(contact, count, "contact");
   body->element = chosen(element, "element", std::array{Element::linear, Element::quadratic});
   std::vector<std::string> warnings = check_and_orient(body->mesh, "Body").warnings;
+  const std::vector<char> used = used_nodes(body->mesh);
+  for (auto* set : {&body->clamp, &body->contact})
+    std::erase_if(*set, [&](NodeIndex node) { return !used[node]; });
   body->pad = pad_of(pad, body->mesh);
   if (body->pad && !body->contact.empty())
     throw InputError("contact", "names nodes beside pad, expected none: its place is pad['nearest']");

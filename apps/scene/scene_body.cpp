@@ -91,7 +91,8 @@ const SceneRows<BodyKeys>& rows_of_body() {
           .number("length", "m", {shortest, longest, false, false, "a number above 0, from 1e-6 to 1e6 [m]"},
                   "longest side to scale the body to", &B::length)
           .standard("as in the file")
-          .word("element", element_words, " tetrahedra", &B::element)
+          .word("element", element_words,
+                " tetrahedra; a mesh of second-order ones is quadratic if this is absent", &B::element)
           .row({"fine", "", "false", "table: the fine body that corrects this one; false for none"},
                [](const SceneTable& table, const std::string& key, B& keys) {
                  keys.fine = read_fine(table, key);
@@ -205,6 +206,12 @@ Body assemble(const BodyInput& in, const BodyKeys& keys, std::vector<std::string
       in.is_phantom ? in.file + ": body.phantom" : (in.folder / keys.mesh).string();
   const MeshCheck mesh_check = check_and_orient(body.mesh, mesh_where);
   for (const std::string& warning : mesh_check.warnings) warnings.push_back(mesh_where + ": " + warning);
+  if (!body.mesh.second_order.middle_nodes.empty() && !in.sections.body.has("element")) {
+    body.element = Element::quadratic;
+    warnings.push_back(mesh_where +
+                       ": second-order tetrahedra make a quadratic body; body.element = \"linear\" takes "
+                       "their corners alone");
+  }
   const double scale = keys.length ? *keys.length / longest_side(body.mesh) : 1.0;
   if (keys.length) scale_to_length(body.mesh, *keys.length);
   if (const std::string size = unlikely_size(bounding_box(body.mesh)); !keys.length && !size.empty())

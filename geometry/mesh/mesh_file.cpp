@@ -27,7 +27,27 @@ void tidy(std::map<std::string, std::vector<Index>>& groups) {
 
 }  // namespace
 
+const char* const not_tetrahedra =
+    "expected tetrahedra; mesh the body again without recombined or extruded elements, or give `forefeel "
+    "mesh` its "
+    "surface with --elements";
+
+void add_second_order(TetMesh& mesh, const Tet& corners, const std::array<NodeIndex, 6>& middle) {
+  constexpr unsigned ends[6][2] = {{0, 1}, {1, 2}, {0, 2}, {0, 3}, {1, 3}, {2, 3}};
+  for (std::size_t e = 0; e < 6; ++e) {
+    const Vec3 &a = mesh.nodes[corners[ends[e][0]]], &b = mesh.nodes[corners[ends[e][1]]];
+    if (const double length = (b - a).norm(); length > 0)
+      mesh.second_order.bent =
+          std::max(mesh.second_order.bent, (mesh.nodes[middle[e]] - 0.5 * (a + b)).norm() / length);
+    mesh.second_order.middle_nodes.push_back(middle[e]);
+  }
+  mesh.tets.push_back(corners);
+}
+
 void tidy_groups(TetMesh& mesh) {
+  std::vector<NodeIndex>& middle = mesh.second_order.middle_nodes;
+  std::ranges::sort(middle);
+  middle.erase(std::unique(middle.begin(), middle.end()), middle.end());
   tidy(mesh.groups);
   tidy(mesh.element_groups);
 }

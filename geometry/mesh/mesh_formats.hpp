@@ -16,6 +16,11 @@ TetMesh read_vtk_legacy(Scanner in);  // .vtk, DATASET UNSTRUCTURED_GRID, ASCII 
 TetMesh read_vtu(Scanner in);         // .vtu: ascii, binary or appended data; zlib if the build has it
 TetMesh read_medit(Scanner in);       // .mesh
 
+// Adds a second-order tetrahedron; middle: its nodes on the edges 01, 12, 02, 03, 13, 23.
+void add_second_order(TetMesh& mesh, const Tet& corners, const std::array<NodeIndex, 6>& middle);
+// "; mesh the body with tetrahedra …": what to do with other volume elements.
+extern const char* const not_tetrahedra;
+
 // Adds a tetrahedron; ignores points, lines and faces; InputError for other cells. where: name of the file.
 void add_vtk_cell(TetMesh& mesh, std::int64_t type, std::span<const std::int64_t> nodes,
                   const std::string& where);

@@ -10,29 +10,15 @@
 #include <unordered_map>
 
 #include "geometry/common/error.hpp"
+#include "geometry/mesh/gmsh_scanner.hpp"
 #include "geometry/mesh/mesh_formats.hpp"
 
 namespace forefeel {
 namespace {
 
-// Nodes of an element type and the dimension of its entity; {0, 0} for an unknown type.
-struct ElementType {
-  int nodes, dimension;
-};
-ElementType element_type(std::int64_t type) {
-  static const std::unordered_map<std::int64_t, ElementType> known{
-      {1, {2, 1}},   {2, {3, 2}},   {3, {4, 2}},   {4, {4, 3}},   {5, {8, 3}},   {6, {6, 3}},   {7, {5, 3}},
-      {8, {3, 1}},   {9, {6, 2}},   {10, {9, 2}},  {11, {10, 3}}, {12, {27, 3}}, {13, {18, 3}}, {14, {14, 3}},
-      {15, {1, 0}},  {16, {8, 2}},  {17, {20, 3}}, {18, {15, 3}}, {19, {13, 3}}, {20, {9, 2}},  {21, {10, 2}},
-      {22, {12, 2}}, {23, {15, 2}}, {24, {15, 2}}, {25, {21, 2}}, {26, {4, 1}},  {27, {5, 1}},  {28, {6, 1}},
-      {29, {20, 3}}, {30, {35, 3}}, {31, {56, 3}}, {92, {64, 3}}, {93, {125, 3}}};
-  const auto found = known.find(type);
-  return found == known.end() ? ElementType{0, 0} : found->second;
-}
-
-class GmshReader {
+class GmshReader : GmshScanner {
  public:
-  explicit GmshReader(Scanner in) : in_(std::move(in)) {}
+  explicit GmshReader(Scanner in) : GmshScanner(std::move(in)) {}
 
   TetMesh read() {
     if (in_.peek() == "$NOD")
@@ -101,7 +87,7 @@ class GmshReader {
     const std::size_t n = in_.count("a number of elements", 10);
     for (std::size_t i = 0; i < n; ++i) {
       in_.integer("an element number");
-      const ElementType type = known_type(in_.integer("an element type"));
+      const GmshElement type = known_type(in_.integer("an element type"));
       const std::int64_t physical = in_.integer("a physical region");
       in_.integer("an elementary region");
       if (const std::int64_t nodes = in_.integer("a number of nodes"); nodes != type.nodes)
@@ -118,9 +104,9 @@ class GmshReader {
   }
 
   bool covers_all(const std::vector<NodeIndex>& nodes) const {
-    std::vector<char> there(mesh_.nodes.size(), 0);
-    for (const NodeIndex node : nodes) there[node] = 1;
-    return std::ranges::all_of(there, [](char c) { return c != 0; });
+    std::vector<char> left = used_nodes(mesh_);
+    for (const NodeIndex node : nodes) left[node] = 0;
+    return std::ranges::none_of(left, [](char c) { return c != 0; });
   }
 
   void read_format() {
@@ -147,6 +133,8 @@ class GmshReader {
       read_physical_names();
     else if (section == "Entities" && four_)
       read_entities();
+    else if (section == "PartitionedEntities" && four_)
+      read_partitioned_entities();
     else if (section == "Nodes")
       four_ ? read_nodes_4() : read_nodes_2();
     else if (section == "Elements")
@@ -161,39 +149,6 @@ class GmshReader {
     const InputPlace where = in_.where();
     if (!in_.skip_past_line("$End" + section))
       throw InputError(where, fmt::format("section ${:.40} has no end", section));
-  }
-
-  void end_section(const std::string& section) {
-    const auto word = in_.token("the end of a section");
-    if (word != "$End" + section)
-      in_.fail(fmt::format("'{:.40}' stands where $End{} was expected", word, section));
-  }
-
-  // Binary data begin on the byte after the line that announces them.
-  void next_line() {
-    std::string_view rest;
-    if (!in_.line(rest) || !trimmed(rest).empty()) in_.fail("text stands where binary data were expected");
-  }
-
-  std::int64_t whole(const char* expected) {
-    return binary_ ? in_.raw<std::int32_t>(expected) : in_.integer(expected);
-  }
-  std::int64_t size(const char* expected) {  // size_t of format 4.1
-    if (!binary_) return in_.integer(expected);
-    const auto value = in_.raw<std::uint64_t>(expected);
-    if (value > (std::uint64_t{1} << 62))
-      in_.fail_binary(fmt::format("{} is out of range, expected {}", value, expected));
-    return static_cast<std::int64_t>(value);
-  }
-  double real(const char* expected) { return binary_ ? in_.raw<double>(expected) : in_.real(expected); }
-  std::size_t size_count(const char* expected, std::size_t bytes_text, std::size_t bytes_binary) {
-    if (!binary_) return in_.count(expected, bytes_text);
-    const auto value = static_cast<std::uint64_t>(size(expected));
-    in_.check_count(value, bytes_binary, expected);
-    return value;
-  }
-  [[noreturn]] void fail(const std::string& problem) {
-    binary_ ? in_.fail_binary(problem) : in_.fail(problem);
   }
 
   void read_physical_names() {
@@ -227,6 +182,36 @@ class GmshReader {
         for (std::size_t k = 0; k < bounds; ++k) whole("a bounding entity");
       }
     end_section("Entities");
+  }
+
+  // Partitions have entities of their own, to which the elements refer. Each names its parent, whose groups it shares.
+  void read_partitioned_entities() {
+    if (binary_) next_line();
+    size("a number of partitions");
+    const std::size_t ghosts = size_count("a number of ghost entities", 4, 8);
+    for (std::size_t i = 0; i < ghosts; ++i) whole("a ghost entity"), whole("a partition");
+    std::size_t counts[4];
+    for (auto& n : counts) n = size_count("a number of entities", 4, 8);
+    for (int dimension = 0; dimension < 4; ++dimension)
+      for (std::size_t i = 0; i < counts[dimension]; ++i) {
+        const std::int64_t tag = whole("an entity tag");
+        const std::int64_t parent_dimension = whole("the dimension of the parent"),
+                           parent = whole("the parent");
+        const std::size_t partitions = size_count("a number of partitions", 2, 4);
+        for (std::size_t k = 0; k < partitions; ++k) whole("a partition");
+        for (int k = 0; k < (dimension == 0 ? 3 : 6); ++k) real("a bound of the entity");
+        std::vector<std::int64_t> tags(size_count("a number of physical tags", 2, 4));
+        for (std::int64_t& physical : tags) physical = whole("a physical tag");
+        if (const auto known = entity_.find({static_cast<int>(parent_dimension), parent});
+            tags.empty() && parent_dimension == dimension && known != entity_.end())
+          tags = known->second;
+        partition_[{dimension, tag}] = std::move(tags);
+        if (dimension == 0) continue;
+        const std::size_t bounds = size_count("a number of bounding entities", 2, 4);
+        for (std::size_t k = 0; k < bounds; ++k) whole("a bounding entity");
+      }
+    for (auto& [entity, tags] : partition_) entity_[entity] = tags;
+    end_section("PartitionedEntities");
   }
 
   void add_node(std::int64_t tag, const Vec3& position) {
@@ -290,18 +275,24 @@ class GmshReader {
     seen_elements_ = true;
   }
 
-  ElementType known_type(std::int64_t type) {
-    const ElementType result = element_type(type);
+  GmshElement known_type(std::int64_t type) {
+    const GmshElement result = gmsh_element(type);
     if (result.nodes == 0) fail(fmt::format("element type {} is unknown", type));
-    if (result.dimension == 3 && type != 4)
-      fail(fmt::format(
-          "element type {} is not a linear tetrahedron, expected volume elements of type 4 alone", type));
+    if (result.dimension == 3 && result.nodes != 4 && result.nodes != second_order_nodes)
+      fail(fmt::format("{} (element type {}) are not read, {}", gmsh_element_name(type), type,
+                       not_tetrahedra));
     return result;
   }
 
-  void add_element(const ElementType& type, std::span<const NodeIndex> nodes,
+  void add_element(const GmshElement& type, std::span<const NodeIndex> nodes,
                    std::span<const std::int64_t> groups) {
-    if (type.dimension == 3) mesh_.tets.push_back({nodes[0], nodes[1], nodes[2], nodes[3]});
+    if (type.dimension == 3) {
+      const Tet corners{nodes[0], nodes[1], nodes[2], nodes[3]};
+      if (type.nodes == second_order_nodes)
+        add_second_order(mesh_, corners, {nodes[4], nodes[5], nodes[6], nodes[7], nodes[9], nodes[8]});
+      else
+        mesh_.tets.push_back(corners);
+    }
     for (const auto tag : groups)
       if (tag != 0) {
         if (type.dimension == 3)
@@ -312,7 +303,7 @@ class GmshReader {
   }
 
   void read_element_2(std::int64_t type, std::int64_t tags) {
-    const ElementType known = known_type(type);
+    const GmshElement known = known_type(type);
     std::int64_t physical = 0;
     for (std::int64_t k = 0; k < tags; ++k) {
       const std::int64_t tag = whole("a tag");
@@ -353,7 +344,7 @@ class GmshReader {
     std::size_t found = 0;
     for (std::size_t block = 0; block < blocks; ++block) {
       const std::int64_t dimension = whole("a dimension"), entity = whole("an entity tag");
-      const ElementType type = known_type(whole("an element type"));
+      const GmshElement type = known_type(whole("an element type"));
       const std::size_t count = size_count("a number of elements", 4, 16);
       const auto physical = entity_.find({static_cast<int>(dimension), entity});
       const std::span<const std::int64_t> groups = physical == entity_.end()
@@ -371,11 +362,11 @@ class GmshReader {
     end_section("Elements");
   }
 
-  Scanner in_;
-  bool four_ = false, binary_ = false, seen_nodes_ = false, seen_elements_ = false;
+  bool four_ = false, seen_nodes_ = false, seen_elements_ = false;
   TetMesh mesh_;
   std::unordered_map<std::int64_t, NodeIndex> index_;  // node tag -> number here
   std::map<Group, std::vector<std::int64_t>> entity_;  // 4.1: dimension, entity -> physical tags
+  std::map<Group, std::vector<std::int64_t>> partition_;
   std::map<Group, std::string> names_;
   std::map<Group, std::vector<NodeIndex>> physical_;
   std::map<Group, std::vector<TetIndex>> volumes_;

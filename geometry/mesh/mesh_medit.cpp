@@ -78,7 +78,7 @@ class MeditReader {
 
  private:
   void refuse(const std::string& keyword) {
-    if (in_.count("a number of elements", 2) > 0) in_.fail(keyword + " are not read, expected tetrahedra");
+    if (in_.count("a number of elements", 2) > 0) in_.fail(keyword + " are not read, " + not_tetrahedra);
   }
 
   void read_vertices() {

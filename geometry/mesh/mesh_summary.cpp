@@ -7,7 +7,7 @@ namespace forefeel {
 
 MeshSummary summarise(const TetMesh& mesh) {
   const std::vector<int> part = components(mesh);
-  MeshSummary sum{.nodes = mesh.nodes.size(),
+  MeshSummary sum{.nodes = static_cast<std::size_t>(std::ranges::count(used_nodes(mesh), 1)),
                   .elements = mesh.tets.size(),
                   .quality = mesh_quality(mesh),
                   .box = bounding_box(mesh),

@@ -4,6 +4,8 @@
 #include <fmt/format.h>
 
 #include <algorithm>
+#include <array>
+#include <map>
 #include <set>
 
 #include "geometry/common/error.hpp"
@@ -12,24 +14,45 @@
 
 namespace forefeel {
 
+namespace {
+
+std::string name_of_cell(std::int64_t type) {
+  static const std::map<std::int64_t, const char*> names{
+      {11, "voxels"},    {12, "hexahedra"},
+      {13, "wedges"},    {14, "pyramids"},
+      {25, "hexahedra"}, {26, "wedges"},
+      {27, "pyramids"},  {29, "hexahedra"},
+      {42, "polyhedra"}, {71, "tetrahedra of higher order"}};
+  const auto found = names.find(type);
+  return found == names.end() ? fmt::format("cells of VTK type {}", type)
+                              : fmt::format("{} (cells of VTK type {})", found->second, type);
+}
+
+}  // namespace
+
 void add_vtk_cell(TetMesh& mesh, std::int64_t type, std::span<const std::int64_t> nodes,
                   const std::string& where) {
-  constexpr std::int64_t tetra = 10;
+  constexpr std::int64_t tetra = 10, second_order_tetra = 24;
   static const std::set<std::int64_t> flat{0, 1, 2, 3, 4, 5, 6, 7, 8, 9, 21, 22, 23, 28, 30, 34, 36};
   if (flat.contains(type)) return;
-  if (type != tetra)
+  if (type != tetra && type != second_order_tetra)
+    throw InputError({.file = where}, fmt::format("{} are not read, {}", name_of_cell(type), not_tetrahedra));
+  const std::size_t expected = type == tetra ? 4 : 10;
+  if (nodes.size() != expected)
     throw InputError({.file = where},
-                     fmt::format("cells of VTK type {} are not read, expected linear tetrahedra (10)", type));
-  if (nodes.size() != 4)
-    throw InputError({.file = where}, fmt::format("a tetrahedron with {} nodes, expected 4", nodes.size()));
-  Tet tet;
-  for (std::size_t k = 0; k < 4; ++k) {
+                     fmt::format("a tetrahedron with {} nodes, expected {}", nodes.size(), expected));
+  std::array<NodeIndex, 10> of{};
+  for (std::size_t k = 0; k < expected; ++k) {
     if (nodes[k] < 0 || nodes[k] >= static_cast<std::int64_t>(mesh.nodes.size()))
       throw InputError({.file = where}, fmt::format("a cell names point {}, expected 0 to {}", nodes[k],
                                                     static_cast<std::int64_t>(mesh.nodes.size()) - 1));
-    tet[k] = static_cast<NodeIndex>(nodes[k]);
+    of[k] = static_cast<NodeIndex>(nodes[k]);
   }
-  mesh.tets.push_back(tet);
+  const Tet corners{of[0], of[1], of[2], of[3]};
+  if (type == tetra)
+    mesh.tets.push_back(corners);
+  else
+    add_second_order(mesh, corners, {of[4], of[5], of[6], of[7], of[8], of[9]});
 }
 
 TetMesh read_vtk_legacy(Scanner in) {

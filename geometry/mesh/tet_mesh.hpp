@@ -19,12 +19,19 @@ constexpr TetIndex no_tet = ~TetIndex{0};
 using Tet = std::array<NodeIndex, 4>;
 using Triangle = std::array<NodeIndex, 3>;  // counter-clockwise seen from outside
 
+// Of second-order tetrahedra the corners are taken; their mid-edge nodes belong to no tetrahedron here.
+struct SecondOrder {
+  std::vector<NodeIndex> middle_nodes = {};  // sorted
+  double bent = 0;  // largest distance of one from the middle of its edge, over the length of the edge
+};
+
 struct TetMesh {
   std::vector<Vec3> nodes;                               // #V, [m]
   std::vector<Tet> tets;                                 // #T, positively oriented
   std::map<std::string, std::vector<NodeIndex>> groups;  // named node sets of the file, sorted
   // Named sets of tetrahedra of the file, sorted; they may overlap.
   std::map<std::string, std::vector<TetIndex>> element_groups = {};
+  SecondOrder second_order = {};  // of the file; empty for linear tetrahedra
 };
 
 struct MeshQuality {
@@ -36,6 +43,8 @@ struct MeshQuality {
 
 double tet_volume(const TetMesh& mesh, std::size_t tet);  // signed, [m^3]
 MeshQuality mesh_quality(const TetMesh& mesh);
+// A node that belongs to no tetrahedron is no part of the body: no extent, no part, no set below counts it.
+std::vector<char> used_nodes(const TetMesh& mesh);  // 1 for a node of a tetrahedron, else 0
 Box bounding_box(const TetMesh& mesh);
 double longest_side(const TetMesh& mesh);            // of the bounding box, [m]
 void scale_to_length(TetMesh& mesh, double length);  // about the origin, until the longest side is length [m]
@@ -43,13 +52,16 @@ std::vector<Triangle> boundary_triangles(const TetMesh& mesh);  // outward
 std::vector<NodeIndex> surface_nodes(const TetMesh& mesh);      // sorted
 // Number of the connected part of each node, from 0; -1 for a node that belongs to no tetrahedron.
 std::vector<int> components(const TetMesh& mesh);
+// Number of the part of each tetrahedron, from 0; parts hang together by faces.
+std::vector<int> face_parts(const TetMesh& mesh);
 
 struct MeshCheck {
   std::vector<std::string> warnings;  // e.g. "all tetrahedra were turned", "3 nodes belong to no tetrahedron"
 };
 // Checks that a mesh can be solved. InputError at `where`: no tetrahedra, index out of range, coordinates
-// that are not finite, zero volume (|V| < 1e-14 L^3, L the longest side), mixed orientation. A mesh whose
-// tetrahedra are all negatively oriented is turned, with a warning.
+// that are not finite, zero volume (|V| < 1e-14 L^3, L the longest side), overlapping tetrahedra. Tetrahedra of negative
+// volume are turned; those with the same four nodes are united, and are in the element groups of both; nodes of no
+// tetrahedron leave the groups. Warnings say so.
 MeshCheck check_and_orient(TetMesh& mesh, const std::string& where);
 
 // Node sets by geometry; sorted.

@@ -76,22 +76,65 @@ void check_parts(const Body& body, const std::string& file) {
                        fmt::format("node {} belongs to no tetrahedron", node));
 }
 
+bool on_one_line(const std::vector<Vec3>& points, double length) {
+  if (points.empty()) return true;
+  const auto further = [&](const Vec3& a, const Vec3& b) {
+    return (a - points[0]).norm() < (b - points[0]).norm();
+  };
+  const Vec3 far = *std::max_element(points.begin(), points.end(), further) - points[0];
+  return std::ranges::all_of(points, [&](const Vec3& point) {
+    return (point - points[0]).cross(far).norm() <= 1e-9 * length * length;
+  });
+}
+
+// Rejects a part that can turn about a node or an edge, by which it hangs on the rest: its stiffness is singular.
+void check_hinges(const Body& body, const std::string& file) {
+  const TetMesh& mesh = body.mesh;
+  const std::vector<int> part = face_parts(mesh);
+  const int parts = std::ranges::max(part) + 1;
+  if (parts == 1) return;
+  std::vector<char> held(mesh.nodes.size(), 0);
+  for (const auto* nodes : {&body.clamp, &body.contact})
+    for (const NodeIndex node : *nodes) held[node] = 1;
+  if (body.pad)
+    for (const PadFacet& facet : pad_surface(mesh, *body.pad).facets)
+      for (const NodeIndex node : facet.corners) held[node] = 1;
+  std::vector<std::set<NodeIndex>> nodes_of(static_cast<std::size_t>(parts));
+  std::vector<int> first(mesh.nodes.size(), -1);
+  std::vector<char> shared(mesh.nodes.size(), 0);
+  for (std::size_t t = 0; t < part.size(); ++t)
+    for (const NodeIndex node : mesh.tets[t]) {
+      nodes_of[static_cast<std::size_t>(part[t])].insert(node);
+      if (first[node] < 0) first[node] = part[t];
+      if (first[node] != part[t]) shared[node] = 1;
+    }
+  const double length = longest_side(mesh);
+  for (std::size_t p = 0; p < nodes_of.size(); ++p) {
+    std::vector<Vec3> at;
+    for (const NodeIndex node : nodes_of[p])
+      if (held[node] || shared[node]) at.push_back(mesh.nodes[node]);
+    if (!on_one_line(at, length)) continue;
+    throw InputError(
+        {.file = file, .key = "body.mesh"},
+        fmt::format("part {} of the mesh ({} tetrahedra) hangs on {}: it can turn freely, expected "
+                    "parts joined by faces, or clamped nodes in each",
+                    p + 1, std::ranges::count(part, static_cast<int>(p)),
+                    at.size() == 1 ? "1 node" : fmt::format("{} nodes of one line", at.size())));
+  }
+}
+
 }  // namespace
 
 namespace {
 // Rejects held nodes that all lie on one line: the body could rotate about it, and its equilibrium is not unique.
 void check_held(const Body& body, const std::string& file) {
+  if (body.pad) return;  // its springs hold more than a line
+  const std::vector<char> used = used_nodes(body.mesh);
   std::vector<Vec3> held;
   for (const auto* nodes : {&body.clamp, &body.contact})
-    for (const NodeIndex node : *nodes) held.push_back(body.mesh.nodes[node]);
-  if (body.pad) return;  // its springs hold more than a line
-  const auto further = [&](const Vec3& a, const Vec3& b) {
-    return (a - held[0]).norm() < (b - held[0]).norm();
-  };
-  const Vec3 far = *std::max_element(held.begin(), held.end(), further) - held[0];
-  const double length = longest_side(body.mesh);
-  for (const Vec3& node : held)
-    if ((node - held[0]).cross(far).norm() > 1e-9 * length * length) return;
+    for (const NodeIndex node : *nodes)
+      if (used[node]) held.push_back(body.mesh.nodes[node]);
+  if (!on_one_line(held, longest_side(body.mesh))) return;
   throw InputError({.file = file, .key = "clamp"},
                    "clamp and contact lie on one line, so the body can turn about it, "
                    "expected at least three nodes off a line");
@@ -160,6 +203,7 @@ std::vector<std::string> check(const Body& body, const std::string& file) {
                        fmt::format("node {} is clamped, expected a node that can move", node));
   check_parts(body, file);
   check_held(body, file);
+  check_hinges(body, file);
 
   std::vector<std::string> warnings;
   const auto locking = [&](const Material& material, const std::string& key) {

@@ -141,3 +141,78 @@ for mode in ('Ascii', 'Binary', 'Appended'):
     CHECK(read_mesh(folder / name).element_groups == labels);
   }
 }
+
+TEST_CASE(
+    "a partitioned Gmsh 4.1 mesh keeps its groups: partitions share those of their parent, or name their "
+    "own") {
+  const test::TemporaryFolder folder;
+  for (const bool own : {false, true}) {
+    const std::string physical = own ? "1 5 " : "0 ";
+    const std::string text =
+        "$MeshFormat\n4.1 0 8\n$EndMeshFormat\n$PhysicalNames\n1\n3 5 \"liver\"\n$EndPhysicalNames\n"
+        "$Entities\n0 0 0 1\n1 0 0 0 1 1 1 1 5 0\n$EndEntities\n"
+        "$PartitionedEntities\n2\n1\n7 2\n0 0 0 2\n"
+        "2 3 1 1 1 0 0 0 1 1 1 " +
+        physical + "0\n3 3 1 1 2 0 0 0 1 1 1 " + physical +
+        "2 8 9\n$EndPartitionedEntities\n"
+        "$Nodes\n1 5 1 5\n3 2 0 5\n1\n2\n3\n4\n5\n0 0 0\n1 0 0\n0 1 0\n0 0 1\n1 1 1\n$EndNodes\n"
+        "$Elements\n2 2 1 2\n3 2 4 1\n1 1 2 3 4\n3 3 4 1\n2 2 3 4 5\n$EndElements\n"
+        "$GhostElements\n1\n1 2 1 1\n$EndGhostElements\n";
+    const TetMesh mesh = read_mesh(folder.write("p.msh", text));
+    CHECK(mesh.tets.size() == 2);
+    CHECK(mesh.element_groups == Groups{{"liver", {0, 1}}});
+  }
+}
+
+TEST_CASE("second-order tetrahedra give their corners in Gmsh and VTK, and bent edges are said") {
+  const test::TemporaryFolder folder;
+  const std::string points =
+      "0 0 0\n1 0 0\n0 1 0\n0 0 1\n0.5 0 0\n0.5 0.5 0\n0 0.5 0\n0 0 0.5\n0.5 0 0.5\n0 0.5 0.5\n";
+  std::string numbered;
+  std::size_t at = 0;
+  for (int i = 1; i <= 10; ++i) {
+    const std::size_t end = points.find('\n', at);
+    numbered += std::to_string(i) + " " + points.substr(at, end - at) + "\n";
+    at = end + 1;
+  }
+  const auto gmsh = [&](const std::string& nodes) {
+    return "$MeshFormat\n2.2 0 8\n$EndMeshFormat\n$Nodes\n10\n" + nodes +
+           "$EndNodes\n$Elements\n1\n1 11 2 1 1 1 2 3 4 5 6 7 8 10 9\n$EndElements\n";
+  };
+  const std::string vtk =
+      "# vtk DataFile Version 3.0\nt\nASCII\nDATASET UNSTRUCTURED_GRID\nPOINTS 10 double\n" + points +
+      "CELLS 1 11\n10 0 1 2 3 4 5 6 7 8 9\nCELL_TYPES 1\n24\n";
+  for (const auto& [name, text] :
+       std::map<std::string, std::string>{{"a.msh", gmsh(numbered)}, {"b.vtk", vtk}}) {
+    INFO(name);
+    TetMesh mesh = read_mesh(folder.write(name, text));
+    CHECK(mesh.tets == std::vector<Tet>{{0, 1, 2, 3}});
+    CHECK(mesh.second_order.middle_nodes == std::vector<NodeIndex>{4, 5, 6, 7, 8, 9});
+    CHECK(mesh.second_order.bent < 1e-12);
+    CHECK(check_and_orient(mesh, name).warnings.empty());
+  }
+  numbered.replace(numbered.find("5 0.5 0 0"), 9, "5 0.5 -0.1 0");
+  TetMesh bent = read_mesh(folder.write("bent.msh", gmsh(numbered)));
+  CHECK(bent.second_order.bent == Approx(0.1));
+  const auto said = check_and_orient(bent, "bent.msh").warnings;
+  REQUIRE(said.size() == 1);
+  CHECK_THAT(said[0], Catch::Contains("are straightened") && Catch::Contains("10.0 %"));
+}
+
+TEST_CASE("other volume elements are refused by name, with what to do") {
+  const test::TemporaryFolder folder;
+  const auto problem = [&](const std::string& type, int nodes) {
+    std::string text = "$MeshFormat\n2.2 0 8\n$EndMeshFormat\n$Nodes\n8\n";
+    for (int i = 1; i <= 8; ++i)
+      text += std::to_string(i) + " " + std::to_string(i % 2) + " " + std::to_string(i / 2 % 2) + " " +
+              std::to_string(i / 4) + "\n";
+    text += "$EndNodes\n$Elements\n1\n1 " + type + " 2 1 1";
+    for (int i = 1; i <= nodes; ++i) text += " " + std::to_string(i);
+    const auto file = folder.write("h.msh", text + "\n$EndElements\n");
+    return test::error_of([&] { read_mesh(file); });
+  };
+  CHECK_THAT(problem("5", 8),
+             Catch::Contains("hexahedra (element type 5) are not read") && Catch::Contains("forefeel mesh"));
+  CHECK_THAT(problem("6", 6), Catch::Contains("prisms (element type 6)"));
+  CHECK_THAT(problem("7", 5), Catch::Contains("pyramids (element type 7)"));
+}
