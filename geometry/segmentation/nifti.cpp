@@ -50,32 +50,38 @@ void check(Header header, bool swap, const std::string& file) {
     fail(file, fmt::format("the data begin at byte {:g}, outside the file", offset));
 }
 
-// libnifti takes a size that is not positive as 1 where it makes the matrix of qform.
+// The sizes of a voxel, made positive in the header, too: libnifti takes those that are not as 1, without a word.
 template <class Header>
-void make_sizes_positive(Header& header, bool swap, std::vector<std::string>& warnings) {
+Vec3 positive_sizes(Header& header, bool swap, std::vector<std::string>& warnings) {
   const auto plain = [&](auto value) { return swap ? byte_swapped(value) : value; };
-  for (int d = 1; d <= 3; ++d) {
+  Vec3 sizes = Vec3::Ones();
+  for (int d = 1; d <= std::min<std::int64_t>(3, plain(header.dim[0])); ++d) {
     const auto size = plain(header.pixdim[d]);
-    if (size < 0)
-      header.pixdim[d] =
-          plain(static_cast<decltype(size)>(positive_size(size, fmt::format("pixdim[{}]", d), warnings)));
+    sizes[d - 1] = positive_size(static_cast<double>(size), fmt::format("pixdim[{}]", d), warnings);
+    if (size < 0) header.pixdim[d] = plain(-size);
   }
+  return sizes;
 }
 
+struct Read {
+  Image image;
+  Vec3 sizes;  // of a voxel, by pixdim
+};
+
 template <class Header>
-Image image_of(const std::string& start, bool swap, const std::string& file,
-               std::vector<std::string>& warnings, nifti_image* (*convert)(Header, const char*)) {
+Read image_of(const std::string& start, bool swap, const std::string& file,
+              std::vector<std::string>& warnings, nifti_image* (*convert)(Header, const char*)) {
   Header header;
   if (start.size() < sizeof header) fail(file, "is shorter than its header, the file is cut short");
   std::memcpy(&header, start.data(), sizeof header);
   if (std::strncmp(header.magic, "n+", 2) != 0)
     fail(file, "is no NIfTI file with header and data in one (magic n+1 or n+2)");
   check(header, swap, file);
-  make_sizes_positive(header, swap, warnings);
+  const Vec3 sizes = positive_sizes(header, swap, warnings);
   nifti_set_debug_level(0);  // it would print
   Image image(convert(header, "labels.nii"), nifti_image_free);
   if (!image) fail(file, "the header is damaged");
-  return image;
+  return {std::move(image), sizes};
 }
 
 Mat3 axes_of(const nifti_dmat44& m) {
@@ -90,11 +96,11 @@ std::string in_words(const Vec3& size) {
 }
 
 // What sform, qform and pixdim say of the same voxels, where two of them differ by more than 1 %.
-void compare_forms(const nifti_image& image, std::vector<std::string>& warnings) {
-  const Vec3 sizes = Vec3(image.dx, image.dy, image.dz).cwiseAbs();
+void compare_forms(const nifti_image& image, const Vec3& sizes, std::vector<std::string>& warnings) {
   const Mat3 s = axes_of(image.sto_xyz), q = axes_of(image.qto_xyz);
   const Vec3 of_s = s.colwise().norm().transpose();
-  if (((of_s - sizes).array().abs() > 0.01 * of_s.cwiseMax(sizes).array()).any()) {
+  const auto differs = (of_s - sizes).array().abs() > 0.01 * of_s.cwiseMax(sizes).array();
+  if ((differs && sizes.array() > 0).any()) {  // 0: pixdim does not say
     warnings.push_back(
         fmt::format("sform gives voxels of {}, pixdim{} {}: sform was taken; if the body has the wrong size, "
                     "its sform holds "
@@ -110,11 +116,11 @@ void compare_forms(const nifti_image& image, std::vector<std::string>& warnings)
     warnings.push_back("sform and qform turn the axes of the voxels differently: sform was taken");
   else if (apart.norm() > 0.5 * sizes.minCoeff())
     warnings.push_back(
-        fmt::format("sform and qform place the first voxel {:.3g} apart: sform was taken", apart.norm()));
+        fmt::format("sform and qform place the first voxel {:.3g} voxels apart: sform was taken",
+                    apart.norm() / sizes.minCoeff()));
 }
 
-void place(const nifti_image& image, ImageHeader& header, const std::string& file) {
-  const Vec3 sizes = Vec3(image.dx, image.dy, image.dz).cwiseAbs();
+void place(const nifti_image& image, const Vec3& sizes, ImageHeader& header, const std::string& file) {
   header.axes = sizes.asDiagonal();
   header.directions = "right, anterior, superior";
   const bool by_matrix = image.sform_code > 0;
@@ -130,17 +136,17 @@ void place(const nifti_image& image, ImageHeader& header, const std::string& fil
   const nifti_dmat44& m = by_matrix ? image.sto_xyz : image.qto_xyz;
   header.axes = axes_of(m);
   header.origin = Vec3(m.m[0][3], m.m[1][3], m.m[2][3]);
-  if (by_matrix) compare_forms(image, header.warnings);
+  if (by_matrix) compare_forms(image, sizes, header.warnings);
 }
 
-ImageHeader header_of(const nifti_image& image, bool swap, const std::string& file,
+ImageHeader header_of(const nifti_image& image, const Vec3& sizes, bool swap, const std::string& file,
                       std::vector<std::string> warnings) {
   ImageHeader header;
   header.warnings = std::move(warnings);
   if (image.nt > 1 || image.nu > 1 || image.nv > 1 || image.nw > 1)
     fail(file, "holds more than one volume, expected three dimensions");
   header.size = {image.nx, image.ny, image.nz};
-  place(image, header, file);
+  place(image, sizes, header, file);
   header.type = *scalar_of(image.datatype);  // known, by check()
   header.swap = swap;
   header.unit_given = true;
@@ -173,10 +179,11 @@ LabelVolume read_nifti(std::string_view content, const std::string& file) {
   if (swap) size = byte_swapped(size);
   if (size != 348 && size != 540) fail(file, "is no NIfTI file, expected a header of 348 or 540 bytes");
   std::vector<std::string> warnings;
-  const Image image = size == 348
-                          ? image_of<nifti_1_header>(start, swap, file, warnings, nifti_convert_n1hdr2nim)
-                          : image_of<nifti_2_header>(start, swap, file, warnings, nifti_convert_n2hdr2nim);
-  const ImageHeader header = header_of(*image, swap, file, std::move(warnings));
+  const Read read = size == 348
+                        ? image_of<nifti_1_header>(start, swap, file, warnings, nifti_convert_n1hdr2nim)
+                        : image_of<nifti_2_header>(start, swap, file, warnings, nifti_convert_n2hdr2nim);
+  const Image& image = read.image;
+  const ImageHeader header = header_of(*image, read.sizes, swap, file, std::move(warnings));
   const auto offset = static_cast<std::size_t>(std::max<std::int64_t>(image->iname_offset, size));
   if (!compressed) {
     if (offset > content.size()) fail(file, "the data begin behind the end, the file is cut short");
