@@ -7,14 +7,16 @@
 #include <numeric>
 #include <utility>
 
-#include "approx/error/position_groups.hpp"
+#include "approx/measured/position_groups.hpp"
 #include "geometry/common/quantiles.hpp"
 
 namespace forefeel {
 namespace {
 
 constexpr double infinite = std::numeric_limits<double>::infinity();
-constexpr std::size_t most_whole = 1500;  // states: above, patches are tried
+constexpr std::size_t most_whole = 1500;  // states: above, boxes of them are divided, or patches are tried
+constexpr std::size_t most_boxes = 1200;
+constexpr double natural_mismatch = 2.5;  // of the distances, up to which natural groups are taken
 constexpr std::size_t patches = 5, patch_states = 700;
 constexpr std::size_t parts = 8;
 constexpr std::size_t most_wanted = 400;  // places that are matched
@@ -65,22 +67,30 @@ std::vector<double> distances(std::span<const Vec3> at, const Division& division
   return away;
 }
 
+double off(double found, double target) {
+  return target > 0 && found > 0 ? std::abs(std::log(found / target)) : found;
+}
+
+// Natural groups (strokes, presses) are taken if they are about as far from each other as the places from the states;
+// else compact ones, as large as makes them so.
 Division best_division(std::span<const Vec3> at, std::span<const double> wanted) {
-  PositionGroups usual = position_groups(at);
-  if (wanted.empty()) return divide(at, std::move(usual));
-  std::vector<PositionGroups> ways;
-  if (usual.natural) ways.push_back(std::move(usual));
-  for (const std::size_t size : {8u, 4u, 2u, 1u}) ways.push_back(compact_groups(at, size));
+  std::vector<PositionGroups> natural = natural_groups(at);
+  if (wanted.empty()) return divide(at, natural.empty() ? compact_groups(at, 4) : std::move(natural.front()));
   const double target = median({wanted.begin(), wanted.end()});
   Division best;
   double least = infinite;
-  for (PositionGroups& way : ways) {  // from large to small groups: in a tie the larger is taken
+  const auto take_better = [&](PositionGroups&& way) {
     Division division = divide(at, std::move(way));
-    if (division.count == 0) continue;
-    const double found = median(distances(at, division));
-    const double off = target > 0 && found > 0 ? std::abs(std::log(found / target)) : found;
-    if (off < least) least = off, best = std::move(division);
-  }
+    if (division.count == 0) return;
+    const double miss = off(median(distances(at, division)), target);
+    if (miss < least) least = miss, best = std::move(division);
+  };
+  for (PositionGroups& way : natural) take_better(std::move(way));
+  if (least <= std::log(natural_mismatch)) return best;
+  // From large to small groups: in a tie the larger is taken.
+  std::vector<std::size_t> sizes{1};
+  while (8 * sizes.back() <= at.size() / 2) sizes.push_back(2 * sizes.back());
+  for (auto size = sizes.rbegin(); size != sizes.rend(); ++size) take_better(compact_groups(at, *size));
   return best;
 }
 
@@ -98,29 +108,80 @@ State without_displacements(const State& state) {
   return light;
 }
 
-void add_groups(std::span<const State> states, double inner, std::span<const double> wanted, double spacing,
-                Trials& trials) {
+// Holds out each part of a division in turn. group, held: of each state; a state that is not held with its part is
+// left out of both.
+void add_division(std::span<const State> states, const Division& division, std::span<const std::uint32_t> group,
+                  std::span<const char> held, double spacing, Trials& trials) {
+  for (std::uint32_t p = 0; p < division.count; ++p) {
+    Trial trial{
+        .known = std::make_unique<StateSpace>(StateSpaceOptions{.spacing = spacing}), .held = {}, .seen = {}};
+    for (std::size_t i = 0; i < states.size(); ++i) {
+      if (division.part[group[i]] != p)
+        trial.known->insert(without_displacements(states[i]));
+      else if (held[i])
+        trial.held.push_back(without_displacements(states[i]));
+    }
+    add_trial(std::move(trial), trials);
+  }
+}
+
+void add_groups(std::span<const State> states, std::span<const double> wanted, double spacing, Trials& trials) {
+  std::vector<Vec3> at;
+  for (const State& s : states) at.push_back(s.at);
+  const Division division = best_division(at, wanted);
+  if (division.count == 0) return;
+  trials.groups += division.groups.count;
+  add_division(states, division, division.groups.of, std::vector<char>(at.size(), 1), spacing, trials);
+}
+
+// Many states: groups of boxes of neighbouring states; one state of each box is compared. False if the boxes are too
+// large: farther from each other than the places are from the states.
+bool add_boxes(std::span<const State> states, std::span<const double> wanted, double spacing, Trials& trials) {
+  std::vector<Vec3> at;
+  for (const State& s : states) at.push_back(s.at);
+  std::size_t size = 1;
+  while (at.size() > size * most_boxes) size *= 2;
+  const PositionGroups boxes = compact_groups(at, size);
+  std::vector<Vec3> middle(boxes.count, Vec3::Zero());
+  std::vector<std::size_t> count(boxes.count, 0);
+  for (std::size_t i = 0; i < at.size(); ++i) middle[boxes.of[i]] += at[i], ++count[boxes.of[i]];
+  for (std::size_t b = 0; b < boxes.count; ++b) middle[b] /= static_cast<double>(count[b]);
+  const Division division = best_division(middle, wanted);
+  if (division.count == 0) return false;
+  if (!wanted.empty() && off(median(distances(middle, division)), median({wanted.begin(), wanted.end()})) >
+                             std::log(natural_mismatch))
+    return false;
+  std::vector<std::uint32_t> group;
+  std::vector<char> held, seen(boxes.count, 0);
+  for (const std::uint32_t box : boxes.of) {
+    group.push_back(division.groups.of[box]);
+    held.push_back(seen[box] ? 0 : 1);
+    seen[box] = 1;
+  }
+  trials.groups += division.groups.count;
+  add_division(states, division, group, held, spacing, trials);
+  return true;
+}
+
+// The inner half of a patch is held out: the border of a patch is not one of the states.
+void add_patch(std::span<const State> states, std::span<const double> wanted, double spacing, Trials& trials) {
   std::vector<Vec3> at;
   for (const State& s : states) at.push_back(s.at);
   const Division division = best_division(at, wanted);
   if (division.count == 0) return;
   const PositionGroups& groups = division.groups;
   std::vector<char> used(groups.count, 1);
-  if (inner < 1)  // the border of a patch is not one of the states: groups there stay known
-    for (std::size_t i = 0; i < at.size(); ++i)
-      if (i > static_cast<std::size_t>(inner * static_cast<double>(at.size()))) used[groups.of[i]] = 0;
+  for (std::size_t i = at.size() / 2 + 1; i < at.size(); ++i) used[groups.of[i]] = 0;
   trials.groups += static_cast<std::size_t>(std::ranges::count(used, 1));
-  for (std::uint32_t p = 0; p < (inner < 1 ? 1 : division.count); ++p) {
-    Trial trial{
-        .known = std::make_unique<StateSpace>(StateSpaceOptions{.spacing = spacing}), .held = {}, .seen = {}};
-    for (std::size_t i = 0; i < states.size(); ++i) {
-      if (division.part[groups.of[i]] == p && used[groups.of[i]])
-        trial.held.push_back(without_displacements(states[i]));
-      else
-        trial.known->insert(without_displacements(states[i]));
-    }
-    add_trial(std::move(trial), trials);
+  Trial trial{
+      .known = std::make_unique<StateSpace>(StateSpaceOptions{.spacing = spacing}), .held = {}, .seen = {}};
+  for (std::size_t i = 0; i < states.size(); ++i) {
+    if (division.part[groups.of[i]] == 0 && used[groups.of[i]])
+      trial.held.push_back(without_displacements(states[i]));
+    else
+      trial.known->insert(without_displacements(states[i]));
   }
+  add_trial(std::move(trial), trials);
 }
 
 // The patch_states states nearest to states[middle], by distance from it.
@@ -142,7 +203,7 @@ void add_patches(std::span<const State> states, std::span<const double> wanted, 
   std::vector<double> away(states.size(), infinite);
   std::size_t middle = 0;
   for (std::size_t patch = 0; patch < patches; ++patch) {
-    add_groups(patch_about(states, middle), 0.5, wanted, spacing, trials);
+    add_patch(patch_about(states, middle), wanted, spacing, trials);
     for (std::size_t i = 0; i < states.size(); ++i)
       away[i] = std::min(away[i], (states[i].at - states[middle].at).squaredNorm());
     middle = static_cast<std::size_t>(std::ranges::max_element(away) - away.begin());
@@ -256,8 +317,8 @@ Trials leave_out(std::span<const State> states, std::span<const SeenPlace> wante
   for (const SeenPlace& place : wanted)
     if (!place.outside) inside.push_back(place.away);
   if (states.size() <= most_whole)
-    add_groups(states, 1, inside, spacing, trials);
-  else
+    add_groups(states, inside, spacing, trials);
+  else if (!add_boxes(states, inside, spacing, trials))
     add_patches(states, inside, spacing, trials);
   if (!trials.each.empty()) add_caps(states, wanted, spacing, trials);
   return trials;

@@ -3,14 +3,16 @@
 //
 // A held-out position is as hard to predict as a wanted place if it is as far from the known states. So positions are
 // held out in groups (position_groups.hpp). The groupings tried are
-//   natural groups (clusters, such as the depths of a probe), and compact groups of 1, 2, 4 and 8 positions
+//   natural groups (strokes of a raster, presses), and compact groups of 1, 2, 4, ... positions
 // For each grouping, the median distance from a held-out position to its nearest known position is compared with the
-// median distance from a wanted place to its nearest known position; the grouping with the closest match is used
-// (nearest neighbour distance matching, Milà et al., Methods in Ecology and Evolution 13, 2022). If the wanted
-// places are unknown, natural groups are used, or else compact groups of 4.
+// median distance from a wanted place to its nearest known position. The natural grouping with the closest match is
+// used if it is within a factor of 2.5: a stroke that is held out is asked for across the others, as the places are.
+// Else the grouping with the closest match is used (nearest neighbour distance matching, Milà et al., Methods in Ecology
+// and Evolution 13, 2022). If the wanted places are unknown, natural groups are used, or else compact groups of 4.
 //
-// An eighth of the groups, far from each other, is held out at a time. With more than 1500 states, only some patches
-// of the states are used, and a part of the inner half of each patch is held out.
+// An eighth of the groups, far from each other, is held out at a time. With more than 1500 states, boxes of neighbouring
+// states are grouped in this way, and one state of each box is compared; or, where boxes are too large, only some
+// patches of the states are used, and a part of the inner half of each patch is held out.
 //
 // Most groups lie between other states, so they tell little about places outside the states. A place is outside if it
 // lies beyond all states by more than h / 4 in one of 26 directions u (to faces, edges and corners of a cube):

@@ -16,6 +16,13 @@ constexpr double no_bar = std::numeric_limits<double>::infinity();
 constexpr std::size_t least_states = 8, least_checks = 20, least_of_label = 30, most_samples = 800;
 constexpr double constants[] = {0, 0.1, 0.3, 1, 3};  // b, in median errors
 constexpr std::size_t scored_level = 1;              // of bar_levels: 95 %
+constexpr double least_scale = 0.15;                 // b of judged bars, in median scales
+constexpr double least_trust = 0.7, most_trust = 16;  // g of judged bars
+constexpr double usual_trust = 0.5;                   // deviation of log g before the samples are seen
+
+double square(double x) {
+  return x * x;
+}
 
 // The ceil((n + 1) p)-th least of n scores; no_bar if there are fewer.
 double conformal_quantile(std::vector<double>& scores, double p) {
@@ -117,8 +124,11 @@ BarCover cover_of(std::span<const BarSample> samples, Counts counts) {
   return found;
 }
 
-BarSample sample_of(const StateSpace& known, const Model& model, const State& held) {
-  const Vec3 force = model.force(held.at);
+PlaceMethod method_of(const OfflineBarOptions& options) {
+  return {.model = options.model, .all = options.all, .field = options.field, .judge = options.judge};
+}
+
+BarSample sample_of(const StateSpace& known, const Vec3& force, const State& held) {
   const Coverage coverage = known.coverage(held.at);
   return {.at = held.at,
           .force = held.force.norm(),
@@ -133,10 +143,15 @@ BarSample sample_of(const StateSpace& known, const Model& model, const State& he
 // Every `stride`-th force left out of one trial.
 std::vector<BarSample> samples_of(const Trial& trial, std::uint32_t part, const OfflineBarOptions& options,
                                   std::size_t stride) {
-  PlaceModels models(*trial.known, options.model, options.all);
+  PlaceForces forces(*trial.known, method_of(options));
   std::vector<BarSample> samples;
   for (std::size_t i = part % stride; i < trial.held.size(); i += stride) {
-    BarSample sample = sample_of(*trial.known, models.at(trial.held[i].at), trial.held[i]);
+    BarSample sample = sample_of(*trial.known, forces.force(trial.held[i].at), trial.held[i]);
+    if (forces.judged()) {
+      const ForceField::Prediction judged = forces.judge(trial.held[i].at);
+      sample.scale = judged.deviation;
+      sample.across = judged.least_error;
+    }
     sample.seen = trial.seen[i];
     sample.part = part;
     if (std::isfinite(sample.scale) && std::isfinite(sample.error)) samples.push_back(sample);
@@ -164,11 +179,36 @@ OfflineBars::OfflineBars(std::vector<BarSample> samples) : samples_(std::move(sa
   factors_ = factors_of(samples_, constant_, {});
 }
 
-BarWidths OfflineBars::at(Label label, bool outside, double scale) const {
-  BarWidths none;
-  none.fill(no_bar);
-  if (samples_.empty() || !(scale >= 0)) return none;
-  return times(factors_[outside][label], scale + constant_);
+// The samples become those of judged bars: their scale is that of a comparison with a measured force.
+OfflineBars::OfflineBars(std::vector<BarSample> samples, double noise) : samples_(std::move(samples)) {
+  judged_ = true;
+  if (samples_.empty()) return;
+  std::vector<double> scales;
+  for (const BarSample& s : samples_) scales.push_back(s.scale);
+  constant_ = least_scale * median(std::move(scales));
+  double least = no_bar;
+  for (double trust = least_trust; trust <= most_trust; trust *= std::sqrt(std::sqrt(2.0))) {
+    double sum = square(std::log(trust) / usual_trust);
+    for (const BarSample& s : samples_) {
+      const double variance = trust * trust * square(s.scale + constant_) + 3 * noise * noise;
+      sum += 3 * std::log(variance) + 3 * square(s.error) / variance;
+    }
+    if (sum < least) least = sum, trust_ = trust;
+  }
+  for (BarSample& s : samples_) s.scale = std::sqrt(square(trust_ * (s.scale + constant_)) + 3 * noise * noise);
+  fill_bars(samples_, 0);
+  factors_ = factors_of(samples_, 0, {});
+  for (BarSample& s : samples_)
+    for (double& bar : s.bar) bar = std::max(bar, s.across);
+}
+
+BarWidths OfflineBars::at(Label label, bool outside, double scale, double across) const {
+  BarWidths widths;
+  widths.fill(no_bar);
+  if (samples_.empty() || !(scale >= 0)) return widths;
+  widths = times(factors_[outside][label], (judged_ ? trust_ : 1) * (scale + constant_));
+  for (double& width : widths) width = std::max(width, across);
+  return widths;
 }
 
 BarCover OfflineBars::cover(std::optional<Label> label) const {
@@ -189,6 +229,7 @@ OfflineBars measure_bars(std::span<const State> states, const OfflineBarOptions&
     parts[t] = samples_of(trials.each[t], static_cast<std::uint32_t>(t), options, stride);
   std::vector<BarSample> samples;
   for (const std::vector<BarSample>& part : parts) samples.insert(samples.end(), part.begin(), part.end());
+  if (options.judge) return {std::move(samples), options.judge->law.noise};
   return OfflineBars(std::move(samples));
 }
 
@@ -200,10 +241,10 @@ OfflineBars checked_bars(const StateSpace& known, std::span<const State> checks,
                          const OfflineBarOptions& options) {
   OfflineBars bars;
   if (checks.size() < least_checks || known.empty()) return bars;
-  PlaceModels models(known, options.model, options.all);
+  PlaceForces models(known, method_of(options));
   std::vector<double> scores;
   for (std::size_t i = 0; i < checks.size(); ++i) {
-    BarSample sample = sample_of(known, models.at(checks[i].at), checks[i]);
+    BarSample sample = sample_of(known, models.force(checks[i].at), checks[i]);
     sample.scale = std::max(sample.predicted, Tolerance().floor);
     sample.part = static_cast<std::uint32_t>(i);
     if (!std::isfinite(sample.error)) continue;

@@ -8,6 +8,12 @@
 // (approx/error/error_scale.hpp), from the 16 states nearest to x. b [N]: the part of the error that does not shrink
 // near a state, such as noise. b is 0, 0.1, 0.3, 1 or 3 times the median error, whichever gives the 95 % bars the
 // least interval score (Gneiting, Raftery 2007, Eq. 43).
+// Measured states (without stiffness) are judged by a Gaussian process of them (measured/force_field.hpp), which knows
+// the noise sigma of their forces and the deviation s(x) of the force itself. A held-out force f_i is measured, so
+//   z_i = |f~_i - f_i| / sqrt(g^2 (s(x_i) + b)^2 + 3 sigma^2),   e_p(x) = max(q_p g (s(x) + b), S E)
+// q_p: of the z_i as above; g: the likeliest factor of s; b: 0.15 times the median of s. The bar is that of the force
+// itself, without the noise of a measurement; the bars of samples hold it, because their forces do. S E: least error
+// across the states.
 // If the caller gives check solves (at random places of the box, not used as states), their errors are the scores, and
 //   s(x) = max(|f~(x)|, f0), f0 = 0.05 N,   b = 0,
 //   q_p: the ceil(n p)-th least of all n scores |f~_i - f_i| / max(|f~_i|, f0)
@@ -26,6 +32,7 @@
 
 #include "approx/error/conformal_factors.hpp"
 #include "approx/error/left_out.hpp"
+#include "approx/measured/force_field.hpp"
 #include "approx/model/model_options.hpp"
 #include "geometry/coverage/state_space.hpp"
 
@@ -41,6 +48,7 @@ struct BarSample {
   double spread = unknown;      // of its position, with its part held out [m]; infinite: not between states
   SeenPlace seen = {};          // from the remaining states
   double scale = 0, error = 0;  // s, |f~ - f| [N]
+  double across = 0;            // least error across the states, of measured ones [N]
   std::uint32_t part = 0;       // forces of one part are held out together
   BarWidths bar{};              // from the scores of the other parts
 };
@@ -59,8 +67,10 @@ class OfflineBars {
  public:
   OfflineBars() = default;  // without samples: all bars are infinite
   explicit OfflineBars(std::vector<BarSample> samples);
+  OfflineBars(std::vector<BarSample> samples, double noise);  // of measured forces, sigma of a component [N]
 
-  BarWidths at(Label label, bool outside, double scale) const;  // outside: of the states; scale: s(x) [N]
+  // outside: of the states; scale: s(x) [N]; across: least error across the states [N]
+  BarWidths at(Label label, bool outside, double scale, double across = 0) const;
   double constant() const { return constant_; }                 // b [N]
   bool checked() const { return checked_; }                     // from check solves
   std::span<const BarSample> samples() const { return samples_; }
@@ -71,8 +81,9 @@ class OfflineBars {
   friend OfflineBars checked_bars(const StateSpace& known, std::span<const State> checks,
                                   const OfflineBarOptions& options);
   std::vector<BarSample> samples_;
-  bool checked_ = false;
+  bool checked_ = false, judged_ = false;
   double constant_ = 0;
+  double trust_ = 1;  // g of judged bars
   std::array<ByLabel<BarWidths>, 2> factors_{};  // inside and outside
 };
 
@@ -80,6 +91,8 @@ class OfflineBars {
 struct OfflineBarOptions {
   ModelOptions model = {};
   bool all = false;                        // one model of all states
+  std::optional<FieldOptions> field = {};  // the process in place of the model
+  std::optional<FieldOptions> judge = {};  // of measured states: s and sigma from the process
   double spacing = 0.006;                  // h [m]
   std::span<const SeenPlace> wanted = {};  // where the bars are wanted; empty: not known
 };

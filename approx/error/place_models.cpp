@@ -30,4 +30,18 @@ const Model& PlaceModels::at(const Vec3& x) {
   return model_;
 }
 
+PlaceForces::PlaceForces(const StateSpace& known, const PlaceMethod& method) {
+  if (method.field)
+    field_.emplace(known, *method.field);
+  else
+    models_.emplace(known, method.model, method.all);
+  if (method.judge) judge_.emplace(known, *method.judge);
+}
+
+Vec3 PlaceForces::force(const Vec3& x) {
+  if (field_) return field_->at(x).force;
+  const Vec3 foot = judge_ ? judge_->at(x).foot : x;
+  return models_->at(foot).force(foot);
+}
+
 }  // namespace forefeel

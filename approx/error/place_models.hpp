@@ -4,6 +4,7 @@
 #include <optional>
 #include <span>
 
+#include "approx/measured/force_field.hpp"
 #include "approx/model/updater.hpp"
 
 namespace forefeel {
@@ -21,6 +22,29 @@ class PlaceModels {
  private:
   std::optional<ModelUpdater> updater_;  // none: one model of all
   Model model_;
+};
+
+// What gives the force at a place: a Gaussian process of measured forces, or else an RBF model.
+struct PlaceMethod {
+  ModelOptions model = {};
+  bool all = false;                         // one model of all states
+  std::optional<FieldOptions> field = {};   // the process (measured/force_field.hpp)
+  std::optional<FieldOptions> judge = {};   // of the error and of the directions that the states do not know
+};
+
+// Forces of some known states at one place after the other. Where `judge` says that the states do not know a direction
+// across them, the force is that of the foot.
+class PlaceForces {
+ public:
+  PlaceForces(const StateSpace& known, const PlaceMethod& method);  // the space must outlive this
+  Vec3 force(const Vec3& x);
+  bool judged() const { return judge_.has_value(); }
+  // Deviation of |force - f~| without noise, and the least error across [N]; only if judged().
+  ForceField::Prediction judge(const Vec3& x) const { return judge_->at(x); }
+
+ private:
+  std::optional<PlaceModels> models_;
+  std::optional<ForceField> field_, judge_;
 };
 
 }  // namespace forefeel

@@ -20,21 +20,46 @@ constexpr std::size_t most_for_all = 1000;  // states for a model of all
 constexpr std::size_t first_positions = 60, most_positions = 300;
 constexpr std::size_t first_trials = 3;
 constexpr std::size_t finalists = 3;
+constexpr std::size_t field_neighbours = 120;
 constexpr double ridge_gain = 1.02;  // a ridge is used if the error without it is larger by this factor
 
 struct Candidate {
   ModelOptions model;
   bool all = false;  // all states in one model
+  std::optional<FieldOptions> field = {};
   double score = std::numeric_limits<double>::infinity();
 };
 
+// What the process of the known states of a trial gives at each held-out position; empty without a process.
+using Judged = std::vector<ForceField::Prediction>;
+
+std::vector<Judged> judge(const Trials& trials, const std::optional<FieldOptions>& field) {
+  std::vector<Judged> judged(trials.each.size());
+  if (!field) return judged;
+#pragma omp parallel for schedule(dynamic, 1)
+  for (std::size_t t = 0; t < judged.size(); ++t) {
+    const ForceField process(*trials.each[t].known, *field);
+    for (const State& held : trials.each[t].held) judged[t].push_back(process.at(held.at));
+  }
+  return judged;
+}
+
 // |f - f~| at every `stride`-th position left out [N].
-std::vector<double> misses(const Trial& trial, const Candidate& candidate, std::size_t stride) {
+std::vector<double> misses(const Trial& trial, const Judged& judged, const Candidate& candidate,
+                           std::size_t stride) {
   std::vector<double> out;
-  PlaceModels models(*trial.known, candidate.model, candidate.all);
+  std::optional<PlaceModels> models;
+  std::optional<ForceField> field;
+  const bool own = candidate.field && candidate.field->neighbours > 0;
+  if (own) field.emplace(*trial.known, *candidate.field);
+  if (!candidate.field) models.emplace(*trial.known, candidate.model, candidate.all);
   for (std::size_t i = 0; i < trial.held.size(); i += stride) {
     const State& held = trial.held[i];
-    out.push_back((models.at(held.at).force(held.at) - held.force).norm());
+    const Vec3 foot = judged.empty() ? held.at : judged[i].foot;
+    const Vec3 force = own                 ? field->at(held.at).force
+                       : candidate.field ? judged[i].force
+                                         : models->at(foot).force(foot);
+    out.push_back((force - held.force).norm());
   }
   return out;
 }
@@ -62,14 +87,16 @@ Sampling sampling(const Trials& trials, std::size_t most_trials, std::size_t mos
 }
 
 // Errors of each candidate over the trials.
-std::vector<std::vector<double>> misses(const Trials& trials, std::span<const Candidate> candidates,
-                                        const Sampling& of, const std::function<void(double)>& show) {
+std::vector<std::vector<double>> misses(const Trials& trials, const std::vector<Judged>& judged,
+                                        std::span<const Candidate> candidates, const Sampling& of,
+                                        const std::function<void(double)>& show) {
   const std::size_t count = of.trials.size();
   std::vector<std::vector<double>> parts_of(count * candidates.size());
   std::size_t done = 0;
 #pragma omp parallel for schedule(dynamic, 1)
   for (std::size_t k = 0; k < parts_of.size(); ++k) {
-    parts_of[k] = misses(trials.each[of.trials[k % count]], candidates[k / count], of.stride);
+    const std::size_t t = of.trials[k % count];
+    parts_of[k] = misses(trials.each[t], judged[t], candidates[k / count], of.stride);
     std::size_t now = 0;
 #pragma omp atomic capture
     now = ++done;
@@ -110,11 +137,11 @@ double share_outside(std::span<const SeenPlace> wanted) {
 }
 
 // Scores the candidates on some positions and sorts them, the best first; equal ones keep their order.
-void sort_by_score(const Trials& trials, double outside, std::vector<Candidate>& candidates,
+void sort_by_score(const Trials& trials, const std::vector<Judged>& judged, double outside, std::vector<Candidate>& candidates,
                    const std::function<void(double)>& show) {
   const Sampling some = sampling(trials, first_trials, first_positions);
   const std::vector<SeenPlace> seen = positions(trials, some);
-  const std::vector<std::vector<double>> errors = misses(trials, candidates, some, show);
+  const std::vector<std::vector<double>> errors = misses(trials, judged, candidates, some, show);
   for (std::size_t c = 0; c < candidates.size(); ++c) candidates[c].score = score(errors[c], seen, outside);
   std::ranges::stable_sort(candidates, {}, &Candidate::score);
 }
@@ -156,6 +183,19 @@ std::vector<Candidate> sets_to_try(std::span<const State> states, const ModelWis
     }
   }
   return sets;
+}
+
+// Gaussian processes, if nothing is wished that they do not have.
+std::vector<Candidate> fields_to_try(const AutoModelOptions& options, std::size_t states) {
+  const ModelWishes& wishes = options.model;
+  if (!options.field || wishes.kernel || wishes.ridge || wishes.neighbours || wishes.select) return {};
+  Candidate field{.model = {.neighbours = states, .select = Select::nearest}, .all = true, .field = options.field};
+  std::vector<Candidate> fields{field};
+  if (states <= field_neighbours) return fields;
+  field.all = false;
+  field.field->neighbours = field.model.neighbours = field_neighbours;
+  fields.push_back(field);
+  return fields;
 }
 
 std::vector<Candidate> with_ridges(const std::vector<Candidate>& sets, const std::optional<double>& given,
@@ -220,28 +260,31 @@ AutoModel choose_model(std::span<const State> states, const AutoModelOptions& op
   const Trials trials = leave_out(states, wanted, options.spacing);
   const double outside = share_outside(wanted);
   std::vector<Candidate> candidates = sets_to_try(states, wishes);
+  const std::vector<Judged> judged = judge(trials, options.field);
   if (trials.each.empty() || candidates.empty()) return chosen;
   const auto stage = [&](double from, double to) -> std::function<void(double)> {
     if (!options.progress) return {};
     return [&options, from, to](double share) { options.progress(from + (to - from) * share); };
   };
   candidates = with_ridges(candidates, wishes.ridge, {0, 1e-4, 1e-2});
-  sort_by_score(trials, outside, candidates, stage(0, 0.4));
+  sort_by_score(trials, judged, outside, candidates, stage(0, 0.4));
   candidates = with_ridges(best_sets(candidates, finalists), wishes.ridge,
                            {0, 1e-8, 1e-6, 1e-5, 1e-4, 3e-4, 1e-3, 3e-3, 1e-2, 3e-2, 1e-1});
-  sort_by_score(trials, outside, candidates, stage(0.4, 0.7));
+  sort_by_score(trials, judged, outside, candidates, stage(0.4, 0.7));
   candidates.resize(std::min(finalists, candidates.size()));
   if (!wishes.ridge && candidates.front().model.ridge > 0) {
     candidates.insert(candidates.begin(), candidates.front());
     candidates.front().model.ridge = 0;
   }
+  for (const Candidate& field : fields_to_try(options, states.size())) candidates.push_back(field);
   const Sampling all = sampling(trials, trials.each.size(), most_positions);
-  const std::vector<std::vector<double>> errors = misses(trials, candidates, all, stage(0.7, 1));
+  const std::vector<std::vector<double>> errors = misses(trials, judged, candidates, all, stage(0.7, 1));
   const std::vector<SeenPlace> seen = positions(trials, all);
   const std::size_t best = best_of(candidates, errors, seen, outside);
   chosen.model = candidates[best].model;
   chosen.model.neighbours = std::min(chosen.model.neighbours, states.size());
   chosen.all = candidates[best].all;
+  chosen.field = candidates[best].field;
   const std::vector<double> expected = expected_quantiles(errors[best], seen, wanted, std::array{0.5, 0.95});
   chosen.p50 = expected[0];
   chosen.p95 = expected[1];

@@ -5,7 +5,8 @@
 // square of |f - f~| [N] is chosen. The expected error is the error at the held-out positions. f is the force as
 // measured, so its noise is part of the error.
 //
-// Candidates: kernels r, r^3, r^5; the nearest 25 to 200 states, 25 or 50 states by label, or one model of all states
+// Measured states have further candidates: a Gaussian process of all states, and one of the nearest 120. Candidates are
+// otherwise: kernels r, r^3, r^5; the nearest 25 to 200 states, 25 or 50 states by label, or one model of all states
 // (at most 1000 rows); ridges (nuggets) from 0 to 0.1. A ridge is used only if it reduces the error by 2 %. All
 // candidates are tried on some of the positions, the best ones on all.
 
@@ -14,6 +15,7 @@
 #include <optional>
 #include <span>
 
+#include "approx/measured/force_field.hpp"
 #include "approx/model/model_options.hpp"
 #include "geometry/states/state.hpp"
 
@@ -34,6 +36,8 @@ struct ModelWishes {
 ModelOptions wished_model(const ModelWishes& wishes, bool stiffness, std::size_t states);
 
 struct AutoModelOptions {
+  std::optional<FieldOptions> field = {};  // of measured states: a candidate, and the judge of unknown directions
+
   ModelWishes model = {};  // the rest is chosen; data: force+stiffness where the states have it
   double spacing = 0.006;  // h of the state space [m]
   std::function<void(double)> progress = {};  // called by one thread with the share done
@@ -42,6 +46,7 @@ struct AutoModelOptions {
 struct AutoModel {
   ModelOptions model = {};
   bool all = false;  // one model of all states is used for every place (fit_model() about their middle)
+  std::optional<FieldOptions> field = {};  // a Gaussian process in place of the model (measured/force_field.hpp)
   // Quantiles of |f - f~| at the held-out positions [N]; NaN if there are too few states to choose.
   double p50 = unknown, p95 = unknown;
   std::size_t positions = 0, groups = 0;  // left out

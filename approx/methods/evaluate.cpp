@@ -90,6 +90,27 @@ EvaluatedPoints evaluate_whole(std::span<const State> states, const StateSpace& 
   return result;
 }
 
+// The force of a Gaussian process at each point. Its bound is that of ForceField.
+EvaluatedPoints evaluate_field(const StateSpace& space, std::span<const Vec3> points, const FieldOptions& options,
+                               const ShowPoints& show) {
+  EvaluatedPoints result;
+  const auto start = Clock::now();
+  const ForceField field(space, options);
+  result.fit_us.push_back(1e6 * since(start));
+  result.fitted = 1;
+  result.reused = points.size() - 1;
+  for (const Vec3& x : points) {
+    const auto begin = Clock::now();
+    result.forces.push_back(field.at(x).force);
+    result.evaluate_ns.push_back(1e9 * since(begin));
+    result.labels.push_back(space.label(x));
+    result.kernels.push_back(name(options.law.smoothness));
+    result.reach.push_back({field.bound(), unknown, unknown});
+    if (show) show(result.forces.size());
+  }
+  return result;
+}
+
 EvaluatedPoints evaluate_older(Method method, std::span<const State> states, const StateSpace& space,
                                std::span<const Vec3> points, const MethodOptions& options) {
   EvaluatedPoints result;
@@ -132,6 +153,24 @@ StateSpace space_of(std::span<const State> states, double spacing) {
   return space;
 }
 
+// One state at each position: the same row twice adds no knowledge, and a held-out force must have no twin that stays.
+std::vector<State> distinct(const StateSpace& space) {
+  std::vector<State> states;
+  states.reserve(space.size());
+  for (std::uint32_t id = 0; id < space.size(); ++id) states.push_back(space[StateId{id}]);
+  return states;
+}
+
+// The points, moved onto the states where these do not know the direction across them (measured/force_field.hpp).
+std::vector<Vec3> feet(const StateSpace& space, std::span<const Vec3> points,
+                       const std::optional<FieldOptions>& field) {
+  std::vector<Vec3> at(points.begin(), points.end());
+  if (!field) return at;
+  const ForceField process(space, *field);
+  for (Vec3& x : at) x = process.at(x).foot;
+  return at;
+}
+
 EvaluatedBars bars_of(const StateSpace& space, std::span<const State> states, std::span<const Vec3> points,
                       const EvaluatedPoints& made, const OfflineBarOptions& options,
                       const EvaluateOptions& given) {
@@ -143,6 +182,8 @@ EvaluatedBars bars_of(const StateSpace& space, std::span<const State> states, st
     left_out = measure_bars(states, options);
   const OfflineBars& own = measured.checked() ? left_out : measured;
   EvaluatedBars bars;
+  std::optional<ForceField> judge;
+  if (options.judge) judge.emplace(space, *options.judge);
   std::vector<SeenPlace> unchecked, held;
   for (const BarSample& s : own.samples()) held.push_back(s.seen);
   for (std::size_t i = 0; i < points.size(); ++i) {
@@ -153,6 +194,11 @@ EvaluatedBars bars_of(const StateSpace& space, std::span<const State> states, st
     const SeenPlace& seen = options.wanted[i];
     unchecked.push_back(seen);
     bars.outside += seen.outside ? 1 : 0;
+    if (judge) {
+      const ForceField::Prediction judged = judge->at(points[i]);
+      bars.at.push_back(own.at(made.labels[i], seen.outside, judged.deviation, judged.least_error));
+      continue;
+    }
     bars.at.push_back(own.at(made.labels[i], seen.outside, scale_at(space, points[i], made.forces[i])));
   }
   bars.beyond = count_beyond(held, unchecked);
@@ -183,6 +229,7 @@ Evaluation evaluate(std::span<const State> states, std::span<const Vec3> points,
   result.repeated = mean.found;
   const double spacing = options.spacing > 0 ? options.spacing : estimate_spacing(mean.states);
   const StateSpace space = space_of(mean.states, spacing);
+  mean.states = distinct(space);
   result.states = space.size();
   result.options.spacing = space.options().spacing;
   const bool moving = result.method == Method::rbf;
@@ -191,25 +238,38 @@ Evaluation evaluate(std::span<const State> states, std::span<const Vec3> points,
     const PlaceLocator locate(space);
     for (const Vec3& x : points) wanted.push_back(locate(x));
   }
+  if (moving && !stiffness) result.field = field_of(mean.states, options.noise);
   if (moving && is_chosen(options, stiffness)) {
     result.chosen = choose_model(
         mean.states,
-        {.model = options.model, .spacing = result.options.spacing, .progress = options.choosing}, wanted);
+        {.field = result.field,
+         .model = options.model,
+         .spacing = result.options.spacing,
+         .progress = options.choosing},
+        wanted);
     model = result.chosen->model;
   }
   if (result.method == Method::rbf) check_memory(model, space.size());
   model.neighbours = std::min(model.neighbours, space.size());
   if (options.choose_ridge) model.ridge = forefeel::choose_ridge(space, model).ridge;
+  const std::vector<Vec3> places = feet(space, points, moving ? result.field : std::nullopt);
   if (result.method == Method::rbf_network)
     result.options.centres = RbfNetwork::centres_of(rows, options.model.neighbours.value_or(0));
-  result.made = result.chosen && result.chosen->all ? evaluate_whole(mean.states, space, points, model, show)
+  result.made = result.chosen && result.chosen->field
+                    ? evaluate_field(space, points, *result.chosen->field, show)
+                : result.chosen && result.chosen->all
+                    ? evaluate_whole(mean.states, space, places, model, show)
                 : result.method == Method::rbf
-                    ? evaluate_rbf(space, points, model, show)
+                    ? evaluate_rbf(space, places, model, show)
                     : evaluate_older(result.method, mean.states, space, points, result.options);
+  for (std::size_t i = 0; i < points.size(); ++i)
+    if (places[i] != points[i]) result.made.labels[i] = space.label(points[i]);
   if (moving && options.bars)
     result.bars = bars_of(space, mean.states, points, result.made,
                           {.model = model,
                            .all = result.chosen && result.chosen->all,
+                           .field = result.chosen ? result.chosen->field : std::nullopt,
+                           .judge = result.field,
                            .spacing = result.options.spacing,
                            .wanted = wanted},
                           options);

@@ -15,6 +15,7 @@
 #include <string_view>
 #include <vector>
 
+#include "approx/measured/force_field.hpp"
 #include "approx/methods/auto_model.hpp"
 #include "approx/methods/older_methods.hpp"
 #include "geometry/coverage/coverage.hpp"
@@ -34,6 +35,7 @@ struct EvaluateOptions {
   bool choose_ridge = false;          // by leaving out single states (leave_one_out.hpp)
   bool bars = false;                  // error bars of each point, for method rbf only (offline_bar.hpp)
   double spacing = unknown;           // h [m]; unknown: the median distance of the states
+  KnownNoise noise = {};              // of measured states; else it is estimated
   // Check solves are not used as states: within their box, their errors give the bars.
   CheckSolves checks = {};
   std::function<void(double)> choosing = {};  // called with the share done while the model is chosen
@@ -73,6 +75,7 @@ struct Evaluation {
   std::size_t states = 0;                          // known positions
   RepeatedStates repeated = {};                    // states that contradict each other are averaged
   std::optional<AutoModel> chosen = {};            // where the model was chosen
+  std::optional<FieldOptions> field = {};          // of measured states: their law and noise
   std::optional<EvaluatedBars> bars = {};          // if requested and the method has them
   double fit_us = unknown, evaluate_ns = unknown;  // medians
 };

@@ -10,7 +10,7 @@
 #include <random>
 #include <set>
 
-#include "approx/error/position_groups.hpp"
+#include "approx/measured/position_groups.hpp"
 #include "approx/methods/evaluate.hpp"
 #include "geometry/common/error.hpp"
 #include "geometry/common/quantiles.hpp"

@@ -1,8 +1,9 @@
-#include "approx/error/position_groups.hpp"
+#include "approx/measured/position_groups.hpp"
 
 #include <algorithm>
 #include <limits>
 #include <numeric>
+#include <utility>
 
 #include "geometry/common/union_find.hpp"
 
@@ -10,6 +11,8 @@ namespace forefeel {
 namespace {
 
 constexpr double least_jump = 1.5;       // of edge lengths, between clusters and within them
+constexpr double least_jump_of_few = 3;  // with fewer than six clusters
+constexpr std::size_t most_levels = 3;   // of clusters: presses, and rows held at one depth of a press
 constexpr std::size_t compact_size = 4;  // positions of a compact group
 
 struct Edge {
@@ -41,18 +44,20 @@ std::vector<Edge> spanning_tree(std::span<const Vec3> positions) {
   return edges;
 }
 
-// Number of the shorter edges that join positions of one cluster; all edges if there are no clusters. A
-// cluster holds at least two positions on average, and there are at least six.
-std::size_t joining_edges(const std::vector<Edge>& edges) {
+// Numbers of the shorter edges that join positions of one cluster, by falling jump. A cluster holds at least two
+// positions on average. There are at least six, or three that are far from each other.
+std::vector<std::size_t> joining_edges(const std::vector<Edge>& edges) {
   const std::size_t n = edges.size() + 1;
-  std::size_t best = edges.size();
-  double most = least_jump;
-  for (std::size_t k = n / 2; k + 5 < n; ++k) {  // k edges leave n - k clusters
-    if (k == 0 || k >= edges.size()) continue;
+  std::vector<std::pair<double, std::size_t>> jumps;
+  for (std::size_t k = std::max<std::size_t>(1, n / 2); k < edges.size() && k + 2 < n; ++k) {  // n - k clusters
     const double jump = edges[k].length / std::max(edges[k - 1].length, std::numeric_limits<double>::min());
-    if (jump >= most) most = jump, best = k;
+    if (jump >= (k + 5 < n ? least_jump : least_jump_of_few)) jumps.emplace_back(-jump, k);
   }
-  return best;
+  std::ranges::sort(jumps);
+  if (jumps.size() > most_levels) jumps.resize(most_levels);
+  std::vector<std::size_t> joining;
+  for (const auto& jump : jumps) joining.push_back(jump.second);
+  return joining;
 }
 
 // Splits [begin, end) of `order` along the longest side of its box until it is small.
@@ -84,24 +89,31 @@ PositionGroups compact_groups(std::span<const Vec3> positions, std::size_t most)
   return groups;
 }
 
-PositionGroups position_groups(std::span<const Vec3> positions) {
-  PositionGroups groups;
+std::vector<PositionGroups> natural_groups(std::span<const Vec3> positions) {
   const std::size_t n = positions.size();
-  groups.of.assign(n, 0);
-  if (n == 0) return groups;
+  if (n == 0) return {};
   const std::vector<Edge> edges = spanning_tree(positions);
-  const std::size_t joining = joining_edges(edges);
-  if (joining == edges.size()) return compact_groups(positions, compact_size);
-  groups.natural = true;
-  UnionFind sets(n);
-  for (std::size_t k = 0; k < joining; ++k) sets.join(edges[k].a, edges[k].b);
-  std::vector<std::uint32_t> number(n, std::numeric_limits<std::uint32_t>::max());
-  for (std::size_t i = 0; i < n; ++i) {
-    std::uint32_t& own = number[sets.find(static_cast<std::uint32_t>(i))];
-    if (own == std::numeric_limits<std::uint32_t>::max()) own = static_cast<std::uint32_t>(groups.count++);
-    groups.of[i] = own;
+  std::vector<PositionGroups> levels;
+  for (const std::size_t joining : joining_edges(edges)) {
+    PositionGroups groups;
+    groups.of.assign(n, 0);
+    groups.natural = true;
+    UnionFind sets(n);
+    for (std::size_t k = 0; k < joining; ++k) sets.join(edges[k].a, edges[k].b);
+    std::vector<std::uint32_t> number(n, std::numeric_limits<std::uint32_t>::max());
+    for (std::size_t i = 0; i < n; ++i) {
+      std::uint32_t& own = number[sets.find(static_cast<std::uint32_t>(i))];
+      if (own == std::numeric_limits<std::uint32_t>::max()) own = static_cast<std::uint32_t>(groups.count++);
+      groups.of[i] = own;
+    }
+    levels.push_back(std::move(groups));
   }
-  return groups;
+  return levels;
+}
+
+PositionGroups position_groups(std::span<const Vec3> positions) {
+  std::vector<PositionGroups> levels = natural_groups(positions);
+  return levels.empty() ? compact_groups(positions, compact_size) : std::move(levels.front());
 }
 
 // Each group in turn takes the part whose groups lie farthest from it, among the parts with the fewest

@@ -21,7 +21,11 @@ struct PositionGroups {
   bool natural = false;
 };
 
-// Deterministic; ties by order. O(n^2) time, O(n) memory.
+// The natural groups, those with the largest jump first; up to three levels, as rows held at a depth and presses. Empty
+// if there are none. Deterministic; ties by order. O(n^2) time, O(n) memory.
+std::vector<PositionGroups> natural_groups(std::span<const Vec3> positions);
+
+// The first of these, or else compact groups of at most 4.
 PositionGroups position_groups(std::span<const Vec3> positions);
 
 // Boxes of at most `most` positions, more than half of it, by halving the longest side.

@@ -1,0 +1,174 @@
+#include "approx/measured/force_field.hpp"
+
+#include <Eigen/Eigenvalues>
+#include <algorithm>
+#include <cmath>
+#include <limits>
+#include <utility>
+#include <vector>
+
+#include "approx/measured/position_groups.hpp"
+
+namespace forefeel {
+namespace {
+
+constexpr std::size_t most_rows = 700;                     // of the process of all rows
+constexpr std::size_t law_clusters = 64, cluster_rows = 4;  // rows that the law is fitted to
+constexpr std::size_t most_secants = 400;                  // boxes
+constexpr std::size_t most_around = 2000;                  // rows that show which directions are known
+constexpr double known_share = 0.25;  // a direction is known up to the deviation of the rows divided by this
+constexpr double surely = 2.8;        // 95 % of |e| lie within 2.8 deviations of a component (chi, 3 degrees)
+constexpr double knows = 0.3;         // the process knows the force across if its 95 % is below this share of S E
+constexpr double most_overshoot = 2;  // no force is larger than this many times the largest known one
+
+std::vector<Vec3> positions_of(std::span<const State> states) {
+  std::vector<Vec3> at;
+  for (const State& s : states) at.push_back(s.at);
+  return at;
+}
+
+// Clusters of neighbouring states, evenly drawn: near ones show the noise, far ones the length of the field.
+MeasuredRows rows_for_law(std::span<const State> states) {
+  MeasuredRows rows;
+  const std::vector<Vec3> at = positions_of(states);
+  const PositionGroups groups = compact_groups(at, cluster_rows);
+  const std::size_t stride = (groups.count + law_clusters - 1) / law_clusters;
+  for (std::size_t i = 0; i < states.size(); ++i)
+    if (groups.of[i] % stride == 0) rows.add(states[i].at, states[i].force);
+  return rows;
+}
+
+// The largest |F_i - F_j| / |x_i - x_j| of a box and its nearest box, less what noise makes.
+double largest_secant(const MeasuredRows& boxes, double noise) {
+  double most = 0;
+  for (std::size_t i = 0; i < boxes.size(); ++i) {
+    std::size_t nearest = i;
+    double least = std::numeric_limits<double>::infinity();
+    for (std::size_t j = 0; j < boxes.size(); ++j)
+      if (const double d = (boxes.at[j] - boxes.at[i]).squaredNorm(); j != i && d < least) least = d, nearest = j;
+    if (nearest == i || !(least > 0)) continue;
+    const double doubt = surely * noise * std::sqrt(1 / boxes.weight[i] + 1 / boxes.weight[nearest]);
+    const double change = (boxes.force[nearest] - boxes.force[i]).norm() - doubt;
+    most = std::max(most, change / std::sqrt(least));
+  }
+  return most;
+}
+
+}  // namespace
+
+MeasuredRows averaged_boxes(std::span<const State> states, std::size_t most) {
+  MeasuredRows rows;
+  const std::vector<Vec3> at = positions_of(states);
+  std::size_t size = 1;
+  while (states.size() > size * most) size *= 2;
+  const PositionGroups groups = compact_groups(at, size);
+  rows.at.assign(groups.count, Vec3::Zero());
+  rows.force.assign(groups.count, Vec3::Zero());
+  rows.weight.assign(groups.count, 0);
+  for (std::size_t i = 0; i < states.size(); ++i) {
+    rows.at[groups.of[i]] += states[i].at;
+    rows.force[groups.of[i]] += states[i].force;
+    rows.weight[groups.of[i]] += 1;
+  }
+  for (std::size_t g = 0; g < groups.count; ++g) rows.at[g] /= rows.weight[g], rows.force[g] /= rows.weight[g];
+  return rows;
+}
+
+std::optional<FieldOptions> field_of(std::span<const State> states, const KnownNoise& noise) {
+  if (states.size() < 8) return {};
+  const MeasuredRows rows = rows_for_law(states);
+  std::optional<LikelyLaw> best;
+  const auto fit = [&](std::optional<double> known) {
+    best.reset();
+    for (const Smoothness smoothness : {Smoothness::gaussian, Smoothness::matern52, Smoothness::matern32}) {
+      const std::optional<LikelyLaw> found = likely_law(rows, smoothness, known);
+      if (found && (!best || found->minus_log_likelihood < best->minus_log_likelihood)) best = found;
+    }
+  };
+  fit(noise.force);
+  if (!best) return {};
+  FieldOptions field{.law = best->law};
+  field.stiffest = largest_secant(averaged_boxes(states, most_secants), field.law.noise);
+  // A position that is off by e changes the force by the slope times e.
+  if (noise.position) {
+    const double slope = field.law.amplitude / field.law.length;
+    const double from_position = slope * *noise.position;
+    const double least = std::hypot(noise.force.value_or(0), from_position);
+    if (noise.force || field.law.noise < least) {
+      fit(least);
+      if (best) field.law = best->law;
+    }
+  }
+  return field;
+}
+
+ForceField::ForceField(const StateSpace& known, const FieldOptions& options) : known_(&known), options_(options) {
+  std::vector<State> states;
+  for (std::uint32_t id = 0; id < known.size(); ++id) {
+    const State& state = known[StateId{id}];
+    most_ = std::max(most_, state.force.norm());
+    if (options.neighbours > 0) continue;
+    State light;
+    light.at = state.at;
+    light.force = state.force;
+    states.push_back(std::move(light));
+  }
+  if (options.neighbours == 0)
+    all_ = std::make_shared<const GaussianProcess>(averaged_boxes(states, most_rows), options.law);
+}
+
+GaussianProcess::Prediction ForceField::predicted(const Vec3& x) const {
+  if (all_) return all_->at(x);
+  std::vector<StateId> ids;
+  known_->nearest(x, options_.neighbours, ids);
+  MeasuredRows rows;
+  for (const StateId id : ids) rows.add((*known_)[id].at, (*known_)[id].force);
+  return GaussianProcess(std::move(rows), options_.law).at(x);
+}
+
+ForceField::Foot ForceField::foot_of(const Vec3& x) const {
+  std::vector<StateId> ids;
+  known_->nearest(x, 1, ids);
+  const double nearest = ((*known_)[ids.front()].at - x).norm();
+  known_->within(x, std::max(4 * nearest, 0.25 * options_.law.length), ids);
+  if (ids.size() < 2) known_->nearest(x, 2, ids);
+  const std::size_t stride = ids.size() / most_around + 1;
+  Vec3 middle = Vec3::Zero();
+  double count = 0;
+  for (std::size_t i = 0; i < ids.size(); i += stride) middle += (*known_)[ids[i]].at - x, ++count;
+  middle /= count;
+  Mat3 spread = Mat3::Zero();
+  for (std::size_t i = 0; i < ids.size(); i += stride) {
+    const Vec3 off = (*known_)[ids[i]].at - x - middle;
+    spread += off * off.transpose() / count;
+  }
+  const Eigen::SelfAdjointEigenSolver<Mat3> axes(spread);
+  Vec3 across = Vec3::Zero();
+  for (int k = 0; k < 3; ++k) {
+    const Vec3 u = axes.eigenvectors().col(k);
+    const double off = -u.dot(middle);
+    if (known_share * std::abs(off) > std::sqrt(std::max(0.0, axes.eigenvalues()[k]))) across += off * u;
+  }
+  return {.at = x - across, .across = across.norm()};
+}
+
+ForceField::Prediction ForceField::at(const Vec3& x) const {
+  const GaussianProcess::Prediction own = predicted(x);
+  Prediction made{.force = own.force, .deviation = std::sqrt(3.0) * own.deviation, .foot = x};
+  const Foot foot = foot_of(x);
+  const double least = options_.stiffest * foot.across;
+  if (least > 0 && surely * own.deviation > knows * least) {
+    made.force = predicted(foot.at).force;
+    made.foot = foot.at;
+    made.least_error = least;
+  }
+  const double size = made.force.norm();
+  if (size > bound()) made.force *= bound() / size;
+  return made;
+}
+
+double ForceField::bound() const {
+  return most_overshoot * most_;
+}
+
+}  // namespace forefeel

@@ -1,0 +1,67 @@
+#pragma once
+// The field of measured forces: a Gaussian process (gaussian_process.hpp) of all rows, or of the rows nearest to a place.
+// Where there are many rows, the mean of a box of neighbouring rows stands for them: its noise is less by the square
+// root of their number, and lines that are dense along themselves weigh no more than their length.
+//
+// Directions that the rows do not know. Rows of a line or a surface determine nothing across it. Let M be the
+// covariance of the positions within R = max(4 d, l / 4) of x (d: distance of the nearest row) and c their mean. An
+// eigenvector u of M is unknown at x if |u.(x - c)| exceeds four times the deviation of the rows along u. Then
+//   foot     x without its components along unknown directions, about c: the place on the line that is nearest to x
+//   across   E = |x - foot| [m]
+// There the force is that of the foot, and the error is at least S E, S [N/m] the largest secant of neighbouring boxes,
+// unless the process itself knows the force better from rows farther off (a raster of lines).
+
+#include <memory>
+#include <optional>
+#include <span>
+
+#include "approx/measured/gaussian_process.hpp"
+#include "geometry/coverage/state_space.hpp"
+
+namespace forefeel {
+
+struct KnownNoise {
+  std::optional<double> force = {};     // deviation of one component of one force [N]
+  std::optional<double> position = {};  // of one coordinate [m]
+};
+
+struct FieldOptions {
+  FieldLaw law = {};
+  double stiffest = 0;         // S [N/m]
+  std::size_t neighbours = 0;  // rows of each place; 0: all
+};
+
+// The likeliest law of the forces of the states, and S. Nothing for fewer than 8 states or states at one place.
+std::optional<FieldOptions> field_of(std::span<const State> states, const KnownNoise& noise = {});
+
+// Means of boxes of neighbouring states, at most `most` boxes.
+MeasuredRows averaged_boxes(std::span<const State> states, std::size_t most);
+
+class ForceField {
+ public:
+  struct Prediction {
+    Vec3 force = Vec3::Zero();  // [N]
+    double deviation = 0;       // of |force - f~|, without noise: sqrt(3 v) [N]
+    Vec3 foot = Vec3::Zero();   // x itself where all directions are known [m]
+    double least_error = 0;     // S E [N]
+  };
+  // The space must outlive this. At least one state.
+  ForceField(const StateSpace& known, const FieldOptions& options);
+  Prediction at(const Vec3& x) const;
+  double bound() const;  // no force is larger: twice the largest known one [N]
+
+ private:
+  struct Foot {
+    Vec3 at = Vec3::Zero();
+    double across = 0;  // E [m]
+  };
+  Foot foot_of(const Vec3& x) const;
+  GaussianProcess::Prediction predicted(const Vec3& x) const;
+
+  const StateSpace* known_;
+  FieldOptions options_;
+  double most_ = 0;                           // largest force [N]
+  std::shared_ptr<const GaussianProcess> all_;  // null: of each place
+};
+
+}  // namespace forefeel

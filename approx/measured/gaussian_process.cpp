@@ -1,0 +1,228 @@
+#include "approx/measured/gaussian_process.hpp"
+
+#include <Eigen/Cholesky>
+#include <algorithm>
+#include <array>
+#include <cmath>
+#include <limits>
+#include <utility>
+
+namespace forefeel {
+namespace {
+
+using Eigen::Index;
+using Eigen::MatrixXd;
+using Eigen::VectorXd;
+using Forces = Eigen::Matrix<double, Eigen::Dynamic, 3>;
+
+constexpr double infinite = std::numeric_limits<double>::infinity();
+constexpr double least_ratio = 1e-12, most_ratio = 1e3;  // (sigma / a)^2
+constexpr int steps = 45;                                // of the simplex
+
+double correlation(double t, Smoothness smoothness) {
+  if (smoothness == Smoothness::gaussian) return std::exp(-0.5 * t * t);
+  const double s = std::sqrt(smoothness == Smoothness::matern52 ? 5.0 : 3.0) * t;
+  return (smoothness == Smoothness::matern52 ? 1 + s + s * s / 3 : 1 + s) * std::exp(-s);
+}
+
+MatrixXd squared_distances(const std::vector<Vec3>& at) {
+  MatrixXd squared(Index(at.size()), Index(at.size()));
+  for (std::size_t j = 0; j < at.size(); ++j)
+    for (std::size_t i = j; i < at.size(); ++i)
+      squared(Index(i), Index(j)) = (at[i] - at[j]).squaredNorm();
+  return squared;
+}
+
+// Lower triangle of R + D.
+MatrixXd system_of(const MatrixXd& squared, const std::vector<double>& weight, Smoothness smoothness, double length,
+                   double ratio) {
+  MatrixXd system(squared.rows(), squared.cols());
+  for (Index j = 0; j < squared.cols(); ++j) {
+    for (Index i = j; i < squared.rows(); ++i)
+      system(i, j) = correlation(std::sqrt(squared(i, j)) / length, smoothness);
+    system(j, j) += ratio / weight[std::size_t(j)];
+  }
+  return system;
+}
+
+Forces forces_of(const MeasuredRows& rows) {
+  Forces forces(Index(rows.size()), 3);
+  for (std::size_t i = 0; i < rows.size(); ++i) forces.row(Index(i)) = rows.force[i].transpose();
+  return forces;
+}
+
+// The restricted likelihood as a function of log l and log (sigma / a)^2; a is the likeliest, or sigma / ratio if the
+// noise is known.
+class Likelihood {
+ public:
+  Likelihood(const MeasuredRows& rows, Smoothness smoothness, std::optional<double> noise)
+      : squared_(squared_distances(rows.at)),
+        forces_(forces_of(rows)),
+        weight_(rows.weight),
+        smoothness_(smoothness),
+        noise_(noise) {}
+
+  struct Found {
+    double value = infinite;
+    FieldLaw law = {};
+  };
+  Found at(double log_length, double log_ratio) const {
+    const double length = std::exp(log_length);
+    const double ratio = std::clamp(std::exp(log_ratio), least_ratio, most_ratio);
+    const Eigen::LLT<MatrixXd> factor(system_of(squared_, weight_, smoothness_, length, ratio));
+    if (factor.info() != Eigen::Success) return {};
+    const auto diagonal = factor.matrixLLT().diagonal().array();
+    if (!(diagonal.minCoeff() > 0)) return {};
+    Forces right = forces_;
+    VectorXd ones = VectorXd::Ones(right.rows());
+    factor.matrixL().solveInPlace(right);
+    factor.matrixL().solveInPlace(ones);
+    const double precision = ones.squaredNorm();
+    right -= ones * (ones.transpose() * right) / precision;
+    const double count = 3 * (double(right.rows()) - 1);
+    const double sum = std::max(right.squaredNorm(), std::numeric_limits<double>::min());
+    const double variance = noise_ && *noise_ > 0 ? *noise_ * *noise_ / ratio : sum / count;
+    const double value = 0.5 * count * std::log(variance) + 0.5 * sum / variance +
+                         3 * diagonal.log().sum() + 1.5 * std::log(precision);
+    return {value,
+            {.smoothness = smoothness_,
+             .length = length,
+             .amplitude = std::sqrt(variance),
+             .noise = std::sqrt(variance * ratio)}};
+  }
+
+ private:
+  MatrixXd squared_;
+  Forces forces_;
+  std::vector<double> weight_;
+  Smoothness smoothness_;
+  std::optional<double> noise_;
+};
+
+using Place = std::array<double, 2>;
+struct Corner {
+  Place at;
+  double value;
+};
+
+// Nelder, Mead 1965, from three corners; returns the best place.
+template <class Function>
+Place least(std::array<Corner, 3> simplex, const Function& value_at) {
+  const auto along = [](const Place& a, const Place& b, double t) {
+    return Place{a[0] + t * (b[0] - a[0]), a[1] + t * (b[1] - a[1])};
+  };
+  for (int step = 0; step < steps; ++step) {
+    std::ranges::stable_sort(simplex, {}, &Corner::value);
+    if (simplex[2].value - simplex[0].value < 1e-3) break;
+    const Place middle = along(simplex[0].at, simplex[1].at, 0.5);
+    const auto tried = [&](double t) {
+      const Place at = along(middle, simplex[2].at, t);
+      return Corner{at, value_at(at)};
+    };
+    const Corner reflected = tried(-1);
+    if (reflected.value < simplex[0].value) {
+      const Corner further = tried(-2);
+      simplex[2] = further.value < reflected.value ? further : reflected;
+    } else if (reflected.value < simplex[1].value) {
+      simplex[2] = reflected;
+    } else {
+      const Corner nearer = tried(reflected.value < simplex[2].value ? -0.5 : 0.5);
+      if (nearer.value < std::min(reflected.value, simplex[2].value)) {
+        simplex[2] = nearer;
+      } else {
+        for (std::size_t k = 1; k < 3; ++k) {
+          simplex[k].at = along(simplex[0].at, simplex[k].at, 0.5);
+          simplex[k].value = value_at(simplex[k].at);
+        }
+      }
+    }
+  }
+  return std::ranges::min_element(simplex, {}, &Corner::value)->at;
+}
+
+double radius_of(const std::vector<Vec3>& at) {
+  Vec3 middle = Vec3::Zero();
+  for (const Vec3& x : at) middle += x / double(at.size());
+  double squared = 0;
+  for (const Vec3& x : at) squared += (x - middle).squaredNorm() / double(at.size());
+  return std::sqrt(squared);
+}
+
+}  // namespace
+
+std::string_view name(Smoothness smoothness) {
+  return smoothness == Smoothness::gaussian   ? "gaussian"
+         : smoothness == Smoothness::matern52 ? "matern52"
+                                              : "matern32";
+}
+
+std::optional<LikelyLaw> likely_law(const MeasuredRows& rows, Smoothness smoothness, std::optional<double> noise) {
+  const double radius = radius_of(rows.at);
+  if (rows.size() < 4 || !(radius > 0)) return {};
+  const Likelihood likelihood(rows, smoothness, noise);
+  const double longest = std::log(100 * radius), shortest = std::log(1e-3 * radius);
+  const auto value_at = [&](const Place& p) {
+    if (p[0] > longest || p[0] < shortest || p[1] < std::log(least_ratio) || p[1] > std::log(most_ratio))
+      return infinite;
+    return likelihood.at(p[0], p[1]).value;
+  };
+  Corner start{.at = {}, .value = infinite};
+  for (const double length : {0.15, 0.5, 1.5, 5.0})
+    for (const double ratio : {1e-10, 1e-6, 1e-3, 1e-1}) {
+      const Place at{std::log(length * radius), std::log(ratio)};
+      if (const double value = value_at(at); value < start.value) start = {at, value};
+    }
+  if (!(start.value < infinite)) return {};
+  std::array<Corner, 3> simplex{start, start, start};
+  simplex[1].at[0] += simplex[1].at[0] + 0.7 < longest ? 0.7 : -0.7;
+  simplex[2].at[1] += 2;
+  for (Corner& corner : simplex) corner.value = value_at(corner.at);
+  const Place best = least(simplex, value_at);
+  const Likelihood::Found found = likelihood.at(best[0], best[1]);
+  if (!(found.value < infinite)) return {};
+  return LikelyLaw{found.law, found.value};
+}
+
+GaussianProcess::GaussianProcess(MeasuredRows rows, const FieldLaw& law) : rows_(std::move(rows)), law_(law) {
+  const MatrixXd squared = squared_distances(rows_.at);
+  double ratio = std::max(least_ratio, law.noise * law.noise / std::max(law.amplitude * law.amplitude, 1e-300));
+  for (;; ratio *= 10) {  // rounding may leave the matrix indefinite
+    const Eigen::LLT<MatrixXd> factor(system_of(squared, rows_.weight, law_.smoothness, law_.length, ratio));
+    if (factor.info() != Eigen::Success && ratio < most_ratio) continue;
+    lower_ = factor.matrixLLT();
+    break;
+  }
+  const auto solve = [&](auto right) {
+    lower_.triangularView<Eigen::Lower>().solveInPlace(right);
+    lower_.triangularView<Eigen::Lower>().adjoint().solveInPlace(right);
+    return right;
+  };
+  ones_ = solve(VectorXd(VectorXd::Ones(lower_.rows())));
+  Forces forces = forces_of(rows_);
+  mean_ = ones_.transpose() * forces / ones_.sum();
+  forces.rowwise() -= mean_;
+  weights_ = solve(forces);
+}
+
+VectorXd GaussianProcess::correlations(const Vec3& x) const {
+  VectorXd k(Index(rows_.size()));
+  for (std::size_t i = 0; i < rows_.size(); ++i)
+    k[Index(i)] = correlation((x - rows_.at[i]).norm() / law_.length, law_.smoothness);
+  return k;
+}
+
+Vec3 GaussianProcess::force(const Vec3& x) const {
+  return (mean_ + correlations(x).transpose() * weights_).transpose();
+}
+
+GaussianProcess::Prediction GaussianProcess::at(const Vec3& x) const {
+  VectorXd k = correlations(x);
+  Prediction made{.force = (mean_ + k.transpose() * weights_).transpose()};
+  const double rest = 1 - ones_.dot(k);
+  lower_.triangularView<Eigen::Lower>().solveInPlace(k);
+  const double share = std::max(1e-15, 1 - k.squaredNorm() + rest * rest / ones_.sum());
+  made.deviation = law_.amplitude * std::sqrt(share);
+  return made;
+}
+
+}  // namespace forefeel
