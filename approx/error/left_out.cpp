@@ -1,5 +1,6 @@
 #include "approx/error/left_out.hpp"
 
+#include <Eigen/Eigenvalues>
 #include <algorithm>
 #include <array>
 #include <cmath>
@@ -24,6 +25,7 @@ constexpr std::size_t beside = 12;        // held positions on either side in ra
 constexpr std::size_t least_known = 8;    // states that stay known beside a cap
 constexpr std::ptrdiff_t enough_outside =
     20;  // positions in caps, for bars of 95 %; deeper caps are tried for fewer
+constexpr std::ptrdiff_t enough_inside = 60;  // positions inside, without the borders
 constexpr int most_deeper = 4;
 constexpr double least_direction = 0.02;  // share of the places outside that makes a direction count
 
@@ -56,37 +58,57 @@ Division divide(std::span<const Vec3> at, PositionGroups groups) {
   return division;
 }
 
-// From each position to the nearest one of another part [m].
-std::vector<double> distances(std::span<const Vec3> at, const Division& division) {
-  std::vector<double> away(at.size(), infinite);
-  for (std::size_t i = 0; i < at.size(); ++i)
-    for (std::size_t j = 0; j < at.size(); ++j)
-      if (division.part[division.groups.of[i]] != division.part[division.groups.of[j]])
-        away[i] = std::min(away[i], (at[j] - at[i]).squaredNorm());
-  for (double& a : away) a = std::sqrt(a);
-  return away;
+// From the nearest position of another part to each position [m].
+std::vector<Vec3> displacements(std::span<const Vec3> at, const Division& division) {
+  std::vector<Vec3> from(at.size(), Vec3::Zero());
+  for (std::size_t i = 0; i < at.size(); ++i) {
+    double least = infinite;
+    for (std::size_t j = 0; j < at.size(); ++j) {
+      if (division.part[division.groups.of[i]] == division.part[division.groups.of[j]]) continue;
+      if (const double d = (at[i] - at[j]).squaredNorm(); d < least) least = d, from[i] = at[i] - at[j];
+    }
+  }
+  return from;
 }
 
-double off(double found, double target) {
-  return target > 0 && found > 0 ? std::abs(std::log(found / target)) : found;
+Mat3 second_moment(std::span<const Vec3> displacements) {
+  Mat3 moment = Mat3::Zero();
+  for (const Vec3& d : displacements) moment += d * d.transpose() / static_cast<double>(displacements.size());
+  return moment;
 }
 
-// Natural groups (strokes, presses) are taken if they are about as far from each other as the places from the states;
-// else compact ones, as large as makes them so.
-Division best_division(std::span<const Vec3> at, std::span<const double> wanted) {
+double mismatch(std::span<const Vec3> held, std::span<const Vec3> wanted) {
+  const Eigen::SelfAdjointEigenSolver<Mat3> axes(second_moment(wanted));
+  const Mat3 moment = second_moment(held);
+  const double all = axes.eigenvalues().sum();
+  if (!(all > 0)) return std::sqrt(moment.trace());
+  double sum = 0;
+  for (int k = 0; k < 3; ++k) {
+    const Vec3 u = axes.eigenvectors().col(k);
+    const double w = std::max(0.0, axes.eigenvalues()[k]);
+    sum += 0.5 * w / all * std::abs(std::log((u.dot(moment * u) + 1e-4 * all) / (w + 1e-4 * all)));
+  }
+  return sum;
+}
+
+struct Match {
+  Division division = {};
+  double mismatch = infinite;
+};
+
+Match best_division(std::span<const Vec3> at, std::span<const Vec3> wanted) {
   std::vector<PositionGroups> natural = natural_groups(at);
-  if (wanted.empty()) return divide(at, natural.empty() ? compact_groups(at, 4) : std::move(natural.front()));
-  const double target = median({wanted.begin(), wanted.end()});
-  Division best;
-  double least = infinite;
+  if (wanted.empty())
+    return {divide(at, natural.empty() ? compact_groups(at, 4) : std::move(natural.front())), 0};
+  Match best;
   const auto take_better = [&](PositionGroups&& way) {
     Division division = divide(at, std::move(way));
     if (division.count == 0) return;
-    const double miss = off(median(distances(at, division)), target);
-    if (miss < least) least = miss, best = std::move(division);
+    const double off = mismatch(displacements(at, division), wanted);
+    if (off < best.mismatch) best = {std::move(division), off};
   };
   for (PositionGroups& way : natural) take_better(std::move(way));
-  if (least <= std::log(natural_mismatch)) return best;
+  if (best.mismatch <= std::log(natural_mismatch)) return best;
   // From large to small groups: in a tie the larger is taken.
   std::vector<std::size_t> sizes{1};
   while (8 * sizes.back() <= at.size() / 2) sizes.push_back(2 * sizes.back());
@@ -125,10 +147,10 @@ void add_division(std::span<const State> states, const Division& division, std::
   }
 }
 
-void add_groups(std::span<const State> states, std::span<const double> wanted, double spacing, Trials& trials) {
+void add_groups(std::span<const State> states, std::span<const Vec3> wanted, double spacing, Trials& trials) {
   std::vector<Vec3> at;
   for (const State& s : states) at.push_back(s.at);
-  const Division division = best_division(at, wanted);
+  const Division division = best_division(at, wanted).division;
   if (division.count == 0) return;
   trials.groups += division.groups.count;
   add_division(states, division, division.groups.of, std::vector<char>(at.size(), 1), spacing, trials);
@@ -136,7 +158,7 @@ void add_groups(std::span<const State> states, std::span<const double> wanted, d
 
 // Many states: groups of boxes of neighbouring states; one state of each box is compared. False if the boxes are too
 // large: farther from each other than the places are from the states.
-bool add_boxes(std::span<const State> states, std::span<const double> wanted, double spacing, Trials& trials) {
+bool add_boxes(std::span<const State> states, std::span<const Vec3> wanted, double spacing, Trials& trials) {
   std::vector<Vec3> at;
   for (const State& s : states) at.push_back(s.at);
   std::size_t size = 1;
@@ -146,11 +168,9 @@ bool add_boxes(std::span<const State> states, std::span<const double> wanted, do
   std::vector<std::size_t> count(boxes.count, 0);
   for (std::size_t i = 0; i < at.size(); ++i) middle[boxes.of[i]] += at[i], ++count[boxes.of[i]];
   for (std::size_t b = 0; b < boxes.count; ++b) middle[b] /= static_cast<double>(count[b]);
-  const Division division = best_division(middle, wanted);
-  if (division.count == 0) return false;
-  if (!wanted.empty() && off(median(distances(middle, division)), median({wanted.begin(), wanted.end()})) >
-                             std::log(natural_mismatch))
-    return false;
+  const Match match = best_division(middle, wanted);
+  const Division& division = match.division;
+  if (division.count == 0 || match.mismatch > std::log(natural_mismatch)) return false;
   std::vector<std::uint32_t> group;
   std::vector<char> held, seen(boxes.count, 0);
   for (const std::uint32_t box : boxes.of) {
@@ -164,10 +184,10 @@ bool add_boxes(std::span<const State> states, std::span<const double> wanted, do
 }
 
 // The inner half of a patch is held out: the border of a patch is not one of the states.
-void add_patch(std::span<const State> states, std::span<const double> wanted, double spacing, Trials& trials) {
+void add_patch(std::span<const State> states, std::span<const Vec3> wanted, double spacing, Trials& trials) {
   std::vector<Vec3> at;
   for (const State& s : states) at.push_back(s.at);
-  const Division division = best_division(at, wanted);
+  const Division division = best_division(at, wanted).division;
   if (division.count == 0) return;
   const PositionGroups& groups = division.groups;
   std::vector<char> used(groups.count, 1);
@@ -198,7 +218,7 @@ std::vector<State> patch_about(std::span<const State> states, std::size_t middle
 }
 
 // Patches about states that lie far from each other.
-void add_patches(std::span<const State> states, std::span<const double> wanted, double spacing,
+void add_patches(std::span<const State> states, std::span<const Vec3> wanted, double spacing,
                  Trials& trials) {
   std::vector<double> away(states.size(), infinite);
   std::size_t middle = 0;
@@ -258,11 +278,28 @@ void remove_outside(Trial& trial) {
   trial = std::move(kept);
 }
 
+bool is_inside(const SeenPlace& place) {
+  return !place.outside;
+}
+
+void count_positions(Trials& trials) {
+  std::erase_if(trials.each, [](const Trial& trial) { return trial.held.empty(); });
+  trials.positions = 0;
+  for (const Trial& trial : trials.each) trials.positions += trial.held.size();
+}
+
 void add_caps(std::span<const State> states, std::span<const SeenPlace> wanted, double spacing,
               Trials& trials) {
   std::vector<SeenPlace> outside;
   std::ranges::copy_if(wanted, std::back_inserter(outside), &SeenPlace::outside);
-  if (outside.empty()) {  // borders left out with a group count as all others
+  if (outside.empty()) {
+    // Borders left out with a group are not what is wanted; if little else is left out, they count as all others.
+    std::ptrdiff_t inside = 0;
+    for (const Trial& trial : trials.each) inside += std::ranges::count_if(trial.seen, is_inside);
+    if (!wanted.empty() && inside >= enough_inside) {
+      for (Trial& trial : trials.each) remove_outside(trial);
+      return count_positions(trials);
+    }
     for (Trial& trial : trials.each)
       for (SeenPlace& place : trial.seen) place.outside = false;
     return;
@@ -283,8 +320,7 @@ void add_caps(std::span<const State> states, std::span<const SeenPlace> wanted, 
   if (trials.each.size() == groups) return;
   // Corners left out with a group are near most of their face. Caps alone show extrapolation.
   for (std::size_t t = 0; t < groups; ++t) remove_outside(trials.each[t]);
-  trials.positions = 0;
-  for (const Trial& trial : trials.each) trials.positions += trial.held.size();
+  count_positions(trials);
 }
 
 }  // namespace
@@ -299,7 +335,8 @@ PlaceLocator::PlaceLocator(const StateSpace& space) : space_(&space) {
 SeenPlace PlaceLocator::operator()(const Vec3& x) const {
   std::vector<StateId> nearest;
   space_->nearest(x, 1, nearest);
-  SeenPlace place{.away = (x - (*space_)[nearest.front()].at).norm(), .beyond = -infinite};
+  const Vec3 from = x - (*space_)[nearest.front()].at;
+  SeenPlace place{.away = from.norm(), .beyond = -infinite, .from = from};
   for (std::size_t k = 0; k < directions; ++k) {
     const double beyond = all_directions()[k].dot(x) - farthest_[k];
     if (beyond > place.beyond) {
@@ -313,9 +350,9 @@ SeenPlace PlaceLocator::operator()(const Vec3& x) const {
 
 Trials leave_out(std::span<const State> states, std::span<const SeenPlace> wanted, double spacing) {
   Trials trials;
-  std::vector<double> inside;
+  std::vector<Vec3> inside;
   for (const SeenPlace& place : wanted)
-    if (!place.outside) inside.push_back(place.away);
+    if (!place.outside) inside.push_back(place.from);
   if (states.size() <= most_whole)
     add_groups(states, inside, spacing, trials);
   else if (!add_boxes(states, inside, spacing, trials))

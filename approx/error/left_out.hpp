@@ -4,11 +4,13 @@
 // A held-out position is as hard to predict as a wanted place if it is as far from the known states. So positions are
 // held out in groups (position_groups.hpp). The groupings tried are
 //   natural groups (strokes of a raster, presses), and compact groups of 1, 2, 4, ... positions
-// For each grouping, the median distance from a held-out position to its nearest known position is compared with the
-// median distance from a wanted place to its nearest known position. The natural grouping with the closest match is
-// used if it is within a factor of 2.5: a stroke that is held out is asked for across the others, as the places are.
-// Else the grouping with the closest match is used (nearest neighbour distance matching, Milà et al., Methods in Ecology
-// and Evolution 13, 2022). If the wanted places are unknown, natural groups are used, or else compact groups of 4.
+// Let W be the second moment of x - x_i over the wanted places x, x_i the nearest state, with eigenvalues w_k and
+// eigenvectors u_k; H that of the held-out positions less the nearest known position. The mismatch of a grouping is
+//   1/2 sum_k w_k |log((u_k.H u_k + e) / (w_k + e))| / sum_k w_k,   e = 1e-4 sum_k w_k
+// so positions are held out as far from the rest, in distance and direction, as the places lie from the states. The
+// natural grouping with the least mismatch is used if that is at most log 2.5, else the grouping with the least (after
+// nearest neighbour distance matching, Milà et al., Methods in Ecology and Evolution 13, 2022). If the wanted places are
+// unknown, natural groups are used, or else compact groups of 4.
 //
 // An eighth of the groups, far from each other, is held out at a time. With more than 1500 states, boxes of neighbouring
 // states are grouped in this way, and one state of each box is compared; or, where boxes are too large, only some
@@ -39,6 +41,7 @@ struct SeenPlace {
   double beyond = 0;          // b [m]; negative inside
   std::size_t direction = 0;  // that of b
   bool outside = false;
+  Vec3 from = Vec3::Zero();  // the place less the nearest state [m]
 };
 
 // Locates places relative to the states of a space, at least one. The space must stay as it is.

@@ -12,9 +12,11 @@
 namespace forefeel {
 namespace {
 
-constexpr std::size_t most_rows = 700;                     // of the process of all rows
+constexpr std::size_t most_rows = 1000;                    // of the process of all rows
 constexpr std::size_t law_clusters = 64, cluster_rows = 4;  // rows that the law is fitted to
-constexpr std::size_t most_secants = 400;                  // boxes
+constexpr std::size_t law_boxes = 500;                     // that it is improved with
+constexpr int polishing = 20;                              // steps
+constexpr double least_apart = 0.1;                        // of boxes for a secant, in lengths and radii
 constexpr std::size_t most_around = 2000;                  // rows that show which directions are known
 constexpr double known_share = 0.25;  // a direction is known up to the deviation of the rows divided by this
 constexpr double surely = 2.8;        // 95 % of |e| lie within 2.8 deviations of a component (chi, 3 degrees)
@@ -38,19 +40,29 @@ MeasuredRows rows_for_law(std::span<const State> states) {
   return rows;
 }
 
-// The largest |F_i - F_j| / |x_i - x_j| of a box and its nearest box, less what noise makes.
-double largest_secant(const MeasuredRows& boxes, double noise) {
+// The largest |F_i - F_j| / |x_i - x_j| of a box and the nearest box at least `apart` from it, less what noise makes.
+double largest_secant(const MeasuredRows& boxes, double noise, double apart) {
   double most = 0;
   for (std::size_t i = 0; i < boxes.size(); ++i) {
     std::size_t nearest = i;
     double least = std::numeric_limits<double>::infinity();
-    for (std::size_t j = 0; j < boxes.size(); ++j)
-      if (const double d = (boxes.at[j] - boxes.at[i]).squaredNorm(); j != i && d < least) least = d, nearest = j;
+    for (std::size_t j = 0; j < boxes.size(); ++j) {
+      const double d = (boxes.at[j] - boxes.at[i]).norm();
+      if (j != i && d >= apart && d < least) least = d, nearest = j;
+    }
     if (nearest == i || !(least > 0)) continue;
     const double doubt = surely * noise * std::sqrt(1 / boxes.weight[i] + 1 / boxes.weight[nearest]);
     const double change = (boxes.force[nearest] - boxes.force[i]).norm() - doubt;
-    most = std::max(most, change / std::sqrt(least));
+    most = std::max(most, change / least);
   }
+  return most;
+}
+
+double radius_of(const MeasuredRows& rows) {
+  Vec3 middle = Vec3::Zero();
+  for (const Vec3& x : rows.at) middle += x / double(rows.size());
+  double most = 0;
+  for (const Vec3& x : rows.at) most = std::max(most, (x - middle).norm());
   return most;
 }
 
@@ -76,30 +88,28 @@ MeasuredRows averaged_boxes(std::span<const State> states, std::size_t most) {
 
 std::optional<FieldOptions> field_of(std::span<const State> states, const KnownNoise& noise) {
   if (states.size() < 8) return {};
-  const MeasuredRows rows = rows_for_law(states);
+  const MeasuredRows some = rows_for_law(states), boxes = averaged_boxes(states, law_boxes);
   std::optional<LikelyLaw> best;
   const auto fit = [&](std::optional<double> known) {
     best.reset();
     for (const Smoothness smoothness : {Smoothness::gaussian, Smoothness::matern52, Smoothness::matern32}) {
-      const std::optional<LikelyLaw> found = likely_law(rows, smoothness, known);
+      std::optional<LikelyLaw> found = likely_law(some, smoothness, known);
+      if (found) found = improved_law(boxes, found->law, 0, known);
       if (found && (!best || found->minus_log_likelihood < best->minus_log_likelihood)) best = found;
     }
+    if (best) best = improved_law(boxes, best->law, polishing, known);
   };
   fit(noise.force);
   if (!best) return {};
-  FieldOptions field{.law = best->law};
-  field.stiffest = largest_secant(averaged_boxes(states, most_secants), field.law.noise);
   // A position that is off by e changes the force by the slope times e.
   if (noise.position) {
-    const double slope = field.law.amplitude / field.law.length;
-    const double from_position = slope * *noise.position;
-    const double least = std::hypot(noise.force.value_or(0), from_position);
-    if (noise.force || field.law.noise < least) {
-      fit(least);
-      if (best) field.law = best->law;
-    }
+    const double slope = best->law.amplitude / best->law.length;
+    const double least = std::hypot(noise.force.value_or(0), slope * *noise.position);
+    if (noise.force || best->law.noise < least) fit(least);
+    if (!best) return {};
   }
-  return field;
+  const double apart = std::min(least_apart * best->law.length, least_apart * radius_of(boxes));
+  return FieldOptions{.law = best->law, .stiffest = largest_secant(boxes, best->law.noise, apart)};
 }
 
 ForceField::ForceField(const StateSpace& known, const FieldOptions& options) : known_(&known), options_(options) {

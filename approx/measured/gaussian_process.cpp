@@ -107,7 +107,7 @@ struct Corner {
 
 // Nelder, Mead 1965, from three corners; returns the best place.
 template <class Function>
-Place least(std::array<Corner, 3> simplex, const Function& value_at) {
+Place least(std::array<Corner, 3> simplex, int steps, const Function& value_at) {
   const auto along = [](const Place& a, const Place& b, double t) {
     return Place{a[0] + t * (b[0] - a[0]), a[1] + t * (b[1] - a[1])};
   };
@@ -148,6 +148,44 @@ double radius_of(const std::vector<Vec3>& at) {
   return std::sqrt(squared);
 }
 
+double square(double x) {
+  return x * x;
+}
+
+// Where the law is sought.
+class Range {
+ public:
+  explicit Range(double radius) : shortest_(std::log(1e-3 * radius)), longest_(std::log(100 * radius)) {}
+  bool holds(const Place& p) const {
+    return p[0] >= shortest_ && p[0] <= longest_ && p[1] >= std::log(least_ratio) - 1e-9 &&
+           p[1] <= std::log(most_ratio);
+  }
+
+ private:
+  double shortest_, longest_;
+};
+
+// size: of the first simplex.
+std::optional<LikelyLaw> searched(const Corner& start, double size, int steps_wanted, const Range& range,
+                                  const Likelihood& likelihood) {
+  Place best = start.at;
+  if (steps_wanted > 0) {
+    const auto value_at = [&](const Place& p) {
+      return range.holds(p) ? likelihood.at(p[0], p[1]).value : infinite;
+    };
+    std::array<Corner, 3> simplex{start, start, start};
+    simplex[1].at[0] += 0.7 * size;
+    if (!range.holds(simplex[1].at)) simplex[1].at[0] -= 1.4 * size;
+    simplex[2].at[1] += 2 * size;
+    if (!range.holds(simplex[2].at)) simplex[2].at[1] -= 4 * size;
+    for (std::size_t k = 1; k < 3; ++k) simplex[k].value = value_at(simplex[k].at);
+    best = least(simplex, steps_wanted, value_at);
+  }
+  const Likelihood::Found found = likelihood.at(best[0], best[1]);
+  if (!(found.value < infinite)) return {};
+  return LikelyLaw{found.law, found.value};
+}
+
 }  // namespace
 
 std::string_view name(Smoothness smoothness) {
@@ -160,12 +198,8 @@ std::optional<LikelyLaw> likely_law(const MeasuredRows& rows, Smoothness smoothn
   const double radius = radius_of(rows.at);
   if (rows.size() < 4 || !(radius > 0)) return {};
   const Likelihood likelihood(rows, smoothness, noise);
-  const double longest = std::log(100 * radius), shortest = std::log(1e-3 * radius);
-  const auto value_at = [&](const Place& p) {
-    if (p[0] > longest || p[0] < shortest || p[1] < std::log(least_ratio) || p[1] > std::log(most_ratio))
-      return infinite;
-    return likelihood.at(p[0], p[1]).value;
-  };
+  const Range range(radius);
+  const auto value_at = [&](const Place& p) { return range.holds(p) ? likelihood.at(p[0], p[1]).value : infinite; };
   Corner start{.at = {}, .value = infinite};
   for (const double length : {0.15, 0.5, 1.5, 5.0})
     for (const double ratio : {1e-10, 1e-6, 1e-3, 1e-1}) {
@@ -173,14 +207,16 @@ std::optional<LikelyLaw> likely_law(const MeasuredRows& rows, Smoothness smoothn
       if (const double value = value_at(at); value < start.value) start = {at, value};
     }
   if (!(start.value < infinite)) return {};
-  std::array<Corner, 3> simplex{start, start, start};
-  simplex[1].at[0] += simplex[1].at[0] + 0.7 < longest ? 0.7 : -0.7;
-  simplex[2].at[1] += 2;
-  for (Corner& corner : simplex) corner.value = value_at(corner.at);
-  const Place best = least(simplex, value_at);
-  const Likelihood::Found found = likelihood.at(best[0], best[1]);
-  if (!(found.value < infinite)) return {};
-  return LikelyLaw{found.law, found.value};
+  return searched(start, 1, steps, range, likelihood);
+}
+
+std::optional<LikelyLaw> improved_law(const MeasuredRows& rows, const FieldLaw& law, int steps_wanted,
+                                      std::optional<double> noise) {
+  const double radius = radius_of(rows.at);
+  if (rows.size() < 4 || !(radius > 0)) return {};
+  const Likelihood likelihood(rows, law.smoothness, noise);
+  const Place at{std::log(law.length), std::log(std::max(least_ratio, square(law.noise / law.amplitude)))};
+  return searched({at, likelihood.at(at[0], at[1]).value}, 0.5, steps_wanted, Range(radius), likelihood);
 }
 
 GaussianProcess::GaussianProcess(MeasuredRows rows, const FieldLaw& law) : rows_(std::move(rows)), law_(law) {

@@ -49,6 +49,11 @@ struct LikelyLaw {
 std::optional<LikelyLaw> likely_law(const MeasuredRows& rows, Smoothness smoothness,
                                     std::optional<double> noise = {});
 
+// The likeliest law of other rows found from `law` in some steps of a search; with no steps its own likelihood, with the
+// likeliest amplitude. O(n^3) a step.
+std::optional<LikelyLaw> improved_law(const MeasuredRows& rows, const FieldLaw& law, int steps,
+                                      std::optional<double> noise = {});
+
 class GaussianProcess {
  public:
   struct Prediction {

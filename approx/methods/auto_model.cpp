@@ -7,6 +7,7 @@
 #include <cmath>
 #include <functional>
 #include <limits>
+#include <map>
 #include <vector>
 
 #include "approx/error/left_out.hpp"
@@ -118,6 +119,35 @@ std::vector<SeenPlace> positions(const Trials& trials, const Sampling& of) {
   return seen;
 }
 
+// The trial of each of them.
+std::vector<std::size_t> trials_of(const Trials& trials, const Sampling& of) {
+  std::vector<std::size_t> trial;
+  for (const std::size_t t : of.trials)
+    for (std::size_t i = 0; i < trials.each[t].seen.size(); i += of.stride) trial.push_back(t);
+  return trial;
+}
+
+// Whether errors a are less than b, as far as the trials show: log of the ratio of their root mean squares, its mean
+// over the trials beside the error of that mean. The trials are few and hold out different groups.
+bool surely_less(const std::vector<double>& a, const std::vector<double>& b,
+                 const std::vector<std::size_t>& trial) {
+  std::map<std::size_t, std::array<double, 2>> sums;
+  for (std::size_t i = 0; i < a.size(); ++i) {
+    sums[trial[i]][0] += a[i] * a[i];
+    sums[trial[i]][1] += b[i] * b[i];
+  }
+  double sum = 0, squares = 0;
+  for (const auto& [t, of] : sums) {
+    const double ratio = 0.5 * std::log(std::max(of[1], 1e-300) / std::max(of[0], 1e-300));
+    sum += ratio;
+    squares += ratio * ratio;
+  }
+  const auto n = static_cast<double>(sums.size());
+  if (n < 2) return false;
+  const double mean = sum / n, variance = std::max(0.0, squares / n - mean * mean) / (n - 1);
+  return mean > (1 + 4 / n) * std::sqrt(variance);
+}
+
 // Root mean square of the errors. Those outside count by the share of wanted places there.
 double score(const std::vector<double>& errors, const std::vector<SeenPlace>& seen, double outside) {
   double sum[2] = {}, count[2] = {};
@@ -191,7 +221,7 @@ std::vector<Candidate> fields_to_try(const AutoModelOptions& options, std::size_
   if (!options.field || wishes.kernel || wishes.ridge || wishes.neighbours || wishes.select) return {};
   Candidate field{.model = {.neighbours = states, .select = Select::nearest}, .all = true, .field = options.field};
   std::vector<Candidate> fields{field};
-  if (states <= field_neighbours) return fields;
+  if (states <= most_for_all) return fields;
   field.all = false;
   field.field->neighbours = field.model.neighbours = field_neighbours;
   fields.push_back(field);
@@ -226,12 +256,20 @@ std::vector<Candidate> best_sets(const std::vector<Candidate>& sorted, std::size
   return best;
 }
 
-// The candidate with the least score; one without a ridge if it is about as good.
+// The candidate with the least score; one without a ridge if it is about as good. A process, which the likelihood of all
+// states chose, gives way only to a model that is surely better.
 std::size_t best_of(const std::vector<Candidate>& candidates, const std::vector<std::vector<double>>& errors,
-                    const std::vector<SeenPlace>& seen, double outside) {
+                    const std::vector<SeenPlace>& seen, const std::vector<std::size_t>& trial,
+                    double outside) {
   std::vector<double> scores;
   for (const std::vector<double>& of : errors) scores.push_back(score(of, seen, outside));
   const auto best = static_cast<std::size_t>(std::ranges::min_element(scores) - scores.begin());
+  if (!candidates[best].field) {
+    std::size_t process = candidates.size();
+    for (std::size_t c = 0; c < candidates.size(); ++c)
+      if (candidates[c].field && (process == candidates.size() || scores[c] < scores[process])) process = c;
+    if (process < candidates.size() && !surely_less(errors[best], errors[process], trial)) return process;
+  }
   if (candidates[best].model.ridge > 0)
     for (std::size_t c = 0; c < candidates.size(); ++c)
       if (candidates[c].model.ridge == 0 && scores[c] <= ridge_gain * scores[best]) return c;
@@ -280,7 +318,7 @@ AutoModel choose_model(std::span<const State> states, const AutoModelOptions& op
   const Sampling all = sampling(trials, trials.each.size(), most_positions);
   const std::vector<std::vector<double>> errors = misses(trials, judged, candidates, all, stage(0.7, 1));
   const std::vector<SeenPlace> seen = positions(trials, all);
-  const std::size_t best = best_of(candidates, errors, seen, outside);
+  const std::size_t best = best_of(candidates, errors, seen, trials_of(trials, all), outside);
   chosen.model = candidates[best].model;
   chosen.model.neighbours = std::min(chosen.model.neighbours, states.size());
   chosen.all = candidates[best].all;

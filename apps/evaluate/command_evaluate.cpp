@@ -190,18 +190,25 @@ EvaluateResult evaluate_command(const Globals& globals, const EvaluateArguments&
   return result;
 }
 
+std::string kernel_in_words(const Evaluation& result) {
+  if (result.chosen && result.chosen->field)
+    return fmt::format("Gaussian process {}", name(result.chosen->field->law.smoothness));
+  return std::string(name(result.options.model.kernel));
+}
+
 // ", quintic on force+stiffness, 25 neighbours"
 std::string in_words(const Evaluation& result) {
   const ModelOptions& model = result.options.model;
   const EvaluatedPoints& made = result.made;
   std::string how;
   if (result.method == Method::rbf || result.method == Method::offline_rbf)
-    how = fmt::format(", {} on {}", name(model.kernel), name(model.data));
+    how = fmt::format(", {} on {}", kernel_in_words(result), name(model.data));
   const bool all = result.chosen && result.chosen->all;
   if (result.method == Method::rbf && !all) how += fmt::format(", {} neighbours", model.neighbours);
   if (all) how += ", one model of all states";
   if (result.chosen && !all) how += fmt::format(" by rule {}", name(model.select));
-  if (result.chosen) how += fmt::format(", ridge {:g}", model.ridge);
+  if (result.chosen && !result.chosen->field) how += fmt::format(", ridge {:g}", model.ridge);
+  if (result.field) how += fmt::format(", noise {:.2g} N", result.field->law.noise);
   if (result.method == Method::rbf_network) how = fmt::format(", {} centres", result.options.centres);
   if (made.stepped_down > 0)
     how += fmt::format(

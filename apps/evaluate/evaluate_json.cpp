@@ -26,9 +26,10 @@ Json if_so(bool so, const Value& value) {
 JsonKeys<R> method_keys() {
   return {{"method", "", "rbf, auto, or an older method",
            [](const R& r) { return r.found.chosen ? "auto" : name(r.found.method); }},
-          {"kernel", "", "linear, cubic or quintic; null: the method has none",
+          {"kernel", "", "linear, cubic or quintic; gaussian, matern52 or matern32: a Gaussian process; null: the method has none",
            [](const R& r) {
              const bool network = is(r, Method::rbf_network);
+             if (r.found.chosen && r.found.chosen->field) return Json(name(r.found.chosen->field->law.smoothness));
              return if_so(is(r, Method::rbf) || is(r, Method::offline_rbf) || network,
                           name(network ? Kernel::cubic : model_of(r).kernel));
            }},
@@ -47,11 +48,19 @@ JsonKeys<R> method_keys() {
            }}};
 }
 
+double ridge_of(const FieldLaw& law) {
+  return law.noise * law.noise / (law.amplitude * law.amplitude);
+}
+
 JsonKeys<Evaluation> chosen_keys() {
   using E = Evaluation;
-  return {{"kernel,neighbours,ridge", "", "method auto: the model that was chosen",
+  return {{"kernel,neighbours,ridge", "",
+           "method auto: the model that was chosen; kernel gaussian, matern52 or matern32: a Gaussian process, whose "
+           "ridge is the variance of the noise over that of the field",
            [](const E& e) {
              const ModelOptions& model = e.options.model;
+             if (const auto& field = e.chosen->field)
+               return Json{name(field->law.smoothness), model.neighbours, ridge_of(field->law)};
              return Json{name(model.kernel), model.neighbours, model.ridge};
            }},
           {"all_states", "", "true: one model of all states", [](const E& e) { return e.chosen->all; }},
@@ -71,6 +80,17 @@ JsonKeys<AutoModel> expected_error_keys() {
              return Json{a.positions, a.groups};
            }},
           {"beyond", "", "points farther from the states than any force left out", &A::beyond}};
+}
+
+JsonKeys<FieldOptions> field_keys() {
+  using F = FieldOptions;
+  return {{"smoothness", "", "of the field: gaussian, matern52 or matern32",
+           [](const F& f) { return name(f.law.smoothness); }},
+          {"length", "m", "over which the force changes", [](const F& f) { return f.law.length; }},
+          {"amplitude", "N", "of one component of the force about its mean", [](const F& f) { return f.law.amplitude; }},
+          {"noise", "N", "deviation of one component of one measured force; given, or estimated",
+           [](const F& f) { return f.law.noise; }},
+          {"stiffest", "N/m", "largest stiffness seen along the states", &F::stiffest}};
 }
 
 // A list with an entry for each of these.
@@ -125,6 +145,8 @@ const JsonKeys<R>& evaluate_keys() {
                         [](const R& r) { return r.found.chosen ? &r.found : nullptr; }),
          json_object<R>("expected_error", expected_error_keys(), "null: no model was chosen",
                         [](const R& r) { return r.found.chosen ? &*r.found.chosen : nullptr; }),
+         json_object<R>("field", field_keys(), "of measured states, by a Gaussian process; null: states with stiffness",
+                        [](const R& r) { return r.found.field ? &*r.found.field : nullptr; }),
          JsonKey<R>(declared(bar_keys()), [](Json& document, const R& r) {
            if (r.found.bars) add_to(document, bar_keys(), BarsShown{.bars = &*r.found.bars});
          }).last()});

@@ -236,8 +236,11 @@ def kept_peers(folder, cell, seed, points, *data):
 
 def judge(program, cell, seed, points, process=True, with_peers=True, keep=""):
     at, forces, inside, truth, beside, truth_beside = cell_data(cell, seed, points)
-    found = run_forefeel(program, at, forces, np.r_[inside, beside])
+    found = run_forefeel(program, at, forces, inside)
     made, bars, n = np.array(found["forces"]), bars_of(found), len(inside)
+    if len(beside):
+        asked = run_forefeel(program, at, forces, beside)
+        made, bars = np.r_[made, np.array(asked["forces"])], np.r_[bars, bars_of(asked)]
     ours = np.linalg.norm(made[:n] - truth, axis=1)
     off = np.linalg.norm(made[n:] - truth_beside, axis=1)
     floor = 1e-9 * np.sqrt(np.mean(np.sum(truth**2, axis=1)))
