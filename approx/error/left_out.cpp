@@ -132,8 +132,9 @@ State without_displacements(const State& state) {
 
 // Holds out each part of a division in turn. group, held: of each state; a state that is not held with its part is
 // left out of both.
-void add_division(std::span<const State> states, const Division& division, std::span<const std::uint32_t> group,
-                  std::span<const char> held, double spacing, Trials& trials) {
+void add_division(std::span<const State> states, const Division& division,
+                  std::span<const std::uint32_t> group, std::span<const char> held, double spacing,
+                  Trials& trials) {
   for (std::uint32_t p = 0; p < division.count; ++p) {
     Trial trial{
         .known = std::make_unique<StateSpace>(StateSpaceOptions{.spacing = spacing}), .held = {}, .seen = {}};

@@ -14,11 +14,13 @@ namespace {
 
 constexpr double no_bar = std::numeric_limits<double>::infinity();
 constexpr std::size_t least_states = 8, least_checks = 20, least_of_label = 30, most_samples = 800;
-constexpr double constants[] = {0, 0.1, 0.3, 1, 3};  // b, in median errors
-constexpr std::size_t scored_level = 1;              // of bar_levels: 95 %
-constexpr double least_scale = 0.15;                 // b of judged bars, in median scales
+constexpr double constants[] = {0, 0.1, 0.3, 1, 3};   // b, in median errors
+constexpr std::size_t scored_level = 1;               // of bar_levels: 95 %
+constexpr double least_scale = 0.15;                  // b of judged bars, in median scales
 constexpr double least_trust = 0.7, most_trust = 16;  // g of judged bars
-constexpr double usual_trust = 0.5;                   // deviation of log g before the samples are seen
+constexpr std::size_t local_samples = 30;
+constexpr double average_samples = 15;
+constexpr double usual_trust = 0.5;  // deviation of log g before the samples are seen
 
 double square(double x) {
   return x * x;
@@ -181,7 +183,6 @@ OfflineBars::OfflineBars(std::vector<BarSample> samples) : samples_(std::move(sa
 
 // The samples become those of judged bars: their scale is that of a comparison with a measured force.
 OfflineBars::OfflineBars(std::vector<BarSample> samples, double noise) : samples_(std::move(samples)) {
-  judged_ = true;
   if (samples_.empty()) return;
   std::vector<double> scales;
   for (const BarSample& s : samples_) scales.push_back(s.scale);
@@ -195,18 +196,53 @@ OfflineBars::OfflineBars(std::vector<BarSample> samples, double noise) : samples
     }
     if (sum < least) least = sum, trust_ = trust;
   }
-  for (BarSample& s : samples_) s.scale = std::sqrt(square(trust_ * (s.scale + constant_)) + 3 * noise * noise);
-  fill_bars(samples_, 0);
-  factors_ = factors_of(samples_, 0, {});
-  for (BarSample& s : samples_)
-    for (double& bar : s.bar) bar = std::max(bar, s.across);
+  for (BarSample& s : samples_) {
+    s.scale = std::sqrt(square(trust_ * (s.scale + constant_)) + 3 * noise * noise);
+    misses_.push_back(square(s.error / s.scale));
+  }
+  std::vector<double> factors;
+  for (const BarSample& s : samples_) factors.push_back(local(s.at, s.part));
+  std::vector<BarSample> pooled = samples_;
+  for (std::size_t i = 0; i < pooled.size(); ++i)
+    pooled[i].scale *= factors[i], pooled[i].label = Label::safe;
+  fill_bars(pooled, 0);
+  for (std::size_t i = 0; i < samples_.size(); ++i) {
+    samples_[i].scale *= factors[i];
+    samples_[i].bar = pooled[i].bar;
+    for (double& bar : samples_[i].bar) bar = std::max(bar, samples_[i].across);
+  }
+  factors_ = factors_of(pooled, 0, {});
 }
 
-BarWidths OfflineBars::at(Label label, bool outside, double scale, double across) const {
+double OfflineBars::local(const Vec3& x, std::optional<std::uint32_t> but) const {
+  std::vector<std::pair<double, double>> near;
+  double sum = 0;
+  for (std::size_t i = 0; i < samples_.size(); ++i) {
+    if (samples_[i].part == but) continue;
+    near.emplace_back((samples_[i].at - x).squaredNorm(), misses_[i]);
+    sum += misses_[i];
+  }
+  if (near.empty() || !(sum > 0)) return 1;
+  const double mean = sum / static_cast<double>(near.size());
+  const std::size_t count = std::min(local_samples, near.size());
+  std::ranges::nth_element(near, near.begin() + static_cast<std::ptrdiff_t>(count - 1));
+  double own = average_samples * mean;
+  for (std::size_t k = 0; k < count; ++k) own += near[k].second;
+  return std::sqrt(own / ((average_samples + static_cast<double>(count)) * mean));
+}
+
+BarWidths OfflineBars::at(Label label, bool outside, double scale) const {
+  BarWidths none;
+  none.fill(no_bar);
+  if (samples_.empty() || !(scale >= 0)) return none;
+  return times(factors_[outside][label], scale + constant_);
+}
+
+BarWidths OfflineBars::at(const Vec3& x, bool outside, double scale, double across) const {
   BarWidths widths;
   widths.fill(no_bar);
   if (samples_.empty() || !(scale >= 0)) return widths;
-  widths = times(factors_[outside][label], (judged_ ? trust_ : 1) * (scale + constant_));
+  widths = times(factors_[outside][Label::safe], local(x, {}) * trust_ * (scale + constant_));
   for (double& width : widths) width = std::max(width, across);
   return widths;
 }

@@ -10,8 +10,11 @@
 // least interval score (Gneiting, Raftery 2007, Eq. 43).
 // Measured states (without stiffness) are judged by a Gaussian process of them (measured/force_field.hpp), which knows
 // the noise sigma of their forces and the deviation s(x) of the force itself. A held-out force f_i is measured, so
-//   z_i = |f~_i - f_i| / sqrt(g^2 (s(x_i) + b)^2 + 3 sigma^2),   e_p(x) = max(q_p g (s(x) + b), S E)
-// q_p: of the z_i as above; g: the likeliest factor of s; b: 0.15 times the median of s. The bar is that of the force
+//   y_i = |f~_i - f_i| / sqrt(g^2 (s(x_i) + b)^2 + 3 sigma^2),   z_i = y_i / t(x_i)
+//   e_p(x) = max(q_p g t(x) (s(x) + b), S E)
+// q_p: of the z_i, of all labels; g: the likeliest factor of s; b: 0.15 times the median of s; t^2: the mean of y^2 over
+// the 30 held-out positions nearest to x and 15 average ones, over the mean of all. t follows noise and roughness that
+// differ from place to place (positions off by a micrometre where the force is steep). The bar is that of the force
 // itself, without the noise of a measurement; the bars of samples hold it, because their forces do. S E: least error
 // across the states.
 // If the caller gives check solves (at random places of the box, not used as states), their errors are the scores, and
@@ -69,10 +72,11 @@ class OfflineBars {
   explicit OfflineBars(std::vector<BarSample> samples);
   OfflineBars(std::vector<BarSample> samples, double noise);  // of measured forces, sigma of a component [N]
 
-  // outside: of the states; scale: s(x) [N]; across: least error across the states [N]
-  BarWidths at(Label label, bool outside, double scale, double across = 0) const;
-  double constant() const { return constant_; }                 // b [N]
-  bool checked() const { return checked_; }                     // from check solves
+  BarWidths at(Label label, bool outside, double scale) const;  // outside: of the states; scale: s(x) [N]
+  // Of measured states: the bar at x, across: least error across the states [N].
+  BarWidths at(const Vec3& x, bool outside, double scale, double across) const;
+  double constant() const { return constant_; }  // b [N]
+  bool checked() const { return checked_; }      // from check solves
   std::span<const BarSample> samples() const { return samples_; }
   BarCover cover(std::optional<Label> label = {}) const;  // of all, or of one label
   BarCover cover_outside() const;                         // of those outside the others
@@ -80,10 +84,12 @@ class OfflineBars {
  private:
   friend OfflineBars checked_bars(const StateSpace& known, std::span<const State> checks,
                                   const OfflineBarOptions& options);
+  double local(const Vec3& x, std::optional<std::uint32_t> but) const;  // t
   std::vector<BarSample> samples_;
-  bool checked_ = false, judged_ = false;
+  bool checked_ = false;
   double constant_ = 0;
-  double trust_ = 1;  // g of judged bars
+  double trust_ = 1;                             // g of judged bars
+  std::vector<double> misses_;                   // y_i^2 of judged bars
   std::array<ByLabel<BarWidths>, 2> factors_{};  // inside and outside
 };
 

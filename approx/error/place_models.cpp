@@ -31,15 +31,15 @@ const Model& PlaceModels::at(const Vec3& x) {
 }
 
 PlaceForces::PlaceForces(const StateSpace& known, const PlaceMethod& method) {
-  if (method.field)
-    field_.emplace(known, *method.field);
-  else
-    models_.emplace(known, method.model, method.all);
+  const bool same = method.field && method.judge && method.field->neighbours == method.judge->neighbours;
+  if (method.field && !same) field_.emplace(known, *method.field);
+  if (!method.field) models_.emplace(known, method.model, method.all);
   if (method.judge) judge_.emplace(known, *method.judge);
 }
 
 Vec3 PlaceForces::force(const Vec3& x) {
   if (field_) return field_->at(x).force;
+  if (!models_) return judge_->at(x).force;
   const Vec3 foot = judge_ ? judge_->at(x).foot : x;
   return models_->at(foot).force(foot);
 }

@@ -27,9 +27,9 @@ class PlaceModels {
 // What gives the force at a place: a Gaussian process of measured forces, or else an RBF model.
 struct PlaceMethod {
   ModelOptions model = {};
-  bool all = false;                         // one model of all states
-  std::optional<FieldOptions> field = {};   // the process (measured/force_field.hpp)
-  std::optional<FieldOptions> judge = {};   // of the error and of the directions that the states do not know
+  bool all = false;                        // one model of all states
+  std::optional<FieldOptions> field = {};  // the process (measured/force_field.hpp)
+  std::optional<FieldOptions> judge = {};  // of the error and of the directions that the states do not know
 };
 
 // Forces of some known states at one place after the other. Where `judge` says that the states do not know a direction

@@ -12,15 +12,15 @@
 namespace forefeel {
 namespace {
 
-constexpr std::size_t most_rows = 1000;                    // of the process of all rows
+constexpr std::size_t most_rows = 1000;                     // of the process of all rows
 constexpr std::size_t law_clusters = 64, cluster_rows = 4;  // rows that the law is fitted to
-constexpr std::size_t law_boxes = 500;                     // that it is improved with
-constexpr int polishing = 20;                              // steps
-constexpr double least_apart = 0.1;                        // of boxes for a secant, in lengths and radii
-constexpr std::size_t most_around = 2000;                  // rows that show which directions are known
+constexpr std::size_t law_boxes = 500;                      // that it is improved with
+constexpr int polishing = 20;                               // steps
+constexpr double least_apart = 0.1;                         // of boxes for a secant, in lengths and radii
+constexpr std::size_t most_around = 2000;                   // rows that show which directions are known
 constexpr double known_share = 0.25;  // a direction is known up to the deviation of the rows divided by this
 constexpr double surely = 2.8;        // 95 % of |e| lie within 2.8 deviations of a component (chi, 3 degrees)
-constexpr double knows = 0.3;         // the process knows the force across if its 95 % is below this share of S E
+constexpr double cone = 0.5;  // cosine of the angle to the direction across, within which rows tell of it
 constexpr double most_overshoot = 2;  // no force is larger than this many times the largest known one
 
 std::vector<Vec3> positions_of(std::span<const State> states) {
@@ -82,7 +82,8 @@ MeasuredRows averaged_boxes(std::span<const State> states, std::size_t most) {
     rows.force[groups.of[i]] += states[i].force;
     rows.weight[groups.of[i]] += 1;
   }
-  for (std::size_t g = 0; g < groups.count; ++g) rows.at[g] /= rows.weight[g], rows.force[g] /= rows.weight[g];
+  for (std::size_t g = 0; g < groups.count; ++g)
+    rows.at[g] /= rows.weight[g], rows.force[g] /= rows.weight[g];
   return rows;
 }
 
@@ -108,15 +109,21 @@ std::optional<FieldOptions> field_of(std::span<const State> states, const KnownN
     if (noise.force || best->law.noise < least) fit(least);
     if (!best) return {};
   }
+  double most = 0;
+  for (const Vec3& f : boxes.force) most = std::max(most, f.norm());
   const double apart = std::min(least_apart * best->law.length, least_apart * radius_of(boxes));
-  return FieldOptions{.law = best->law, .stiffest = largest_secant(boxes, best->law.noise, apart)};
+  return FieldOptions{
+      .law = best->law,
+      .stiffest = std::max(largest_secant(boxes, best->law.noise, apart), most / radius_of(boxes))};
 }
 
-ForceField::ForceField(const StateSpace& known, const FieldOptions& options) : known_(&known), options_(options) {
+ForceField::ForceField(const StateSpace& known, const FieldOptions& options)
+    : known_(&known), options_(options) {
   std::vector<State> states;
   for (std::uint32_t id = 0; id < known.size(); ++id) {
     const State& state = known[StateId{id}];
     most_ = std::max(most_, state.force.norm());
+    rows_.push_back(state.at);
     if (options.neighbours > 0) continue;
     State light;
     light.at = state.at;
@@ -140,7 +147,7 @@ ForceField::Foot ForceField::foot_of(const Vec3& x) const {
   std::vector<StateId> ids;
   known_->nearest(x, 1, ids);
   const double nearest = ((*known_)[ids.front()].at - x).norm();
-  known_->within(x, std::max(4 * nearest, 0.25 * options_.law.length), ids);
+  known_->within(x, 4 * nearest, ids);
   if (ids.size() < 2) known_->nearest(x, 2, ids);
   const std::size_t stride = ids.size() / most_around + 1;
   Vec3 middle = Vec3::Zero();
@@ -159,19 +166,30 @@ ForceField::Foot ForceField::foot_of(const Vec3& x) const {
     const double off = -u.dot(middle);
     if (known_share * std::abs(off) > std::sqrt(std::max(0.0, axes.eigenvalues()[k]))) across += off * u;
   }
-  return {.at = x - across, .across = across.norm()};
+  const Vec3 foot = x - across;
+  if (across.isZero(0) || known_across(x, foot)) return {.at = x, .across = 0};
+  return {.at = foot, .across = across.norm()};
+}
+
+bool ForceField::known_across(const Vec3& x, const Vec3& foot) const {
+  const double across = (x - foot).norm();
+  const Vec3 u = (x - foot) / across;
+  const auto tells = [&](const Vec3& from, const Vec3& towards) {
+    const double away = from.norm();
+    return away >= across && away <= options_.law.length && from.dot(towards) >= cone * away;
+  };
+  for (const Vec3& at : rows_)
+    if (tells(at - x, u) || tells(at - foot, -u)) return true;
+  return false;
 }
 
 ForceField::Prediction ForceField::at(const Vec3& x) const {
-  const GaussianProcess::Prediction own = predicted(x);
-  Prediction made{.force = own.force, .deviation = std::sqrt(3.0) * own.deviation, .foot = x};
   const Foot foot = foot_of(x);
-  const double least = options_.stiffest * foot.across;
-  if (least > 0 && surely * own.deviation > knows * least) {
-    made.force = predicted(foot.at).force;
-    made.foot = foot.at;
-    made.least_error = least;
-  }
+  const GaussianProcess::Prediction own = predicted(foot.at);
+  Prediction made{.force = own.force,
+                  .deviation = std::sqrt(3.0) * own.deviation,
+                  .foot = foot.at,
+                  .least_error = options_.stiffest * foot.across};
   const double size = made.force.norm();
   if (size > bound()) made.force *= bound() / size;
   return made;

@@ -3,13 +3,15 @@
 // Where there are many rows, the mean of a box of neighbouring rows stands for them: its noise is less by the square
 // root of their number, and lines that are dense along themselves weigh no more than their length.
 //
-// Directions that the rows do not know. Rows of a line or a surface determine nothing across it. Let M be the
-// covariance of the positions within R = max(4 d, l / 4) of x (d: distance of the nearest row) and c their mean. An
-// eigenvector u of M is unknown at x if |u.(x - c)| exceeds four times the deviation of the rows along u. Then
+// Directions that the rows do not know. Rows of a line, a curve or a surface determine nothing across it. Let M be the
+// covariance of the positions within 4 d of x (d: distance of the nearest row) and c their mean. An eigenvector u of M is
+// unknown at x if |u.(x - c)| exceeds four times the deviation of the rows along u. Then
 //   foot     x without its components along unknown directions, about c: the place on the line that is nearest to x
 //   across   E = |x - foot| [m]
-// There the force is that of the foot, and the error is at least S E, S [N/m] the largest secant of neighbouring boxes,
-// unless the process itself knows the force better from rows farther off (a raster of lines).
+// unless rows within l lie beyond x, or on the far side of the foot, within 60 degrees of the direction across and at
+// least E away: those of the next line of a raster. At the foot's force the error is at least S E. S [N/m]: the largest
+// secant |F_i - F_j| / |x_i - x_j| of neighbouring boxes, or the largest force over half the extent of the rows, if that
+// is more.
 
 #include <memory>
 #include <optional>
@@ -41,7 +43,7 @@ class ForceField {
  public:
   struct Prediction {
     Vec3 force = Vec3::Zero();  // [N]
-    double deviation = 0;       // of |force - f~|, without noise: sqrt(3 v) [N]
+    double deviation = 0;       // of |force - f~| at the foot, without noise: sqrt(3 v) [N]
     Vec3 foot = Vec3::Zero();   // x itself where all directions are known [m]
     double least_error = 0;     // S E [N]
   };
@@ -56,11 +58,13 @@ class ForceField {
     double across = 0;  // E [m]
   };
   Foot foot_of(const Vec3& x) const;
+  bool known_across(const Vec3& x, const Vec3& foot) const;
   GaussianProcess::Prediction predicted(const Vec3& x) const;
 
   const StateSpace* known_;
   FieldOptions options_;
-  double most_ = 0;                           // largest force [N]
+  double most_ = 0;                             // largest force [N]
+  std::vector<Vec3> rows_;                      // positions
   std::shared_ptr<const GaussianProcess> all_;  // null: of each place
 };
 

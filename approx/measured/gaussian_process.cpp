@@ -28,14 +28,13 @@ double correlation(double t, Smoothness smoothness) {
 MatrixXd squared_distances(const std::vector<Vec3>& at) {
   MatrixXd squared(Index(at.size()), Index(at.size()));
   for (std::size_t j = 0; j < at.size(); ++j)
-    for (std::size_t i = j; i < at.size(); ++i)
-      squared(Index(i), Index(j)) = (at[i] - at[j]).squaredNorm();
+    for (std::size_t i = j; i < at.size(); ++i) squared(Index(i), Index(j)) = (at[i] - at[j]).squaredNorm();
   return squared;
 }
 
 // Lower triangle of R + D.
-MatrixXd system_of(const MatrixXd& squared, const std::vector<double>& weight, Smoothness smoothness, double length,
-                   double ratio) {
+MatrixXd system_of(const MatrixXd& squared, const std::vector<double>& weight, Smoothness smoothness,
+                   double length, double ratio) {
   MatrixXd system(squared.rows(), squared.cols());
   for (Index j = 0; j < squared.cols(); ++j) {
     for (Index i = j; i < squared.rows(); ++i)
@@ -82,8 +81,8 @@ class Likelihood {
     const double count = 3 * (double(right.rows()) - 1);
     const double sum = std::max(right.squaredNorm(), std::numeric_limits<double>::min());
     const double variance = noise_ && *noise_ > 0 ? *noise_ * *noise_ / ratio : sum / count;
-    const double value = 0.5 * count * std::log(variance) + 0.5 * sum / variance +
-                         3 * diagonal.log().sum() + 1.5 * std::log(precision);
+    const double value = 0.5 * count * std::log(variance) + 0.5 * sum / variance + 3 * diagonal.log().sum() +
+                         1.5 * std::log(precision);
     return {value,
             {.smoothness = smoothness_,
              .length = length,
@@ -194,12 +193,15 @@ std::string_view name(Smoothness smoothness) {
                                               : "matern32";
 }
 
-std::optional<LikelyLaw> likely_law(const MeasuredRows& rows, Smoothness smoothness, std::optional<double> noise) {
+std::optional<LikelyLaw> likely_law(const MeasuredRows& rows, Smoothness smoothness,
+                                    std::optional<double> noise) {
   const double radius = radius_of(rows.at);
   if (rows.size() < 4 || !(radius > 0)) return {};
   const Likelihood likelihood(rows, smoothness, noise);
   const Range range(radius);
-  const auto value_at = [&](const Place& p) { return range.holds(p) ? likelihood.at(p[0], p[1]).value : infinite; };
+  const auto value_at = [&](const Place& p) {
+    return range.holds(p) ? likelihood.at(p[0], p[1]).value : infinite;
+  };
   Corner start{.at = {}, .value = infinite};
   for (const double length : {0.15, 0.5, 1.5, 5.0})
     for (const double ratio : {1e-10, 1e-6, 1e-3, 1e-1}) {
@@ -221,7 +223,8 @@ std::optional<LikelyLaw> improved_law(const MeasuredRows& rows, const FieldLaw& 
 
 GaussianProcess::GaussianProcess(MeasuredRows rows, const FieldLaw& law) : rows_(std::move(rows)), law_(law) {
   const MatrixXd squared = squared_distances(rows_.at);
-  double ratio = std::max(least_ratio, law.noise * law.noise / std::max(law.amplitude * law.amplitude, 1e-300));
+  double ratio =
+      std::max(least_ratio, law.noise * law.noise / std::max(law.amplitude * law.amplitude, 1e-300));
   for (;; ratio *= 10) {  // rounding may leave the matrix indefinite
     const Eigen::LLT<MatrixXd> factor(system_of(squared, rows_.weight, law_.smoothness, law_.length, ratio));
     if (factor.info() != Eigen::Success && ratio < most_ratio) continue;

@@ -62,7 +62,7 @@ class GaussianProcess {
   };
   // O(n^3). At least one row.
   GaussianProcess(MeasuredRows rows, const FieldLaw& law);
-  Vec3 force(const Vec3& x) const;      // O(n)
+  Vec3 force(const Vec3& x) const;     // O(n)
   Prediction at(const Vec3& x) const;  // O(n^2)
 
  private:

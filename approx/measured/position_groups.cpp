@@ -49,7 +49,8 @@ std::vector<Edge> spanning_tree(std::span<const Vec3> positions) {
 std::vector<std::size_t> joining_edges(const std::vector<Edge>& edges) {
   const std::size_t n = edges.size() + 1;
   std::vector<std::pair<double, std::size_t>> jumps;
-  for (std::size_t k = std::max<std::size_t>(1, n / 2); k < edges.size() && k + 2 < n; ++k) {  // n - k clusters
+  for (std::size_t k = std::max<std::size_t>(1, n / 2); k < edges.size() && k + 2 < n;
+       ++k) {  // n - k clusters
     const double jump = edges[k].length / std::max(edges[k - 1].length, std::numeric_limits<double>::min());
     if (jump >= (k + 5 < n ? least_jump : least_jump_of_few)) jumps.emplace_back(-jump, k);
   }

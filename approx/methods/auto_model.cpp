@@ -57,7 +57,7 @@ std::vector<double> misses(const Trial& trial, const Judged& judged, const Candi
   for (std::size_t i = 0; i < trial.held.size(); i += stride) {
     const State& held = trial.held[i];
     const Vec3 foot = judged.empty() ? held.at : judged[i].foot;
-    const Vec3 force = own                 ? field->at(held.at).force
+    const Vec3 force = own               ? field->at(held.at).force
                        : candidate.field ? judged[i].force
                                          : models->at(foot).force(foot);
     out.push_back((force - held.force).norm());
@@ -167,8 +167,8 @@ double share_outside(std::span<const SeenPlace> wanted) {
 }
 
 // Scores the candidates on some positions and sorts them, the best first; equal ones keep their order.
-void sort_by_score(const Trials& trials, const std::vector<Judged>& judged, double outside, std::vector<Candidate>& candidates,
-                   const std::function<void(double)>& show) {
+void sort_by_score(const Trials& trials, const std::vector<Judged>& judged, double outside,
+                   std::vector<Candidate>& candidates, const std::function<void(double)>& show) {
   const Sampling some = sampling(trials, first_trials, first_positions);
   const std::vector<SeenPlace> seen = positions(trials, some);
   const std::vector<std::vector<double>> errors = misses(trials, judged, candidates, some, show);
@@ -219,7 +219,8 @@ std::vector<Candidate> sets_to_try(std::span<const State> states, const ModelWis
 std::vector<Candidate> fields_to_try(const AutoModelOptions& options, std::size_t states) {
   const ModelWishes& wishes = options.model;
   if (!options.field || wishes.kernel || wishes.ridge || wishes.neighbours || wishes.select) return {};
-  Candidate field{.model = {.neighbours = states, .select = Select::nearest}, .all = true, .field = options.field};
+  Candidate field{
+      .model = {.neighbours = states, .select = Select::nearest}, .all = true, .field = options.field};
   std::vector<Candidate> fields{field};
   if (states <= most_for_all) return fields;
   field.all = false;

@@ -36,7 +36,8 @@ struct ModelWishes {
 ModelOptions wished_model(const ModelWishes& wishes, bool stiffness, std::size_t states);
 
 struct AutoModelOptions {
-  std::optional<FieldOptions> field = {};  // of measured states: a candidate, and the judge of unknown directions
+  std::optional<FieldOptions> field =
+      {};  // of measured states: a candidate, and the judge of unknown directions
 
   ModelWishes model = {};  // the rest is chosen; data: force+stiffness where the states have it
   double spacing = 0.006;  // h of the state space [m]
@@ -46,7 +47,8 @@ struct AutoModelOptions {
 struct AutoModel {
   ModelOptions model = {};
   bool all = false;  // one model of all states is used for every place (fit_model() about their middle)
-  std::optional<FieldOptions> field = {};  // a Gaussian process in place of the model (measured/force_field.hpp)
+  std::optional<FieldOptions> field =
+      {};  // a Gaussian process in place of the model (measured/force_field.hpp)
   // Quantiles of |f - f~| at the held-out positions [N]; NaN if there are too few states to choose.
   double p50 = unknown, p95 = unknown;
   std::size_t positions = 0, groups = 0;  // left out

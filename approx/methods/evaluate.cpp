@@ -91,8 +91,8 @@ EvaluatedPoints evaluate_whole(std::span<const State> states, const StateSpace& 
 }
 
 // The force of a Gaussian process at each point. Its bound is that of ForceField.
-EvaluatedPoints evaluate_field(const StateSpace& space, std::span<const Vec3> points, const FieldOptions& options,
-                               const ShowPoints& show) {
+EvaluatedPoints evaluate_field(const StateSpace& space, std::span<const Vec3> points,
+                               const FieldOptions& options, const ShowPoints& show) {
   EvaluatedPoints result;
   const auto start = Clock::now();
   const ForceField field(space, options);
@@ -196,7 +196,7 @@ EvaluatedBars bars_of(const StateSpace& space, std::span<const State> states, st
     bars.outside += seen.outside ? 1 : 0;
     if (judge) {
       const ForceField::Prediction judged = judge->at(points[i]);
-      bars.at.push_back(own.at(made.labels[i], seen.outside, judged.deviation, judged.least_error));
+      bars.at.push_back(own.at(points[i], seen.outside, judged.deviation, judged.least_error));
       continue;
     }
     bars.at.push_back(own.at(made.labels[i], seen.outside, scale_at(space, points[i], made.forces[i])));
@@ -240,13 +240,12 @@ Evaluation evaluate(std::span<const State> states, std::span<const Vec3> points,
   }
   if (moving && !stiffness) result.field = field_of(mean.states, options.noise);
   if (moving && is_chosen(options, stiffness)) {
-    result.chosen = choose_model(
-        mean.states,
-        {.field = result.field,
-         .model = options.model,
-         .spacing = result.options.spacing,
-         .progress = options.choosing},
-        wanted);
+    result.chosen = choose_model(mean.states,
+                                 {.field = result.field,
+                                  .model = options.model,
+                                  .spacing = result.options.spacing,
+                                  .progress = options.choosing},
+                                 wanted);
     model = result.chosen->model;
   }
   if (result.method == Method::rbf) check_memory(model, space.size());
@@ -255,13 +254,12 @@ Evaluation evaluate(std::span<const State> states, std::span<const Vec3> points,
   const std::vector<Vec3> places = feet(space, points, moving ? result.field : std::nullopt);
   if (result.method == Method::rbf_network)
     result.options.centres = RbfNetwork::centres_of(rows, options.model.neighbours.value_or(0));
-  result.made = result.chosen && result.chosen->field
-                    ? evaluate_field(space, points, *result.chosen->field, show)
-                : result.chosen && result.chosen->all
-                    ? evaluate_whole(mean.states, space, places, model, show)
-                : result.method == Method::rbf
-                    ? evaluate_rbf(space, places, model, show)
-                    : evaluate_older(result.method, mean.states, space, points, result.options);
+  result.made =
+      result.chosen && result.chosen->field ? evaluate_field(space, points, *result.chosen->field, show)
+      : result.chosen && result.chosen->all ? evaluate_whole(mean.states, space, places, model, show)
+      : result.method == Method::rbf
+          ? evaluate_rbf(space, places, model, show)
+          : evaluate_older(result.method, mean.states, space, points, result.options);
   for (std::size_t i = 0; i < points.size(); ++i)
     if (places[i] != points[i]) result.made.labels[i] = space.label(points[i]);
   if (moving && options.bars)

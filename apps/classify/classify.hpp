@@ -7,6 +7,7 @@
 #include <string>
 #include <vector>
 
+#include "approx/measured/force_field.hpp"
 #include "apps/console/console.hpp"
 #include "apps/console/document_keys.hpp"
 #include "geometry/coverage/agreement.hpp"
@@ -46,6 +47,7 @@ struct ClassifyArguments {
   ClassifyPlaces places;
   bool agreement = false;
   bool bars = false;           // error bars, from forces left out
+  KnownNoise noise = {};       // of measured forces, for the bars
   std::string tolerance = {};  // for the error; empty: the scene's, else 7 %
   std::string output, palette = {};
 };

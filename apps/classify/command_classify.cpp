@@ -334,6 +334,15 @@ void add_classify(CommandLine& line) {
          "With --bars: error that counts as known, a share of the force or newtons; default: the scene's, "
          "else 0.07")
       .shows("0.07|\"0.07 N\"");
+  sub.option("--noise", arguments->noise.force,
+             "With --bars: deviation of one component of a measured force [N]. Default: estimated from the "
+             "states")
+      .shows("NEWTON")
+      .check(above_zero);
+  sub.option("--position-noise", arguments->noise.position,
+             "With --bars: deviation of one coordinate of a measured position [m]")
+      .shows("METRE")
+      .check(above_zero);
   sub.flag("--list", arguments->places.list, "Print every point; default: if they are at most 20");
   sub.option("--through", arguments->places.through,
              "Point that the slices share; default: rest, or the middle")

@@ -48,7 +48,8 @@ ErrorKnown error_known(const Globals& globals, const ClassifyArguments& argument
                        const std::vector<Vec3>& points) {
   ErrorKnown known;
   known.tolerance = tolerance_of(globals, arguments);
-  const EvaluateOptions options{.bars = true, .spacing = set.spacing, .checks = set.checks};
+  const EvaluateOptions options{
+      .bars = true, .spacing = set.spacing, .noise = arguments.noise, .checks = set.checks};
   const std::vector<Vec3> places = halton_points(set.box, arguments.bars ? box_places : 1);
   known.box = evaluate(set.states, places, options);
   known.places = places.size();

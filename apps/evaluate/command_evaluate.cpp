@@ -42,6 +42,7 @@ struct EvaluateArguments {
   std::string states, points, output, scene;
   ModelArguments model;
   std::optional<double> spacing;
+  KnownNoise noise;
   bool foreign = false, no_bars = false;
 };
 
@@ -172,6 +173,7 @@ EvaluateResult evaluate_command(const Globals& globals, const EvaluateArguments&
   options.spacing = known.spacing;
   options.checks = known.checks;
   options.bars = !arguments.no_bars;
+  options.noise = arguments.noise;
   result.belonging = known.belonging;
   result.mesh = known.mesh;
   Progress progress(globals, "evaluate");
@@ -325,6 +327,15 @@ void add_evaluate(CommandLine& line) {
              "For noisy states: added to the kernel's diagonal; auto: chosen by leaving out single states. "
              "Default of rbf: 0")
       .shows("NUMBER|auto");
+  sub.option("--noise", arguments->noise.force,
+             "Deviation of one component of a measured force [N]. Default: estimated from the states")
+      .shows("NEWTON")
+      .check(above_zero);
+  sub.option(
+         "--position-noise", arguments->noise.position,
+         "Deviation of one coordinate of a measured position [m]. Default: its effect is part of the noise")
+      .shows("METRE")
+      .check(above_zero);
   sub.option("--scene", arguments->scene,
              "Scene of the states' body. States that name no body are compared with it and refused if they "
              "differ")

@@ -26,10 +26,13 @@ Json if_so(bool so, const Value& value) {
 JsonKeys<R> method_keys() {
   return {{"method", "", "rbf, auto, or an older method",
            [](const R& r) { return r.found.chosen ? "auto" : name(r.found.method); }},
-          {"kernel", "", "linear, cubic or quintic; gaussian, matern52 or matern32: a Gaussian process; null: the method has none",
+          {"kernel", "",
+           "linear, cubic or quintic; gaussian, matern52 or matern32: a Gaussian process; null: the method "
+           "has none",
            [](const R& r) {
              const bool network = is(r, Method::rbf_network);
-             if (r.found.chosen && r.found.chosen->field) return Json(name(r.found.chosen->field->law.smoothness));
+             if (r.found.chosen && r.found.chosen->field)
+               return Json(name(r.found.chosen->field->law.smoothness));
              return if_so(is(r, Method::rbf) || is(r, Method::offline_rbf) || network,
                           name(network ? Kernel::cubic : model_of(r).kernel));
            }},
@@ -55,7 +58,8 @@ double ridge_of(const FieldLaw& law) {
 JsonKeys<Evaluation> chosen_keys() {
   using E = Evaluation;
   return {{"kernel,neighbours,ridge", "",
-           "method auto: the model that was chosen; kernel gaussian, matern52 or matern32: a Gaussian process, whose "
+           "method auto: the model that was chosen; kernel gaussian, matern52 or matern32: a Gaussian "
+           "process, whose "
            "ridge is the variance of the noise over that of the field",
            [](const E& e) {
              const ModelOptions& model = e.options.model;
@@ -87,7 +91,8 @@ JsonKeys<FieldOptions> field_keys() {
   return {{"smoothness", "", "of the field: gaussian, matern52 or matern32",
            [](const F& f) { return name(f.law.smoothness); }},
           {"length", "m", "over which the force changes", [](const F& f) { return f.law.length; }},
-          {"amplitude", "N", "of one component of the force about its mean", [](const F& f) { return f.law.amplitude; }},
+          {"amplitude", "N", "of one component of the force about its mean",
+           [](const F& f) { return f.law.amplitude; }},
           {"noise", "N", "deviation of one component of one measured force; given, or estimated",
            [](const F& f) { return f.law.noise; }},
           {"stiffest", "N/m", "largest stiffness seen along the states", &F::stiffest}};
@@ -145,7 +150,11 @@ const JsonKeys<R>& evaluate_keys() {
                         [](const R& r) { return r.found.chosen ? &r.found : nullptr; }),
          json_object<R>("expected_error", expected_error_keys(), "null: no model was chosen",
                         [](const R& r) { return r.found.chosen ? &*r.found.chosen : nullptr; }),
-         json_object<R>("field", field_keys(), "of measured states, by a Gaussian process; null: states with stiffness",
+         {"groups", "",
+          "number of independent groups that the expected error rests on; null: no model was chosen",
+          [](const R& r) { return r.found.chosen ? Json(r.found.chosen->groups) : Json(); }},
+         json_object<R>("field", field_keys(),
+                        "of measured states, by a Gaussian process; null: states with stiffness",
                         [](const R& r) { return r.found.field ? &*r.found.field : nullptr; }),
          JsonKey<R>(declared(bar_keys()), [](Json& document, const R& r) {
            if (r.found.bars) add_to(document, bar_keys(), BarsShown{.bars = &*r.found.bars});

@@ -62,15 +62,22 @@ void set_option(EvaluateOptions& options, const std::string& key, const py::hand
                                   std::array{Select::label, Select::nearest});
   } else if (key == "ridge") {
     set_ridge(options, value);
+  } else if (key == "noise" || key == "position_noise") {
+    const auto noise = cast_to<double>(value, key, "a number");
+    if (!(noise > 0) || !std::isfinite(noise))
+      throw InputError(key, fmt::format("is {}, expected a number above 0", noise));
+    (key == "noise" ? options.noise.force : options.noise.position) = noise;
   } else if (key == "bars") {
     options.bars = cast_to<bool>(value, key, "True or False");
   } else if (key == "spacing") {
     options.spacing = cast_to<double>(value, key, "a number");
     check_spacing(options.spacing);
   } else {
-    throw py::type_error(fmt::format(
-        "unknown option '{:.40}', expected method, kernel, data, neighbours, select, ridge, spacing or bars",
-        key));
+    throw py::type_error(
+        fmt::format("unknown option '{:.40}', expected method, kernel, data, neighbours, select, ridge, "
+                    "spacing, noise, position_noise or "
+                    "bars",
+                    key));
   }
 }
 
@@ -97,7 +104,8 @@ py::dict description(const Evaluation& made) {
   py::dict out;
   const ModelOptions& model = made.options.model;
   out["method"] = made.chosen ? std::string("auto") : std::string(name(made.method));
-  out["kernel"] = std::string(name(model.kernel));
+  out["kernel"] = std::string(made.chosen && made.chosen->field ? name(made.chosen->field->law.smoothness)
+                                                                : name(model.kernel));
   out["data"] = std::string(name(model.data));
   out["neighbours"] = model.neighbours;
   out["ridge"] = model.ridge;
@@ -109,7 +117,9 @@ py::dict description(const Evaluation& made) {
     out["error_bar"] = py::dict(py::arg("levels") = bar_levels, py::arg("coverage") = cover.inside,
                                 py::arg("samples") = cover.samples, py::arg("width_p50") = cover.width_p50);
   }
+  if (made.field) out["noise"] = made.field->law.noise;
   if (!made.chosen) return out;
+  out["groups"] = made.chosen->groups;
   py::dict error;
   error["p50"] = made.chosen->p50, error["p95"] = made.chosen->p95;
   out["expected_error"] = error;

@@ -36,7 +36,8 @@ def evaluate(positions: ArrayLike, forces: ArrayLike, points: ArrayLike, stiffne
     """Forces (m, 3) [N] at points (m, 3) [m], approximated from states at positions (n, 3) [m].
 
     forces (n, 3) [N]; stiffness (n, 3, 3) [N/m] with K = -df/dx, or None. Options as of `forefeel evaluate`:
-    method, kernel, data, neighbours, select, ridge (a number or "auto"), spacing [m]. Same forces as the command;
+    method, kernel, data, neighbours, select, ridge (a number or "auto"), spacing [m], noise [N] and position_noise [m]
+    (deviation of a component of a measured force and of a coordinate; estimated if not given). Same forces as the command;
     error_bar() gives their error bars.
     States without stiffness have method="auto" if nothing is given: it chooses kernel, neighbours and ridge by
     leaving out groups of neighbouring states; evaluation() says what it chose.
@@ -47,7 +48,8 @@ def evaluate(positions: ArrayLike, forces: ArrayLike, points: ArrayLike, stiffne
 def evaluation(positions: ArrayLike, forces: ArrayLike, points: ArrayLike, stiffness: ArrayLike | None = None,
                **options: Any) -> tuple[NDArray[np.float64], dict[str, Any]]:
     """evaluate(), and a dict of what was used: method, kernel, data, neighbours, ridge, spacing [m], averaged (states
-    that contradicted another at their position), and for method "auto" expected_error {p50, p95} [N]. With bars=True
+    that contradicted another at their position), and for method "auto" expected_error {p50, p95} [N] and groups, the
+    number of independent groups behind it; for measured states noise [N], given or estimated. With bars=True
     also bars (m, 3) [N], the half-widths of 90, 95 and 99 %, and error_bar: how well they cover known forces that are
     left out (levels, coverage, samples, width_p50 [N])."""
     at, force = numbers(positions, "positions"), numbers(forces, "forces")
