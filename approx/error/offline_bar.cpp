@@ -20,7 +20,9 @@ constexpr double least_scale = 0.15;                  // b of judged bars, in me
 constexpr double least_trust = 0.7, most_trust = 16;  // g of judged bars
 constexpr std::size_t local_samples = 30;
 constexpr double average_samples = 15;
-constexpr double usual_trust = 0.5;  // deviation of log g before the samples are seen
+constexpr BarWidths steeper{1.5, 2, 3};  // stiffness across the states, in largest stiffnesses along them
+constexpr double few_groups = 4;         // bars of n groups are wider by 1 + 4 / n
+constexpr double usual_trust = 0.5;      // deviation of log g before the samples are seen
 
 double square(double x) {
   return x * x;
@@ -130,6 +132,12 @@ PlaceMethod method_of(const OfflineBarOptions& options) {
   return {.model = options.model, .all = options.all, .field = options.field, .judge = options.judge};
 }
 
+// At least the error across the states, with the factor of each level.
+void widen(BarWidths& widths, double across) {
+  for (std::size_t level = 0; level < widths.size(); ++level)
+    widths[level] = std::max(widths[level], steeper[level] * across);
+}
+
 BarSample sample_of(const StateSpace& known, const Vec3& force, const State& held) {
   const Coverage coverage = known.coverage(held.at);
   return {.at = held.at,
@@ -182,7 +190,8 @@ OfflineBars::OfflineBars(std::vector<BarSample> samples) : samples_(std::move(sa
 }
 
 // The samples become those of judged bars: their scale is that of a comparison with a measured force.
-OfflineBars::OfflineBars(std::vector<BarSample> samples, double noise) : samples_(std::move(samples)) {
+OfflineBars::OfflineBars(std::vector<BarSample> samples, double noise, std::size_t groups)
+    : samples_(std::move(samples)) {
   if (samples_.empty()) return;
   std::vector<double> scales;
   for (const BarSample& s : samples_) scales.push_back(s.scale);
@@ -209,9 +218,10 @@ OfflineBars::OfflineBars(std::vector<BarSample> samples, double noise) : samples
   for (std::size_t i = 0; i < samples_.size(); ++i) {
     samples_[i].scale *= factors[i];
     samples_[i].bar = pooled[i].bar;
-    for (double& bar : samples_[i].bar) bar = std::max(bar, samples_[i].across);
+    widen(samples_[i].bar, samples_[i].across);
   }
   factors_ = factors_of(pooled, 0, {});
+  trust_ *= 1 + few_groups / static_cast<double>(std::max<std::size_t>(groups, 1));
 }
 
 double OfflineBars::local(const Vec3& x, std::optional<std::uint32_t> but) const {
@@ -243,7 +253,7 @@ BarWidths OfflineBars::at(const Vec3& x, bool outside, double scale, double acro
   widths.fill(no_bar);
   if (samples_.empty() || !(scale >= 0)) return widths;
   widths = times(factors_[outside][Label::safe], local(x, {}) * trust_ * (scale + constant_));
-  for (double& width : widths) width = std::max(width, across);
+  widen(widths, across);
   return widths;
 }
 
@@ -265,7 +275,7 @@ OfflineBars measure_bars(std::span<const State> states, const OfflineBarOptions&
     parts[t] = samples_of(trials.each[t], static_cast<std::uint32_t>(t), options, stride);
   std::vector<BarSample> samples;
   for (const std::vector<BarSample>& part : parts) samples.insert(samples.end(), part.begin(), part.end());
-  if (options.judge) return {std::move(samples), options.judge->law.noise};
+  if (options.judge) return {std::move(samples), options.judge->law.noise, trials.groups};
   return OfflineBars(std::move(samples));
 }
 

@@ -11,12 +11,13 @@
 // Measured states (without stiffness) are judged by a Gaussian process of them (measured/force_field.hpp), which knows
 // the noise sigma of their forces and the deviation s(x) of the force itself. A held-out force f_i is measured, so
 //   y_i = |f~_i - f_i| / sqrt(g^2 (s(x_i) + b)^2 + 3 sigma^2),   z_i = y_i / t(x_i)
-//   e_p(x) = max(q_p g t(x) (s(x) + b), S E)
+//   e_p(x) = max(q_p g t(x) (s(x) + b) (1 + 4 / n), m_p S E)
 // q_p: of the z_i, of all labels; g: the likeliest factor of s; b: 0.15 times the median of s; t^2: the mean of y^2 over
 // the 30 held-out positions nearest to x and 15 average ones, over the mean of all. t follows noise and roughness that
 // differ from place to place (positions off by a micrometre where the force is steep). The bar is that of the force
-// itself, without the noise of a measurement; the bars of samples hold it, because their forces do. S E: least error
-// across the states.
+// itself, without the noise of a measurement; the bars of samples hold it, because their forces do. n: number of
+// groups; few do not show how far the others may lie. S E: least error across the states; m_p = 1.5, 2, 3 is a prior: the
+// stiffness across is seldom more than so many times the largest one along them.
 // If the caller gives check solves (at random places of the box, not used as states), their errors are the scores, and
 //   s(x) = max(|f~(x)|, f0), f0 = 0.05 N,   b = 0,
 //   q_p: the ceil(n p)-th least of all n scores |f~_i - f_i| / max(|f~_i|, f0)
@@ -70,7 +71,8 @@ class OfflineBars {
  public:
   OfflineBars() = default;  // without samples: all bars are infinite
   explicit OfflineBars(std::vector<BarSample> samples);
-  OfflineBars(std::vector<BarSample> samples, double noise);  // of measured forces, sigma of a component [N]
+  // Of measured forces; noise: sigma of a component [N]; groups: independent ones, held out in turn.
+  OfflineBars(std::vector<BarSample> samples, double noise, std::size_t groups);
 
   BarWidths at(Label label, bool outside, double scale) const;  // outside: of the states; scale: s(x) [N]
   // Of measured states: the bar at x, across: least error across the states [N].

@@ -18,6 +18,9 @@ constexpr std::size_t law_boxes = 500;                      // that it is improv
 constexpr int polishing = 20;                               // steps
 constexpr double least_apart = 0.1;                         // of boxes for a secant, in lengths and radii
 constexpr std::size_t most_around = 2000;                   // rows that show which directions are known
+constexpr std::size_t least_around = 12;
+constexpr double least_across =
+    0.05;  // in distances of the nearest row: less is the sag of a curve between rows
 constexpr double known_share = 0.25;  // a direction is known up to the deviation of the rows divided by this
 constexpr double surely = 2.8;        // 95 % of |e| lie within 2.8 deviations of a component (chi, 3 degrees)
 constexpr double cone = 0.5;  // cosine of the angle to the direction across, within which rows tell of it
@@ -148,7 +151,7 @@ ForceField::Foot ForceField::foot_of(const Vec3& x) const {
   known_->nearest(x, 1, ids);
   const double nearest = ((*known_)[ids.front()].at - x).norm();
   known_->within(x, 4 * nearest, ids);
-  if (ids.size() < 2) known_->nearest(x, 2, ids);
+  if (ids.size() < least_around) known_->nearest(x, least_around, ids);
   const std::size_t stride = ids.size() / most_around + 1;
   Vec3 middle = Vec3::Zero();
   double count = 0;
@@ -167,7 +170,7 @@ ForceField::Foot ForceField::foot_of(const Vec3& x) const {
     if (known_share * std::abs(off) > std::sqrt(std::max(0.0, axes.eigenvalues()[k]))) across += off * u;
   }
   const Vec3 foot = x - across;
-  if (across.isZero(0) || known_across(x, foot)) return {.at = x, .across = 0};
+  if (across.norm() <= least_across * nearest || known_across(x, foot)) return {.at = x, .across = 0};
   return {.at = foot, .across = across.norm()};
 }
 

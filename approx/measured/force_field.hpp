@@ -4,7 +4,7 @@
 // root of their number, and lines that are dense along themselves weigh no more than their length.
 //
 // Directions that the rows do not know. Rows of a line, a curve or a surface determine nothing across it. Let M be the
-// covariance of the positions within 4 d of x (d: distance of the nearest row) and c their mean. An eigenvector u of M is
+// covariance of the positions within 4 d of x (d: distance of the nearest row; at least 12 rows) and c their mean. An eigenvector u of M is
 // unknown at x if |u.(x - c)| exceeds four times the deviation of the rows along u. Then
 //   foot     x without its components along unknown directions, about c: the place on the line that is nearest to x
 //   across   E = |x - foot| [m]

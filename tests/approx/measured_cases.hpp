@@ -3,8 +3,8 @@
 // other noise.
 
 #include <Eigen/Geometry>
+#include <array>
 #include <cmath>
-#include <functional>
 #include <random>
 #include <vector>
 
@@ -14,7 +14,7 @@ namespace forefeel::testing {
 
 // Places and their true force; noise: deviation of a component of the known forces [N].
 struct MeasuredCase {
-  std::vector<Vec3> at, force, points, truth;
+  std::vector<Vec3> at = {}, force = {}, points = {}, truth = {};
   double noise = 0;
   std::vector<State> states() const { return measured_states(at, force); }
   double largest() const {
