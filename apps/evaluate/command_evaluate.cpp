@@ -304,7 +304,8 @@ void add_evaluate(CommandLine& line) {
              "What a model fits. Default: force+stiffness if the states have it")
       .one_of({"force", "force+stiffness", "jet"});
   sub.option("--neighbours", arguments->model.neighbours,
-             "Number of states in a model. Default: 25, 100 for states without stiffness, 8 with --data jet. With --select "
+             "Number of states in a model. Default: 25, 100 for states without stiffness, 8 with --data jet. "
+             "With --select "
              "label a "
              "model has more where they are needed: at least 16 outside safe regions (without stiffness at "
              "least 20 "

@@ -43,7 +43,8 @@ inline const Words<Law> law_words = [] {
 inline const Words<Axis> axis_words{{"x", Axis::x}, {"y", Axis::y}, {"z", Axis::z}};
 inline const Words<Kernel> kernel_words{
     {"linear", Kernel::linear}, {"cubic", Kernel::cubic}, {"quintic", Kernel::quintic}};
-inline const Words<Data> data_words{{"force", Data::force}, {"force+stiffness", Data::force_and_stiffness}, {"jet", Data::jet}};
+inline const Words<Data> data_words{
+    {"force", Data::force}, {"force+stiffness", Data::force_and_stiffness}, {"jet", Data::jet}};
 inline const Words<Clock> clock_words{{"real", Clock::real}, {"virtual", Clock::virtual_time}};
 inline const Words<SessionMethod> method_words{{"rbf", SessionMethod::rbf},
                                                {"trilinear", SessionMethod::trilinear},

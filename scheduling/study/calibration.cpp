@@ -6,8 +6,8 @@
 #include <cmath>
 #include <numeric>
 
-#include "approx/measured/position_groups.hpp"
 #include "approx/error/power_function.hpp"
+#include "approx/measured/position_groups.hpp"
 #include "geometry/common/quantiles.hpp"
 #include "scheduling/motion/random.hpp"
 
