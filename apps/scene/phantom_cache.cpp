@@ -16,7 +16,7 @@ namespace {
 
 namespace fs = std::filesystem;
 
-constexpr std::string_view magic = "forefeel mesh 1\n";
+constexpr std::string_view magic = "forefeel mesh 2\n";
 constexpr std::size_t digest = 64;              // hexadecimal digits at the end
 constexpr std::size_t most_elements = 100'000;  // larger meshes are not cached
 
@@ -49,10 +49,15 @@ std::string mesh_bytes(const TetMesh& mesh) {
   out.add_raw(magic);
   out.add(mesh.nodes);
   out.add(mesh.tets);
-  for (const auto& [name, nodes] : mesh.groups) {
-    out.add(std::string_view(name));
-    out.add(nodes);
-  }
+  const auto add_groups = [&](const auto& groups) {
+    out.add(static_cast<std::uint32_t>(groups.size()));
+    for (const auto& [name, members] : groups) {
+      out.add(std::string_view(name));
+      out.add(members);
+    }
+  };
+  add_groups(mesh.groups);
+  add_groups(mesh.element_groups);
   const Bytes packed = out.take();
   std::string bytes(packed.begin(), packed.end());
   return bytes + Sha256().add(bytes).hex();
@@ -69,10 +74,16 @@ std::optional<TetMesh> mesh_of_bytes(std::string_view bytes) {
     Unpacker in(Bytes(bytes.begin(), bytes.end()));
     mesh.nodes = in.values<Vec3>();
     mesh.tets = in.values<Tet>();
-    while (in.left() > 0) {
-      std::string name = in.text();
-      mesh.groups.emplace(std::move(name), in.values<NodeIndex>());
-    }
+    const auto read_groups = [&](auto& groups) {
+      using Index = typename std::remove_reference_t<decltype(groups)>::mapped_type::value_type;
+      for (auto left = in.number<std::uint32_t>(); left > 0; --left) {
+        std::string name = in.text();
+        groups.emplace(std::move(name), in.values<Index>());
+      }
+    };
+    read_groups(mesh.groups);
+    read_groups(mesh.element_groups);
+    if (in.left() > 0) return {};
   } catch (const MalformedMessage&) {
     return {};
   }

@@ -94,6 +94,9 @@ TEST_CASE("meshes of phantoms are kept: the same bits, and damaged ones are made
   std::string changed = bytes;
   changed[bytes.size() / 3] ^= 1;
   CHECK_FALSE(mesh_of_bytes(changed));
+  const TetMesh slab = phantom("slab");
+  REQUIRE(slab.element_groups.contains("lump"));
+  CHECK(mesh_of_bytes(mesh_bytes(slab)).value().element_groups == slab.element_groups);
 
   shop.write("beam.toml", beam_scene());
   const auto force = [&] {
