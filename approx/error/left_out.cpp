@@ -17,6 +17,7 @@ namespace {
 constexpr double infinite = std::numeric_limits<double>::infinity();
 constexpr std::size_t most_whole = 1500;  // states: above, boxes of them are divided, or patches are tried
 constexpr std::size_t most_boxes = 1200;
+constexpr double same_direction = 0.3;    // mismatch of directions that counts as none
 constexpr double natural_mismatch = 2.5;  // of the distances, up to which natural groups are taken
 constexpr std::size_t patches = 5, patch_states = 700;
 constexpr std::size_t parts = 8;
@@ -25,7 +26,6 @@ constexpr std::size_t beside = 12;        // held positions on either side in ra
 constexpr std::size_t least_known = 8;    // states that stay known beside a cap
 constexpr std::ptrdiff_t enough_outside =
     20;  // positions in caps, for bars of 95 %; deeper caps are tried for fewer
-constexpr std::ptrdiff_t enough_inside = 60;  // positions inside, without the borders
 constexpr int most_deeper = 4;
 constexpr double least_direction = 0.02;  // share of the places outside that makes a direction count
 
@@ -77,18 +77,24 @@ Mat3 second_moment(std::span<const Vec3> displacements) {
   return moment;
 }
 
+std::vector<double> lengths(std::span<const Vec3> displacements) {
+  std::vector<double> all;
+  for (const Vec3& d : displacements) all.push_back(d.norm());
+  return all;
+}
+
 double mismatch(std::span<const Vec3> held, std::span<const Vec3> wanted) {
+  const double found = median(lengths(held)), target = median(lengths(wanted));
+  if (!(found > 0 && target > 0)) return found;
   const Eigen::SelfAdjointEigenSolver<Mat3> axes(second_moment(wanted));
   const Mat3 moment = second_moment(held);
-  const double all = axes.eigenvalues().sum();
-  if (!(all > 0)) return std::sqrt(moment.trace());
-  double sum = 0;
+  double turned = 0;
   for (int k = 0; k < 3; ++k) {
     const Vec3 u = axes.eigenvectors().col(k);
-    const double w = std::max(0.0, axes.eigenvalues()[k]);
-    sum += 0.5 * w / all * std::abs(std::log((u.dot(moment * u) + 1e-4 * all) / (w + 1e-4 * all)));
+    const double share = std::max(0.0, axes.eigenvalues()[k]) / axes.eigenvalues().sum();
+    turned += 0.5 * share * std::abs(std::log((u.dot(moment * u) / moment.trace() + 1e-4) / (share + 1e-4)));
   }
-  return sum;
+  return std::abs(std::log(found / target)) + std::max(0.0, turned - same_direction);
 }
 
 struct Match {
@@ -279,10 +285,6 @@ void remove_outside(Trial& trial) {
   trial = std::move(kept);
 }
 
-bool is_inside(const SeenPlace& place) {
-  return !place.outside;
-}
-
 void count_positions(Trials& trials) {
   std::erase_if(trials.each, [](const Trial& trial) { return trial.held.empty(); });
   trials.positions = 0;
@@ -293,14 +295,7 @@ void add_caps(std::span<const State> states, std::span<const SeenPlace> wanted, 
               Trials& trials) {
   std::vector<SeenPlace> outside;
   std::ranges::copy_if(wanted, std::back_inserter(outside), &SeenPlace::outside);
-  if (outside.empty()) {
-    // Borders left out with a group are not what is wanted; if little else is left out, they count as all others.
-    std::ptrdiff_t inside = 0;
-    for (const Trial& trial : trials.each) inside += std::ranges::count_if(trial.seen, is_inside);
-    if (!wanted.empty() && inside >= enough_inside) {
-      for (Trial& trial : trials.each) remove_outside(trial);
-      return count_positions(trials);
-    }
+  if (outside.empty()) {  // borders left out with a group count as all others
     for (Trial& trial : trials.each)
       for (SeenPlace& place : trial.seen) place.outside = false;
     return;
@@ -374,8 +369,12 @@ std::vector<double> expected_quantiles(std::span<const double> errors, std::span
   std::vector<double> pooled;
   if (wanted.empty()) pooled.assign(errors.begin(), errors.end());
   const std::size_t stride = std::max<std::size_t>(1, wanted.size() / most_wanted);
+  const auto doubted = [](const SeenPlace& place) { return std::isfinite(place.doubt); };
+  const bool by_doubt = std::ranges::all_of(held, doubted) && std::ranges::all_of(wanted, doubted);
   for (const bool outside : {false, true}) {
-    const auto depth = [&](const SeenPlace& place) { return outside ? place.beyond : place.away; };
+    const auto depth = [&](const SeenPlace& place) {
+      return by_doubt ? place.doubt : outside ? place.beyond : place.away;
+    };
     std::vector<std::pair<double, double>> by_depth;  // and error
     for (std::size_t i = 0; i < errors.size(); ++i)
       if (held[i].outside == outside) by_depth.emplace_back(depth(held[i]), errors[i]);

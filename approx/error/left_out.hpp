@@ -4,9 +4,10 @@
 // A held-out position is as hard to predict as a wanted place if it is as far from the known states. So positions are
 // held out in groups (position_groups.hpp). The groupings tried are
 //   natural groups (strokes of a raster, presses), and compact groups of 1, 2, 4, ... positions
-// Let W be the second moment of x - x_i over the wanted places x, x_i the nearest state, with eigenvalues w_k and
-// eigenvectors u_k; H that of the held-out positions less the nearest known position. The mismatch of a grouping is
-//   1/2 sum_k w_k |log((u_k.H u_k + e) / (w_k + e))| / sum_k w_k,   e = 1e-4 sum_k w_k
+// Let x - x_i be the displacement of a place from the nearest known state, w_k the shares of the eigenvalues in the second
+// moment of those of the wanted places, u_k its eigenvectors, and h_k the shares along u_k of those of the held-out
+// positions. The mismatch of a grouping is
+//   |log of the ratio of the median distances| + max(0, 1/2 sum_k w_k |log(h_k / w_k)| - 0.3)
 // so positions are held out as far from the rest, in distance and direction, as the places lie from the states. The
 // natural grouping with the least mismatch is used if that is at most log 2.5, else the grouping with the least (after
 // nearest neighbour distance matching, Milà et al., Methods in Ecology and Evolution 13, 2022). If the wanted places are
@@ -42,6 +43,7 @@ struct SeenPlace {
   std::size_t direction = 0;  // that of b
   bool outside = false;
   Vec3 from = Vec3::Zero();  // the place less the nearest state [m]
+  double doubt = unknown;    // deviation of the force there, by a process of the states [N]; NaN: no process
 };
 
 // Locates places relative to the states of a space, at least one. The space must stay as it is.
@@ -78,7 +80,7 @@ Trials leave_out(std::span<const State> states, std::span<const SeenPlace> wante
 std::size_t count_beyond(std::span<const SeenPlace> held, std::span<const SeenPlace> wanted);
 
 // Quantiles of the errors to expect at the wanted places. Each place contributes the errors of the 25 held-out
-// positions whose distance to known states is nearest to its own (in rank). A place outside contributes the errors of
+// positions whose distance to known states, or doubt if all have one, is nearest to its own (in rank). A place outside contributes the errors of
 // the held-out positions outside whose b is nearest to its own: about half of them, at most 25. Without wanted places:
 // the quantiles of all errors. NaN if no held-out position is similar to any wanted place. errors, held: #held-out
 // positions.

@@ -16,7 +16,7 @@ constexpr double no_bar = std::numeric_limits<double>::infinity();
 constexpr std::size_t least_states = 8, least_checks = 20, least_of_label = 30, most_samples = 800;
 constexpr double constants[] = {0, 0.1, 0.3, 1, 3};   // b, in median errors
 constexpr std::size_t scored_level = 1;               // of bar_levels: 95 %
-constexpr double least_scale = 0.15;                  // b of judged bars, in median scales
+constexpr double least_scale = 0.05;                  // b of judged bars, in median scales
 constexpr double least_trust = 0.7, most_trust = 16;  // g of judged bars
 constexpr std::size_t local_samples = 30;
 constexpr double average_samples = 15;
@@ -132,12 +132,6 @@ PlaceMethod method_of(const OfflineBarOptions& options) {
   return {.model = options.model, .all = options.all, .field = options.field, .judge = options.judge};
 }
 
-// At least the error across the states, with the factor of each level.
-void widen(BarWidths& widths, double across) {
-  for (std::size_t level = 0; level < widths.size(); ++level)
-    widths[level] = std::max(widths[level], steeper[level] * across);
-}
-
 BarSample sample_of(const StateSpace& known, const Vec3& force, const State& held) {
   const Coverage coverage = known.coverage(held.at);
   return {.at = held.at,
@@ -159,7 +153,7 @@ std::vector<BarSample> samples_of(const Trial& trial, std::uint32_t part, const 
     BarSample sample = sample_of(*trial.known, forces.force(trial.held[i].at), trial.held[i]);
     if (forces.judged()) {
       const ForceField::Prediction judged = forces.judge(trial.held[i].at);
-      sample.scale = judged.deviation;
+      sample.scale = judged_scale(judged, forces.force(trial.held[i].at));
       sample.across = judged.least_error;
     }
     sample.seen = trial.seen[i];
@@ -187,6 +181,10 @@ OfflineBars::OfflineBars(std::vector<BarSample> samples) : samples_(std::move(sa
   }
   fill_bars(samples_, constant_);
   factors_ = factors_of(samples_, constant_, {});
+}
+
+void widen(BarWidths& widths, double across) {
+  for (std::size_t level = 0; level < widths.size(); ++level) widths[level] += steeper[level] * across;
 }
 
 // The samples become those of judged bars: their scale is that of a comparison with a measured force.
@@ -277,6 +275,10 @@ OfflineBars measure_bars(std::span<const State> states, const OfflineBarOptions&
   for (const std::vector<BarSample>& part : parts) samples.insert(samples.end(), part.begin(), part.end());
   if (options.judge) return {std::move(samples), options.judge->law.noise, trials.groups};
   return OfflineBars(std::move(samples));
+}
+
+double judged_scale(const ForceField::Prediction& judged, const Vec3& force) {
+  return std::hypot(judged.deviation, (judged.force - force).norm());
 }
 
 double checked_scale(const Vec3& force) {

@@ -111,11 +111,14 @@ std::vector<std::vector<double>> misses(const Trials& trials, const std::vector<
 }
 
 // The positions of misses(), in its order.
-std::vector<SeenPlace> positions(const Trials& trials, const Sampling& of) {
+std::vector<SeenPlace> positions(const Trials& trials, const std::vector<Judged>& judged,
+                                 const Sampling& of) {
   std::vector<SeenPlace> seen;
   for (const std::size_t t : of.trials)
-    for (std::size_t i = 0; i < trials.each[t].seen.size(); i += of.stride)
+    for (std::size_t i = 0; i < trials.each[t].seen.size(); i += of.stride) {
       seen.push_back(trials.each[t].seen[i]);
+      if (!judged[t].empty()) seen.back().doubt = judged[t][i].deviation;
+    }
   return seen;
 }
 
@@ -170,7 +173,7 @@ double share_outside(std::span<const SeenPlace> wanted) {
 void sort_by_score(const Trials& trials, const std::vector<Judged>& judged, double outside,
                    std::vector<Candidate>& candidates, const std::function<void(double)>& show) {
   const Sampling some = sampling(trials, first_trials, first_positions);
-  const std::vector<SeenPlace> seen = positions(trials, some);
+  const std::vector<SeenPlace> seen = positions(trials, judged, some);
   const std::vector<std::vector<double>> errors = misses(trials, judged, candidates, some, show);
   for (std::size_t c = 0; c < candidates.size(); ++c) candidates[c].score = score(errors[c], seen, outside);
   std::ranges::stable_sort(candidates, {}, &Candidate::score);
@@ -318,7 +321,7 @@ AutoModel choose_model(std::span<const State> states, const AutoModelOptions& op
   for (const Candidate& field : fields_to_try(options, states.size())) candidates.push_back(field);
   const Sampling all = sampling(trials, trials.each.size(), most_positions);
   const std::vector<std::vector<double>> errors = misses(trials, judged, candidates, all, stage(0.7, 1));
-  const std::vector<SeenPlace> seen = positions(trials, all);
+  const std::vector<SeenPlace> seen = positions(trials, judged, all);
   const std::size_t best = best_of(candidates, errors, seen, trials_of(trials, all), outside);
   chosen.model = candidates[best].model;
   chosen.model.neighbours = std::min(chosen.model.neighbours, states.size());

@@ -90,22 +90,43 @@ EvaluatedPoints evaluate_whole(std::span<const State> states, const StateSpace& 
   return result;
 }
 
-// The force of a Gaussian process at each point. Its bound is that of ForceField.
-EvaluatedPoints evaluate_field(const StateSpace& space, std::span<const Vec3> points,
-                               const FieldOptions& options, const ShowPoints& show) {
-  EvaluatedPoints result;
+// What the process of measured states gives at the points, and what it took.
+struct JudgedPoints {
+  std::vector<ForceField::Prediction> at;  // empty: no process
+  double fit_us = unknown, bound = unknown;
+  std::vector<double> evaluate_ns = {};
+};
+
+JudgedPoints judge(const StateSpace& space, std::span<const Vec3> points,
+                   const std::optional<FieldOptions>& options) {
+  JudgedPoints judged;
+  if (!options) return judged;
   const auto start = Clock::now();
-  const ForceField field(space, options);
-  result.fit_us.push_back(1e6 * since(start));
-  result.fitted = 1;
-  result.reused = points.size() - 1;
+  const ForceField field(space, *options);
+  judged.fit_us = 1e6 * since(start);
+  judged.bound = field.bound();
   for (const Vec3& x : points) {
     const auto begin = Clock::now();
-    result.forces.push_back(field.at(x).force);
-    result.evaluate_ns.push_back(1e9 * since(begin));
-    result.labels.push_back(space.label(x));
+    judged.at.push_back(field.at(x));
+    judged.evaluate_ns.push_back(1e9 * since(begin));
+  }
+  return judged;
+}
+
+// The force of a Gaussian process at each point. Its bound is that of ForceField.
+EvaluatedPoints evaluate_field(const StateSpace& space, std::span<const Vec3> points,
+                               const JudgedPoints& judged, const FieldOptions& options,
+                               const ShowPoints& show) {
+  EvaluatedPoints result;
+  result.fit_us.push_back(judged.fit_us);
+  result.fitted = 1;
+  result.reused = points.size() - 1;
+  result.evaluate_ns = judged.evaluate_ns;
+  for (std::size_t i = 0; i < points.size(); ++i) {
+    result.forces.push_back(judged.at[i].force);
+    result.labels.push_back(space.label(points[i]));
     result.kernels.push_back(name(options.law.smoothness));
-    result.reach.push_back({field.bound(), unknown, unknown});
+    result.reach.push_back({judged.bound, unknown, unknown});
     if (show) show(result.forces.size());
   }
   return result;
@@ -162,18 +183,15 @@ std::vector<State> distinct(const StateSpace& space) {
 }
 
 // The points, moved onto the states where these do not know the direction across them (measured/force_field.hpp).
-std::vector<Vec3> feet(const StateSpace& space, std::span<const Vec3> points,
-                       const std::optional<FieldOptions>& field) {
+std::vector<Vec3> feet(std::span<const Vec3> points, const JudgedPoints& judged) {
   std::vector<Vec3> at(points.begin(), points.end());
-  if (!field) return at;
-  const ForceField process(space, *field);
-  for (Vec3& x : at) x = process.at(x).foot;
+  for (std::size_t i = 0; i < judged.at.size(); ++i) at[i] = judged.at[i].foot;
   return at;
 }
 
 EvaluatedBars bars_of(const StateSpace& space, std::span<const State> states, std::span<const Vec3> points,
-                      const EvaluatedPoints& made, const OfflineBarOptions& options,
-                      const EvaluateOptions& given) {
+                      const EvaluatedPoints& made, const JudgedPoints& judged,
+                      const OfflineBarOptions& options, const EvaluateOptions& given) {
   const auto checked = [&](const Vec3& x) { return given.checks.box.contains(x); };
   OfflineBars measured = checked_bars(space, given.checks.states, options), left_out;
   if (!measured.checked())
@@ -182,8 +200,6 @@ EvaluatedBars bars_of(const StateSpace& space, std::span<const State> states, st
     left_out = measure_bars(states, options);
   const OfflineBars& own = measured.checked() ? left_out : measured;
   EvaluatedBars bars;
-  std::optional<ForceField> judge;
-  if (options.judge) judge.emplace(space, *options.judge);
   std::vector<SeenPlace> unchecked, held;
   for (const BarSample& s : own.samples()) held.push_back(s.seen);
   for (std::size_t i = 0; i < points.size(); ++i) {
@@ -194,12 +210,13 @@ EvaluatedBars bars_of(const StateSpace& space, std::span<const State> states, st
     const SeenPlace& seen = options.wanted[i];
     unchecked.push_back(seen);
     bars.outside += seen.outside ? 1 : 0;
-    if (judge) {
-      const ForceField::Prediction judged = judge->at(points[i]);
-      bars.at.push_back(own.at(points[i], seen.outside, judged.deviation, judged.least_error));
+    if (!judged.at.empty() && options.judge) {
+      const double scale = judged_scale(judged.at[i], made.forces[i]);
+      bars.at.push_back(own.at(points[i], seen.outside, scale, judged.at[i].least_error));
       continue;
     }
     bars.at.push_back(own.at(made.labels[i], seen.outside, scale_at(space, points[i], made.forces[i])));
+    if (!judged.at.empty()) widen(bars.at.back(), judged.at[i].least_error);
   }
   bars.beyond = count_beyond(held, unchecked);
   bars.measured = std::make_shared<const OfflineBars>(std::move(measured));
@@ -239,6 +256,8 @@ Evaluation evaluate(std::span<const State> states, std::span<const Vec3> points,
     for (const Vec3& x : points) wanted.push_back(locate(x));
   }
   if (moving && !stiffness) result.field = field_of(mean.states, options.noise);
+  const JudgedPoints judged = judge(space, points, result.field);
+  for (std::size_t i = 0; i < judged.at.size(); ++i) wanted[i].doubt = judged.at[i].deviation;
   if (moving && is_chosen(options, stiffness)) {
     result.chosen = choose_model(mean.states,
                                  {.field = result.field,
@@ -251,11 +270,14 @@ Evaluation evaluate(std::span<const State> states, std::span<const Vec3> points,
   if (result.method == Method::rbf) check_memory(model, space.size());
   model.neighbours = std::min(model.neighbours, space.size());
   if (options.choose_ridge) model.ridge = forefeel::choose_ridge(space, model).ridge;
-  const std::vector<Vec3> places = feet(space, points, moving ? result.field : std::nullopt);
+  const std::vector<Vec3> places = feet(points, judged);
   if (result.method == Method::rbf_network)
     result.options.centres = RbfNetwork::centres_of(rows, options.model.neighbours.value_or(0));
+  const std::optional<FieldOptions> process = result.chosen ? result.chosen->field : std::nullopt;
+  const JudgedPoints near =
+      process && process->neighbours > 0 ? judge(space, points, process) : JudgedPoints{};
   result.made =
-      result.chosen && result.chosen->field ? evaluate_field(space, points, *result.chosen->field, show)
+      process ? evaluate_field(space, points, process->neighbours > 0 ? near : judged, *process, show)
       : result.chosen && result.chosen->all ? evaluate_whole(mean.states, space, places, model, show)
       : result.method == Method::rbf
           ? evaluate_rbf(space, places, model, show)
@@ -263,11 +285,11 @@ Evaluation evaluate(std::span<const State> states, std::span<const Vec3> points,
   for (std::size_t i = 0; i < points.size(); ++i)
     if (places[i] != points[i]) result.made.labels[i] = space.label(points[i]);
   if (moving && options.bars)
-    result.bars = bars_of(space, mean.states, points, result.made,
+    result.bars = bars_of(space, mean.states, points, result.made, judged,
                           {.model = model,
                            .all = result.chosen && result.chosen->all,
-                           .field = result.chosen ? result.chosen->field : std::nullopt,
-                           .judge = result.field,
+                           .field = process,
+                           .judge = result.chosen ? result.field : std::nullopt,
                            .spacing = result.options.spacing,
                            .wanted = wanted},
                           options);
