@@ -17,7 +17,7 @@ using Forces = Eigen::Matrix<double, Eigen::Dynamic, 3>;
 
 constexpr double infinite = std::numeric_limits<double>::infinity();
 constexpr double least_ratio = 1e-12, most_ratio = 1e3;  // (sigma / a)^2
-constexpr int steps = 45;                                // of the simplex
+constexpr int most_steps = 45;                           // of the simplex
 
 double correlation(double t, Smoothness smoothness) {
   if (smoothness == Smoothness::gaussian) return std::exp(-0.5 * t * t);
@@ -209,7 +209,7 @@ std::optional<LikelyLaw> likely_law(const MeasuredRows& rows, Smoothness smoothn
       if (const double value = value_at(at); value < start.value) start = {at, value};
     }
   if (!(start.value < infinite)) return {};
-  return searched(start, 1, steps, range, likelihood);
+  return searched(start, 1, most_steps, range, likelihood);
 }
 
 std::optional<LikelyLaw> improved_law(const MeasuredRows& rows, const FieldLaw& law, int steps_wanted,
