@@ -109,7 +109,7 @@ TEST_CASE("PLY: triangle strips, in ASCII and binary") {
 }
 
 TEST_CASE("an open surface that must be wrapped becomes a solid, not a thin shell around its skin") {
-  // A ball without its top, and a second one that cuts through it.
+  // A ball without its top, and a second one that cuts through it and, by a spike from its top, through itself.
   const Surface ball = boundary_surface(phantom("ball", 3000));
   const Box box = bounding_box(ball);
   const double radius = 0.5 * box.size()[2];
@@ -119,7 +119,10 @@ TEST_CASE("an open surface that must be wrapped becomes a solid, not a thin shel
     if (ball.nodes[static_cast<std::size_t>(t[0])][2] < box.centre()[2] + 0.5 * radius)
       open.triangles.push_back(t);
   const auto shift = static_cast<NodeIndex>(open.nodes.size());
-  for (const Vec3& x : ball.nodes) open.nodes.push_back(x + Vec3(radius, 0, 0));
+  for (const Vec3& x : ball.nodes) {
+    const bool spike = x[2] > box.centre()[2] + 0.9 * radius;
+    open.nodes.push_back(x + Vec3(radius, 0, spike ? -2.2 * radius : 0));
+  }
   for (const auto& [a, b, c] : ball.triangles) open.triangles.push_back({a + shift, b + shift, c + shift});
   RepairReport report;
   const Surface solid = repair_surface(open, report);
@@ -127,6 +130,13 @@ TEST_CASE("an open surface that must be wrapped becomes a solid, not a thin shel
   const double sphere = 4.0 / 3 * M_PI * radius * radius * radius;
   CHECK(enclosed_volume(solid) > 1.3 * sphere);  // the union, less the cap, has 1.53
   CHECK(enclosed_volume(solid) < 1.8 * sphere);
+  // Without the spike the hole is filled and the balls are united.
+  for (std::size_t i = 0; i < ball.nodes.size(); ++i)
+    open.nodes[shift + i] = ball.nodes[i] + Vec3(radius, 0, 0);
+  const Surface both = repair_surface(open, report);
+  CHECK(report.united);
+  CHECK_FALSE(report.wrapped);
+  CHECK(enclosed_volume(both) == Approx(1.53 * sphere).epsilon(0.05));
 }
 
 TEST_CASE("an unlikely size is said, with the units that make it likely") {
