@@ -9,6 +9,7 @@
 #include <utility>
 
 #include "approx/measured/position_groups.hpp"
+#include "geometry/common/cube_directions.hpp"
 #include "geometry/common/quantiles.hpp"
 
 namespace forefeel {
@@ -35,20 +36,6 @@ struct Division {
   std::vector<std::uint32_t> part;  // of each group
   std::size_t count = 0;            // of parts
 };
-
-// Unit vectors to the faces, edges and corners of a cube.
-const std::array<Vec3, PlaceLocator::directions>& all_directions() {
-  static const std::array<Vec3, PlaceLocator::directions> all = [] {
-    std::array<Vec3, PlaceLocator::directions> made;
-    std::size_t count = 0;
-    for (int x = -1; x <= 1; ++x)
-      for (int y = -1; y <= 1; ++y)
-        for (int z = -1; z <= 1; ++z)
-          if (x != 0 || y != 0 || z != 0) made[count++] = Vec3(x, y, z).normalized();
-    return made;
-  }();
-  return all;
-}
 
 Division divide(std::span<const Vec3> at, PositionGroups groups) {
   Division division{.groups = std::move(groups), .part = {}};
@@ -244,7 +231,7 @@ std::vector<Vec3> directions_of(std::span<const SeenPlace> outside) {
   std::vector<Vec3> found;
   for (std::size_t i = 0; i < count.size(); ++i)
     if (static_cast<double>(count[i]) > least_direction * static_cast<double>(outside.size()))
-      found.push_back(all_directions()[i]);
+      found.push_back(cube_directions()[i]);
   return found;
 }
 
@@ -325,7 +312,7 @@ PlaceLocator::PlaceLocator(const StateSpace& space) : space_(&space) {
   farthest_.fill(-infinite);
   for (std::uint32_t id = 0; id < space.size(); ++id)
     for (std::size_t k = 0; k < directions; ++k)
-      farthest_[k] = std::max(farthest_[k], all_directions()[k].dot(space[StateId{id}].at));
+      farthest_[k] = std::max(farthest_[k], cube_directions()[k].dot(space[StateId{id}].at));
 }
 
 SeenPlace PlaceLocator::operator()(const Vec3& x) const {
@@ -334,7 +321,7 @@ SeenPlace PlaceLocator::operator()(const Vec3& x) const {
   const Vec3 from = x - (*space_)[nearest.front()].at;
   SeenPlace place{.away = from.norm(), .beyond = -infinite, .from = from};
   for (std::size_t k = 0; k < directions; ++k) {
-    const double beyond = all_directions()[k].dot(x) - farthest_[k];
+    const double beyond = cube_directions()[k].dot(x) - farthest_[k];
     if (beyond > place.beyond) {
       place.beyond = beyond;
       place.direction = k;

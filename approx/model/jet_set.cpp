@@ -8,6 +8,7 @@
 #include "approx/loops/jet_sums.hpp"
 #include "approx/model/model.hpp"
 #include "approx/model/model_data.hpp"
+#include "geometry/common/cube_directions.hpp"
 #include "geometry/states/energy_jet.hpp"
 
 namespace forefeel {
@@ -25,19 +26,6 @@ constexpr double radius_share = 0.5;
 constexpr double most_radius = 50;  // spacings
 // Farther than this many R from the jets of a model its force is held constant.
 constexpr double hold_radii = 3;
-
-const std::array<Vec3, 26>& directions() {
-  static const std::array<Vec3, 26> all = [] {
-    std::array<Vec3, 26> list;
-    std::size_t at = 0;
-    for (int x = -1; x <= 1; ++x)
-      for (int y = -1; y <= 1; ++y)
-        for (int z = -1; z <= 1; ++z)
-          if (x != 0 || y != 0 || z != 0) list[at++] = Vec3(x, y, z).normalized();
-    return list;
-  }();
-  return all;
-}
 
 double factorials(int a, int b, int c) {
   constexpr std::array<double, 6> of{1, 1, 2, 6, 24, 120};
@@ -76,9 +64,9 @@ bool is_evidence(const State& state) {
 }
 
 double radius_of(const State& state, double longest) {
-  std::array<double, 26> all;
+  std::array<double, cube_direction_count> all;
   for (std::size_t i = 0; i < all.size(); ++i)
-    all[i] = radius_along(state, directions()[i], radius_share, longest);
+    all[i] = radius_along(state, cube_directions()[i], radius_share, longest);
   std::ranges::nth_element(all, all.begin() + 6);
   return all[6];
 }
@@ -269,7 +257,7 @@ void JetSet::write(std::span<const StateId> chosen, ModelDraft& draft) const {
   jets::Blend blend;
   for (const StateId id : chosen) largest = std::max(largest, space_[id].force.norm());
   for (const double distance : {radius, model.hold})
-    for (const Vec3& u : directions()) {
+    for (const Vec3& u : cube_directions()) {
       const Vec3 place = model.centre + distance * u;
       jets::loops().blend(model.blocks, model.data.data(), place.data(), blend);
       largest = std::max(largest, Eigen::Map<const Vec3>(blend.gradient).norm());
