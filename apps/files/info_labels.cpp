@@ -2,10 +2,10 @@
 
 #include <fmt/format.h>
 
-#include <nlohmann/json.hpp>
 #include <vector>
 
 #include "apps/console/console.hpp"
+#include "apps/console/document_keys.hpp"
 #include "apps/console/json.hpp"
 #include "geometry/segmentation/label_volume.hpp"
 

@@ -1,7 +1,7 @@
 #pragma once
 // What mesh --json says about the repair of a surface.
 
-#include "apps/console/json.hpp"
+#include "apps/console/document_keys.hpp"
 #include "geometry/meshing/surface.hpp"
 
 namespace forefeel {
