@@ -1,17 +1,17 @@
 #pragma once
-// The field of measured forces: a Gaussian process (gaussian_process.hpp) of all rows, or of the rows nearest to a place.
-// Where there are many rows, the mean of a box of neighbouring rows stands for them: its noise is less by the square
-// root of their number, and lines that are dense along themselves weigh no more than their length.
+// The field of measured forces: a Gaussian process (gaussian_process.hpp) of all rows, or of the rows nearest to a
+// place. Where there are many rows, the mean of a box of neighbouring rows stands for them: its noise is less by the
+// square root of their number, and lines that are dense along themselves weigh no more than their length.
 //
 // Directions that the rows do not know. Rows of a line, a curve or a surface determine nothing across it. Let M be the
-// covariance of the positions within 4 d of x (d: distance of the nearest row; at least 12 rows) and c their mean. An eigenvector u of M is
-// unknown at x if |u.(x - c)| exceeds four times the deviation of the rows along u. Then
+// covariance of the positions within 4 d of x (d: distance of the nearest row; at least 12 rows) and c their mean. An
+// eigenvector u of M is unknown at x if |u.(x - c)| exceeds four times the deviation of the rows along u. Then
 //   foot     x without its components along unknown directions, about c: the place on the line that is nearest to x
 //   across   E = |x - foot| [m]
 // unless rows within l lie beyond x, or on the far side of the foot, within 60 degrees of the direction across and at
 // least E away: those of the next line of a raster. At the foot's force the error is at least S E. S [N/m]: the largest
-// secant |F_i - F_j| / |x_i - x_j| of neighbouring boxes, or the largest force over half the extent of the rows, if that
-// is more.
+// secant |F_i - F_j| / |x_i - x_j| of neighbouring boxes, or the largest force over half the extent of the rows, if
+// that is more.
 
 #include <memory>
 #include <optional>
@@ -21,17 +21,6 @@
 #include "geometry/coverage/state_space.hpp"
 
 namespace forefeel {
-
-struct KnownNoise {
-  std::optional<double> force = {};     // deviation of one component of one force [N]
-  std::optional<double> position = {};  // of one coordinate [m]
-};
-
-struct FieldOptions {
-  FieldLaw law = {};
-  double stiffest = 0;         // S [N/m]
-  std::size_t neighbours = 0;  // rows of each place; 0: all
-};
 
 // The likeliest law of the forces of the states, and S. Nothing for fewer than 8 states or states at one place.
 std::optional<FieldOptions> field_of(std::span<const State> states, const KnownNoise& noise = {});

@@ -187,12 +187,6 @@ std::optional<LikelyLaw> searched(const Corner& start, double size, int steps_wa
 
 }  // namespace
 
-std::string_view name(Smoothness smoothness) {
-  return smoothness == Smoothness::gaussian   ? "gaussian"
-         : smoothness == Smoothness::matern52 ? "matern52"
-                                              : "matern32";
-}
-
 std::optional<LikelyLaw> likely_law(const MeasuredRows& rows, Smoothness smoothness,
                                     std::optional<double> noise) {
   const double radius = radius_of(rows.at);

@@ -5,10 +5,10 @@
 //   f_c(x) = m_c + g_c(x),   cov(g_c(x), g_c(x')) = a^2 r(|x - x'| / l),   measured: F_ic = f_c(x_i) + noise
 //   f~(x)  = m + k(x)^T (R + D)^-1 (F - 1 m),   k_i = r(|x - x_i| / l),   D_ii = (sigma / a)^2 / w_i
 //   v(x)   = a^2 (1 - k^T (R + D)^-1 k + (1 - 1^T (R + D)^-1 k)^2 / 1^T (R + D)^-1 1)
-// a [N], l [m]: amplitude and length of the field. sigma [N]: noise of one component of one row; w_i: rows averaged in i.
-// v [N^2]: variance of f_c(x) - f~_c(x), without noise. m is the mean of generalised least squares.
-// Nothing is fitted to a direction in which the rows do not differ: there the force stays near that of the nearest rows,
-// and v grows as the field varies elsewhere.
+// a [N], l [m]: amplitude and length of the field. sigma [N]: noise of one component of one row; w_i: rows averaged in
+// i. v [N^2]: variance of f_c(x) - f~_c(x), without noise. m is the mean of generalised least squares.
+// Nothing is fitted to a direction in which the rows do not differ: there the force stays near that of the nearest
+// rows, and v grows as the field varies elsewhere.
 
 #include <Eigen/Core>
 #include <cstddef>
@@ -17,18 +17,10 @@
 #include <string_view>
 #include <vector>
 
+#include "approx/model/model_options.hpp"
 #include "geometry/common/types.hpp"
 
 namespace forefeel {
-
-// r(t): exp(-t^2 / 2), and Matern's with 5/2 and 3/2: fields with two and with one derivative.
-enum class Smoothness { gaussian, matern52, matern32 };
-std::string_view name(Smoothness smoothness);  // "gaussian", "matern52", "matern32"
-
-struct FieldLaw {
-  Smoothness smoothness = Smoothness::gaussian;
-  double length = 0, amplitude = 0, noise = 0;  // l [m], a [N], sigma [N]
-};
 
 // Measured forces; weight: rows averaged in each, of the same length as at and force.
 struct MeasuredRows {
@@ -49,8 +41,8 @@ struct LikelyLaw {
 std::optional<LikelyLaw> likely_law(const MeasuredRows& rows, Smoothness smoothness,
                                     std::optional<double> noise = {});
 
-// The likeliest law of other rows found from `law` in some steps of a search; with no steps its own likelihood, with the
-// likeliest amplitude. O(n^3) a step.
+// The likeliest law of other rows found from `law` in some steps of a search; with no steps its own likelihood, with
+// the likeliest amplitude. O(n^3) a step.
 std::optional<LikelyLaw> improved_law(const MeasuredRows& rows, const FieldLaw& law, int steps,
                                       std::optional<double> noise = {});
 

@@ -260,8 +260,8 @@ std::vector<Candidate> best_sets(const std::vector<Candidate>& sorted, std::size
   return best;
 }
 
-// The candidate with the least score; one without a ridge if it is about as good. A process, which the likelihood of all
-// states chose, gives way only to a model that is surely better.
+// The candidate with the least score; one without a ridge if it is about as good. A process, which the likelihood of
+// all states chose, gives way only to a model that is surely better.
 std::size_t best_of(const std::vector<Candidate>& candidates, const std::vector<std::vector<double>>& errors,
                     const std::vector<SeenPlace>& seen, const std::vector<std::size_t>& trial,
                     double outside) {

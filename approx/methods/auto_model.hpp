@@ -15,7 +15,6 @@
 #include <optional>
 #include <span>
 
-#include "approx/measured/force_field.hpp"
 #include "approx/model/model_options.hpp"
 #include "geometry/states/state.hpp"
 

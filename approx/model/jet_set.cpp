@@ -76,7 +76,7 @@ double radius_of(const State& state, double longest) {
 JetSet::JetSet(const StateSpace& space, const ModelOptions& options)
     : space_(space),
       most_(std::min(options.neighbours, most_jets)),
-      tolerance_(options.tolerance),
+      tolerance_{.value = options.tolerance, .floor = options.floor},
       spacing_(options.length > 0 ? options.length : space.options().spacing) {}
 
 double& JetSet::value(std::size_t jet, std::size_t row) {

@@ -21,6 +21,7 @@
 
 #include "approx/loops/aligned.hpp"
 #include "approx/model/model_options.hpp"
+#include "geometry/common/tolerance.hpp"
 #include "geometry/coverage/state_space.hpp"
 
 namespace forefeel {

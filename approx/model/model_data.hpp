@@ -23,6 +23,7 @@
 #include "approx/loops/aligned.hpp"
 #include "approx/loops/kernel_sums.hpp"
 #include "approx/model/model_options.hpp"
+#include "geometry/common/tolerance.hpp"
 #include "geometry/states/state.hpp"
 
 namespace forefeel {

@@ -14,5 +14,10 @@ std::size_t usual_neighbours(Data data) {
 std::string_view name(Select select) {
   return select == Select::label ? "label" : "nearest";
 }
+std::string_view name(Smoothness smoothness) {
+  return smoothness == Smoothness::gaussian   ? "gaussian"
+         : smoothness == Smoothness::matern52 ? "matern52"
+                                              : "matern32";
+}
 
 }  // namespace forefeel

@@ -4,9 +4,8 @@
 // force+stiffness.
 
 #include <cstddef>
+#include <optional>
 #include <string_view>
-
-#include "geometry/common/tolerance.hpp"
 
 namespace forefeel {
 
@@ -25,7 +24,8 @@ struct ModelOptions {
   // The ridge (nugget), >= 0, for noisy states: added to the diagonal of the kernel, in units of phi(radius of the
   // set).
   double ridge = 0;
-  Tolerance tolerance = {};  // error of a jet up to which a state confirms it
+  // Error of a jet up to which a state confirms it: a share of the force, which counts as at least `floor` [N].
+  double tolerance = 0.07, floor = 0.05;
   double length = 0;  // distance between states, used if the set itself does not show it [m]; 0: unknown
 };
 
@@ -36,5 +36,27 @@ inline constexpr std::size_t most_jets = 64;
 // models are the same; their buffers are smaller. Throws InputError("model.neighbours", ...) if the matrix of one model
 // would take more than a gigabyte.
 ModelOptions for_states(ModelOptions options, std::size_t states);
+
+// A Gaussian process of measured forces in place of a model (approx/measured). r(t): exp(-t^2 / 2), and Matern's with
+// 5/2 and 3/2: fields with two and with one derivative.
+enum class Smoothness { gaussian, matern52, matern32 };
+std::string_view name(Smoothness smoothness);  // "gaussian", "matern52", "matern32"
+
+struct FieldLaw {
+  Smoothness smoothness = Smoothness::gaussian;
+  double length = 0, amplitude = 0, noise = 0;  // l [m], a [N], sigma [N]
+};
+
+struct FieldOptions {
+  FieldLaw law = {};
+  double stiffest = 0;         // S [N/m] (force_field.hpp)
+  std::size_t neighbours = 0;  // rows of each place; 0: all
+};
+
+// Of measured states; unknown where not given.
+struct KnownNoise {
+  std::optional<double> force = {};     // deviation of one component of one force [N]
+  std::optional<double> position = {};  // of one coordinate [m]
+};
 
 }  // namespace forefeel

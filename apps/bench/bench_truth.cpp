@@ -3,7 +3,8 @@
 // Positions are drawn in a ball about rest. Every position counts: a solve that fails is an error of 100 %.
 //   error          |f - f_truth| / max(|f_truth|, session.error_floor)
 //   ms_per_state   processor time of the 27 states of a lattice of 12 mm about rest over those solved, one thread
-//   once_s         processor time of what is done once, nothing kept from before: meshing, and the rest jets of the fine body
+//   once_s         processor time of what is done once, nothing kept from before: meshing, and the rest jets of the
+//                  fine body
 
 #include <fmt/format.h>
 #include <time.h>
@@ -22,7 +23,7 @@
 #include "apps/console/console.hpp"
 #include "apps/picture/palette.hpp"
 #include "apps/picture/plot.hpp"
-#include "apps/picture/temporary_folder.hpp"
+#include "apps/picture/scratch_folder.hpp"
 #include "apps/scene/scene.hpp"
 #include "geometry/common/error.hpp"
 #include "geometry/common/output_file.hpp"
@@ -103,7 +104,7 @@ class NothingKept {
 
  private:
   std::optional<std::string> before_;
-  TemporaryFolder folder_;
+  ScratchFolder folder_;
 };
 
 // Processor time, which other programs on the machine do not lengthen [s].

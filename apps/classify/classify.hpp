@@ -7,7 +7,7 @@
 #include <string>
 #include <vector>
 
-#include "approx/measured/force_field.hpp"
+#include "approx/model/model_options.hpp"
 #include "apps/console/console.hpp"
 #include "apps/console/document_keys.hpp"
 #include "geometry/coverage/agreement.hpp"

@@ -14,7 +14,7 @@
 #include <fstream>
 #include <sstream>
 
-#include "apps/picture/temporary_folder.hpp"
+#include "apps/picture/scratch_folder.hpp"
 
 extern char** environ;
 
@@ -69,7 +69,7 @@ namespace {
 
 // What gnuplot writes for this terminal and script; nothing if it is missing or fails.
 std::optional<std::string> drawn(const std::string& terminal, const std::string& script) {
-  const TemporaryFolder folder;
+  const ScratchFolder folder;
   if (folder.path().empty() || !have_gnuplot()) return {};
   const fs::path script_file = folder.path() / "plot.gp", picture = folder.path() / "picture";
   std::ofstream(script_file) << fmt::format("set terminal {}\nset output '{}'\nset encoding utf8\n", terminal,

@@ -177,8 +177,8 @@ void Reader::read_fixed() {
   }
 }
 
-// Keys of one section that change together: { name = "r3, n = 100", kernel = "cubic", neighbours = 100 }. A key of another
-// section is written in full, in quotes.
+// Keys of one section that change together: { name = "r3, n = 100", kernel = "cubic", neighbours = 100 }. A key of
+// another section is written in full, in quotes.
 StudyFileValue Reader::read_together(const std::string& section, const toml::node& node,
                                      const InputPlace& place) {
   const toml::table* table = node.as_table();

@@ -59,9 +59,9 @@ struct MeshCheck {
   std::vector<std::string> warnings;  // e.g. "all tetrahedra were turned", "3 nodes belong to no tetrahedron"
 };
 // Checks that a mesh can be solved. InputError at `where`: no tetrahedra, index out of range, coordinates
-// that are not finite, zero volume (|V| < 1e-14 L^3, L the longest side), overlapping tetrahedra. Tetrahedra of negative
-// volume are turned; those with the same four nodes are united, and are in the element groups of both; nodes of no
-// tetrahedron leave the groups. Warnings say so.
+// that are not finite, zero volume (|V| < 1e-14 L^3, L the longest side), overlapping tetrahedra. Tetrahedra of
+// negative volume are turned; those with the same four nodes are united, and are in the element groups of both; nodes
+// of no tetrahedron leave the groups. Warnings say so.
 MeshCheck check_and_orient(TetMesh& mesh, const std::string& where);
 
 // Node sets by geometry; sorted.

@@ -23,8 +23,8 @@ struct Deviation {
 Deviation deviation_of(const Surface& surface, const TetMesh& mesh, double hausdorff,
                        std::optional<double> length = std::nullopt, const RepairReport& repair = {});
 
-// A sentence about parts that cross, and one for each of the two deviations that is above 5 % (of the volume; of the longest side): what, how much,
-// what to do.
+// A sentence about parts that cross, and one for each of the two deviations that is above 5 % (of the volume; of the
+// longest side): what, how much, what to do.
 std::vector<std::string> in_words(const Deviation& deviation, const RepairReport& repair);
 
 }  // namespace forefeel

@@ -1,7 +1,7 @@
 #pragma once
 // Phantoms: synthetic bodies. liver (smooth, two lobes, 22 cm long), beam (10 x 2 x 2 cm), ball (diameter 10
-// cm), slab (20 x 20 x 4 cm; its element group "lump" is a ball of 24 mm under the tip). Each has the node groups "clamp" and "contact"; the contact is a patch around
-// phantom_tip().
+// cm), slab (20 x 20 x 4 cm; its element group "lump" is a ball of 24 mm under the tip). Each has the node groups
+// "clamp" and "contact"; the contact is a patch around phantom_tip().
 
 #include <cstddef>
 #include <optional>

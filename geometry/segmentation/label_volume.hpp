@@ -3,8 +3,8 @@
 // voxel (i, j, k) lies at
 //   x = origin + axes (i, j, k)^T                                                                             [m]
 // so the columns of `axes` hold spacing and orientation. Coordinates are those of the file. NIfTI: right, anterior,
-// superior. DICOM, and most .mha and .nrrd files: left, posterior, superior. `directions` names them. A negative size of
-// a voxel counts as its absolute value, with a warning.
+// superior. DICOM, and most .mha and .nrrd files: left, posterior, superior. `directions` names them. A negative size
+// of a voxel counts as its absolute value, with a warning.
 //
 // Readers: NIfTI 1 and 2 in one file (.nii, .nii.gz; header interpreted by libnifti), MetaImage (.mha, .mhd), NRRD
 // (.nrrd, .nhdr; raw, gzip or ascii), VTK XML image data (.vti). No reader trusts the header: before it allocates, it

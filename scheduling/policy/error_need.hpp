@@ -11,9 +11,9 @@
 // side: distance from q to the mean of the 8 states nearest to it, over their mean distance: about 0 among states, 1
 // outside of them. a, b, c, v are fitted by least squares to the errors that the model had at the states solved so far
 // (PlannerView::surprises); a prior counts as some states; r(q): mean of their residuals within about 3 h.
-// A model of energy jets estimates its own error m' (PlannerView::estimate, in JNDs), which was 4 times the error at the
-// median. Then nothing is fitted: m = m' / 4, v = 1, and a state at the distance d lowers m' to k d^4, with k the median
-// of m' / delta^4 over the box. If no m' is above 1, the policy is content: no solve is worth it.
+// A model of energy jets estimates its own error m' (PlannerView::estimate, in JNDs), which was 4 times the error at
+// the median. Then nothing is fitted: m = m' / 4, v = 1, and a state at the distance d lowers m' to k d^4, with k the
+// median of m' / delta^4 over the box. If no m' is above 1, the policy is content: no solve is worth it.
 // Why the probability and not the mean error: far from all states the error may be tens of JNDs. A mean would spend
 // most solves there, where a single solve helps little.
 

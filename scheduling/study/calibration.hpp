@@ -74,8 +74,8 @@ struct Calibration {
 std::vector<Vec3> calibration_positions(const Box& box, std::size_t count, std::uint64_t seed);
 
 // If nothing may be solved, a part of the states is used as truth: a fifth of them, at most `most`, in whole groups of
-// neighbouring positions (approx/measured/position_groups.hpp; with more than 20,000 states, single positions). The rest
-// is the pool. The same seed holds out the same states.
+// neighbouring positions (approx/measured/position_groups.hpp; with more than 20,000 states, single positions). The
+// rest is the pool. The same seed holds out the same states.
 struct HeldOut {
   std::vector<State> pool, truth;
 };

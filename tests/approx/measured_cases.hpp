@@ -1,6 +1,6 @@
 #pragma once
-// Sets of measured forces and ten variants of each: rotated, in other units, of other size, in another order of rows, with
-// other noise.
+// Sets of measured forces and ten variants of each: rotated, in other units, of other size, in another order of rows,
+// with other noise.
 
 #include <Eigen/Geometry>
 #include <array>

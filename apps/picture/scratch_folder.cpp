@@ -1,4 +1,4 @@
-#include "apps/picture/temporary_folder.hpp"
+#include "apps/picture/scratch_folder.hpp"
 
 #include <fmt/format.h>
 #include <signal.h>
@@ -33,7 +33,7 @@ void sweep_folders(const fs::path& above) {
 
 }  // namespace
 
-TemporaryFolder::TemporaryFolder() {
+ScratchFolder::ScratchFolder() {
   std::error_code error;
   const fs::path above = fs::temp_directory_path(error);
   if (error) return;
@@ -42,7 +42,7 @@ TemporaryFolder::TemporaryFolder() {
   if (mkdtemp(pattern.data())) path_ = pattern;
 }
 
-TemporaryFolder::~TemporaryFolder() {
+ScratchFolder::~ScratchFolder() {
   std::error_code error;
   if (!path_.empty()) fs::remove_all(path_, error);
 }
