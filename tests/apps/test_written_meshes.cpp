@@ -66,14 +66,14 @@ struct Variant {
   // Clamped at the low end of the axis, pressed at the other.
   std::string scene(const std::string& more = "") const {
     const Box box = bounding_box(mesh);
-    Vec3 tip = box.high;
+    const Vec3& tip = box.high;
+    const double least = box.size().minCoeff(), reach = 0.2 * least;
     return fmt::format(
-        "[body]\nmesh = \"body.msh\"\nelement = \"linear\"\n{}\n[material]\nlaw = \"neo-hookean\"\nyoung = "
-        "1e4\n"
-        "poisson = 0.3\n[clamp]\nbelow = {{ axis = \"{}\", share = 0.1 }}\n[contact]\nnearest = [{}, {}, "
-        "{}]\n"
-        "radius = {}\n",
-        more, axis, tip[0], tip[1], tip[2], 0.6 * box.size().minCoeff());
+        "[body]\nmesh = \"body.msh\"\nelement = \"linear\"\n{}\n[material]\nlaw = \"neo-hookean\"\n"
+        "young = 1e4\npoisson = 0.3\n[state_space]\nspacing = {}\nbox = [[-{}, -{}, -{}], [{}, {}, {}]]\n"
+        "[clamp]\nbelow = {{ axis = \"{}\", share = 0.1 }}\n"
+        "[contact]\nnearest = [{}, {}, {}]\nradius = {}\n",
+        more, reach / 4, reach, reach, reach, reach, reach, reach, axis, tip[0], tip[1], tip[2], 0.6 * least);
   }
 };
 
@@ -156,7 +156,7 @@ TEST_CASE("an element that is listed once for each of its groups is one element 
         "[[material]]\nlaw = \"neo-hookean\"\nyoung = 1e4\npoisson = 0.3\n[[material]]\ngroup = \"tumour\"\n"
         "law = \"neo-hookean\"\nyoung = 6e4\npoisson = 0.2\n";
     std::string text = variant.scene();
-    text.replace(text.find("[material]"), text.find("[clamp]") - text.find("[material]"), materials);
+    text.replace(text.find("[material]"), text.find("[state_space]") - text.find("[material]"), materials);
     std::vector<std::vector<int>> once(clean.tets.size(), {1}), each = once;
     std::vector<TetIndex> tumour;
     for (std::size_t t = 0; t < once.size(); ++t)
