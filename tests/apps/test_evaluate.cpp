@@ -248,7 +248,8 @@ TEST_CASE(
   const nlohmann::json both = run(shop, "evaluate stiff.csv --method auto --points points.csv --json");
   CHECK(both["chosen"]["data"] == "force+stiffness");
   CHECK_THAT(shop.forefeel("evaluate states.csv --points points.csv").out,
-             Catch::Contains("expected error p50") && Catch::Contains("comparisons with known forces, left out in "));
+             Catch::Contains("expected error p50") &&
+                 Catch::Contains("comparisons with known forces, left out in "));
   // For places outside, states at the border are left out more than once: more comparisons than the 125 states.
   shop.write("outside.csv", "x,y,z\n0.055,0.02,0.02\n-0.012,0.02,0.03\n0.02,0.055,0.01\n0.02,0.02,0.055\n");
   const std::string told = shop.forefeel("evaluate states.csv --points outside.csv").out;
