@@ -46,6 +46,8 @@ std::string_view kernel_of(const Model& model) {
 void add_point(const Model& model, const Vec3& x, const ModelOptions& options, EvaluatedPoints& result) {
   result.kernels.push_back(kernel_of(model));
   result.stepped_down += !model.has_jets() && result.kernels.back() != name(options.kernel) ? 1 : 0;
+  if (options.data == Data::jet)
+    result.trusted.push_back(model.has_jets() && model.estimate(x).trusted ? 1 : 0);
   result.reach.push_back({model.force_bound(), 2 * model.trust_distance(), model.hold_distance()});
   measure(model, x, result);
 }

@@ -55,6 +55,7 @@ struct EvaluatedPoints {
   std::size_t fitted = 0, updated = 0,
               reused = 0;                 // number of points whose model was made anew, updated, kept
   std::vector<std::string_view> kernels;  // by point, after step-down; none for the older methods
+  std::vector<char> trusted;              // by point (Model::estimate); none if no model is of jets
   std::size_t stepped_down = 0;
 };
 

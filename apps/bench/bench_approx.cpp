@@ -45,6 +45,7 @@ const std::vector<Kind> kinds = {
     {"r5", Kernel::quintic, Data::force, {100, 300}},
     {"hermite-r3", Kernel::cubic, Data::force_and_stiffness, {25, 75}},
     {"hermite-r5", Kernel::quintic, Data::force_and_stiffness, {8, 25, 75}},
+    {"jet", Kernel::quintic, Data::jet, {1, 8}},
 };
 
 Errors errors_of(const std::vector<double>& values) {
@@ -154,11 +155,16 @@ class Bench {
       fewer.neighbours = std::min(n, s.space.size());
       return judge(case_.inside, s.space, fewer).p95;
     });
-    std::vector<StateId> ids;
-    space_.nearest(case_.options.box.centre(), 3 * n, ids);
-    std::vector<Sample> pool;
-    for (const StateId id : ids) pool.push_back({id, space_[id].at, space_[id].force, space_[id].stiffness});
-    time_model(globals_, case_, pool, options, m, rows);
+    if (kind.data == Data::jet) {
+      time_jets(globals_, case_, space_, options, m, rows);
+    } else {
+      std::vector<StateId> ids;
+      space_.nearest(case_.options.box.centre(), 3 * n, ids);
+      std::vector<Sample> pool;
+      for (const StateId id : ids)
+        pool.push_back({id, space_[id].at, space_[id].force, space_[id].stiffness});
+      time_model(globals_, case_, pool, options, m, rows);
+    }
     table.push_back(std::move(m));
   }
 

@@ -75,6 +75,7 @@ Case take_case(const Globals& globals, const std::string& file, Progress& progre
   options.box = bench.options.box;
   options.threads = threads;
   options.tolerance = tolerance;
+  options.jet = 4;
   const std::vector<Vec3> positions = lattice(bench.options.box, bench.options.spacing);
   const std::size_t expected = positions.size();
   bench.reach = reach_of(positions);  // contains at least rest

@@ -36,4 +36,9 @@ double evaluation_us(const Globals& globals, const Force& force, const std::vect
 void time_model(const Globals& globals, const Case& taken, const std::vector<Sample>& pool,
                 const ModelOptions& options, Measured& m, std::vector<Comparison>& rows);
 
+// The same of a model of jets of the states of `space`. refit: choice and copy of the n jets; update: with k states
+// that are new to it, each held against every jet. The baseline is a Hermite model of 25 states.
+void time_jets(const Globals& globals, const Case& taken, const StateSpace& space,
+               const ModelOptions& options, Measured& m, std::vector<Comparison>& rows);
+
 }  // namespace forefeel::bench

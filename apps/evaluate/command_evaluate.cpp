@@ -85,19 +85,22 @@ struct ForceRow {
   std::size_t i;  // of the point
 };
 
-CsvColumns<ForceRow> force_columns(bool barred) {
+CsvColumns<ForceRow> force_columns(bool barred, bool of_jets) {
   using R = ForceRow;
   CsvColumns<R> columns{{"x,y,z", "m", "position", [](const R& r) { return cells(r.at); }},
                         {"fx,fy,fz", "N", "approximated force of the body on the tip",
                          [](const R& r) { return cells(r.found.made.forces[r.i]); }},
                         {"label", "", "coverage there: safe, sparse, gap or blank",
                          [](const R& r) { return std::string(name(r.found.made.labels[r.i])); }}};
+  if (of_jets)
+    columns.push_back({"trusted", "", "with --data jet: 1 where its jets are within their trust, else 0",
+                       [](const R& r) { return std::string(r.found.made.trusted[r.i] ? "1" : "0"); }});
   if (barred) columns.push_back(bar_column<R>("", [](const R& r) { return r.found.bars->at[r.i]; }));
   return columns;
 }
 
 void write_csv(const std::string& file, const std::vector<Vec3>& points, const Evaluation& found) {
-  const CsvColumns<ForceRow> columns = force_columns(found.bars.has_value());
+  const CsvColumns<ForceRow> columns = force_columns(found.bars.has_value(), !found.made.trusted.empty());
   OutputFile out(file);
   out.write(csv_header(columns));
   for (std::size_t i = 0; i < points.size(); ++i) out.write(csv_row(columns, {points[i], found, i}));
@@ -242,10 +245,13 @@ void tell(const Globals& globals, const EvaluateResult& evaluated, bool with_for
     for (std::size_t i = 0; i < evaluated.points.size(); ++i) {
       const Vec3 &x = evaluated.points[i], &f = made.forces[i];
       const bool barred = result.bars && std::isfinite(result.bars->at[i][1]);
-      answer(globals, fmt::format("x = ({:.6g}, {:.6g}, {:.6g}) m  f = ({:.9g}, {:.9g}, {:.9g}) N{}  {}",
+      answer(globals, fmt::format("x = ({:.6g}, {:.6g}, {:.6g}) m  f = ({:.9g}, {:.9g}, {:.9g}) N{}  {}{}",
                                   x[0], x[1], x[2], f[0], f[1], f[2],
                                   barred ? fmt::format(" +- {:.3g} N (95 %)", result.bars->at[i][1]) : "",
-                                  name(made.labels[i])));
+                                  name(made.labels[i]),
+                                  made.trusted.empty() ? ""
+                                  : made.trusted[i]    ? ", trusted"
+                                                       : ", not trusted"));
     }
   std::string models = fmt::format("{} fitted", made.fitted);
   if (made.updated > 0) models += fmt::format(", {} updated", made.updated);
@@ -281,7 +287,7 @@ int run_evaluate(const Globals& globals, const EvaluateArguments& arguments) {
 }  // namespace
 
 DeclaredTable forces_output() {
-  return {"forces.csv", "What evaluate writes with -o.", declared(force_columns(true))};
+  return {"forces.csv", "What evaluate writes with -o.", declared(force_columns(true, true))};
 }
 
 void add_evaluate(CommandLine& line) {

@@ -36,7 +36,7 @@ JsonKeys<R> method_keys() {
              return if_so(is(r, Method::rbf) || is(r, Method::offline_rbf) || network,
                           name(network ? Kernel::cubic : model_of(r).kernel));
            }},
-          {"data", "", "force or force+stiffness",
+          {"data", "", "force, force+stiffness or jet",
            [](const R& r) {
              return name(is(r, Method::rbf) || is(r, Method::offline_rbf) ? model_of(r).data : Data::force);
            }},
@@ -112,6 +112,11 @@ JsonKeys<R> point_keys() {
        [](const R& r) { return list_of(r.found.made.forces, [](const Vec3& f) { return f; }); }},
       {"labels", "", "list: coverage of each point",
        [](const R& r) { return list_of(r.found.made.labels, [](Label label) { return name(label); }); }},
+      {"trusted", "", "list: whether the jets of each point are within their trust; null: --data is not jet",
+       [](const R& r) {
+         const std::vector<char>& trusted = r.found.made.trusted;
+         return trusted.empty() ? Json() : list_of(trusted, [](char yes) { return yes != 0; });
+       }},
       {"kernels", "", "list: kernel of each point, after step-down",
        [](const R& r) { return r.found.made.kernels; }},
       {"stepped_down", "", "points whose states did not determine the wanted kernel",

@@ -150,17 +150,28 @@ std::string pictures(const SessionSummary& summary, const ReportPictures& drawin
   return html;
 }
 
+std::string error_row(std::string_view name, const SessionSummary::Errors& row) {
+  const auto cell = [](const std::string& text) { return "<td class=\"n\">" + text + "</td>"; };
+  return fmt::format("<tr><td>{}</td>", name) + cell(shown(row.samples)) + cell(percent(row.p50)) +
+         cell(percent(row.p95)) + cell(percent(row.max)) + cell(percent(row.within_jnd)) + "</tr>\n";
+}
+
 std::string by_label_table(const SessionSummary& summary) {
   std::string html = fmt::format("<h2>Error by label ({} samples)</h2>\n", summary.error.samples.samples) +
                      "<table><tr><th>label</th><th>samples</th><th>p50</th><th>p95</th>"
                      "<th>max</th><th>within the JND</th></tr>\n";
-  const auto cell = [](const std::string& text) { return "<td class=\"n\">" + text + "</td>"; };
-  for (const Label label : all_labels) {
-    const SessionSummary::Errors& row = summary.error.by_label[label];
-    html += fmt::format("<tr><td>{}</td>", name(label)) + cell(shown(row.samples)) + cell(percent(row.p50)) +
-            cell(percent(row.p95)) + cell(percent(row.max)) + cell(percent(row.within_jnd)) + "</tr>\n";
+  for (const Label label : all_labels) html += error_row(name(label), summary.error.by_label[label]);
+  if (std::isfinite(summary.error.time_trusted)) {
+    html += error_row("trusted", summary.error.by_trust[1]);
+    html += error_row("not trusted", summary.error.by_trust[0]);
   }
-  return html + "</table>\n";
+  html += "</table>\n";
+  if (std::isfinite(summary.error.time_trusted))
+    html += fmt::format("<p class=\"muted\">No force here was solved at its place: each is predicted from energy "
+                        "jets of solved states. Trusted, for {} of the time: no state has contradicted these jets, and "
+                        "their own estimate is within the tolerance.</p>\n",
+                        percent(summary.error.time_trusted));
+  return html;
 }
 
 // ---- the whole document, key by key
@@ -232,7 +243,7 @@ std::string all_numbers(Json document) {
   std::string html =
       "<details open><summary>All numbers (SI; shares from 0 to 1)</summary>\n<div class=\"columns\">\n";
   for (const char* elsewhere : {"provenance", "notes", "attention"}) document.erase(elsewhere);
-  if (document.contains("error")) document["error"].erase("by_label");  // in a table of its own
+  if (document.contains("error")) for (const char* key : {"by_label", "by_trusted"}) document["error"].erase(key);  // in a table of their own
   const std::string lists = take_lists("", document);
   std::string single;
   for (const auto& [key, value] : document.items()) {

@@ -47,7 +47,8 @@ ShownRun read_path(const fs::path& file) {
                      .sent = vector(row, {"fx", "fy", "fz"}),
                      .label = label_named(table.text(row, "label")),
                      .error = error,
-                     .known = table.number(row, "known")};
+                     .known = table.number(row, "known"),
+                     .trusted = table.number(row, "trusted") > 0};
     error = unknown;
     if (!std::isfinite(frame.t) || !frame.at.allFinite())
       throw InputError({.file = file.string(), .line = table.line(row)},

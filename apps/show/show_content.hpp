@@ -93,6 +93,7 @@ struct ShownFrame {
   Label label = Label::blank;
   double error = unknown;  // relative; NaN where not sampled
   double known = 0;        // number of known states
+  bool trusted = false;    // the force is that of energy jets within their trust
 };
 
 // The shape of the surface at some times of a run.

@@ -153,6 +153,8 @@ Json run_json(const ShownRun& run) {
   out["sent"] = floats(run.path, [](const ShownFrame& f) { return f.sent; });
   out["label"] = bytes(run.path, [](const ShownFrame& f) { return f.label; });
   out["error"] = floats(run.path, [](const ShownFrame& f) { return f.error; });
+  if (std::ranges::any_of(run.path, &ShownFrame::trusted))  // else the models are not of jets
+    out["trusted"] = bytes(run.path, [](const ShownFrame& f) { return f.trusted; });
   out["known"] = counts(run.path, [](const ShownFrame& f) { return f.known; });
   out["frames"] = run.frames;
   out["shapes"] = run.shapes.empty() ? Json() : shapes_json(run.shapes);

@@ -1,5 +1,7 @@
 // The keys that commands print with --json are those that `forefeel help outputs` lists.
 
+#include <fmt/format.h>
+
 #include <algorithm>
 #include <catch2/catch.hpp>
 #include <cctype>
@@ -125,8 +127,15 @@ TEST_CASE("help lists the keys of solve, mesh, generate, evaluate and classify -
           {"ranks.solving", "ranks.lost", "spacing_auto", "spacing_auto.KEY"});
   compare("generate_error.json", {run("generate beam.toml -o e.states --error 0.1")});
   shop.write("q.csv", "x,y,z\n0.001,0.001,0\n0.002,0,0.001\n");
+  std::string measured = "x,y,z,fx,fy,fz\n";
+  for (int i = 0; i < 40; ++i) {
+    const double x = 1e-4 * (i * 7 % 40), y = 1e-4 * (i * 11 % 40), z = 1e-4 * i;
+    measured += fmt::format("{},{},{},{},{},{}\n", x, y, z, -100 * x + 1e-3 * (i % 3), -90 * y, -80 * z);
+  }
+  shop.write("measured.csv", measured);
   compare("evaluate.json", {run("evaluate l.states --points q.csv"),
-                            run("evaluate l.states --points q.csv --method auto --no-bars")});
+                            run("evaluate l.states --points q.csv --method auto --no-bars"),
+                            run("evaluate measured.csv --points q.csv")});
   compare("classify.json",
           {run("classify l.states --points q.csv --bars --agreement"),
            run("classify setup:gap --line=-0.03,0,0:0.03,0,0:3 --agreement")},

@@ -60,7 +60,7 @@ function unpack(raw) {
   if (raw.run) {
     const r = raw.run;
     scene.run = {t: decoded(r.t), at: millimetres(r.at), sent: decoded(r.sent), label: decoded(r.label),
-                 error: decoded(r.error), known: decoded(r.known), frames: r.frames};
+                 error: decoded(r.error), trusted: r.trusted && decoded(r.trusted), known: decoded(r.known), frames: r.frames};
     if (r.shapes)
       scene.run.shapes = {t: decoded(r.shapes.t), scale: 1e3 * r.shapes.scale,
                           moved: decoded(r.shapes.moved)};

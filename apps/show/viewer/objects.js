@@ -358,6 +358,7 @@ function colourPath(by) {
   for (let i = 0; i < run.t.length; ++i) {
     if (Number.isFinite(run.error[i])) last = run.error[i];
     const ink = by === 'label' ? rgb(run.label[i] === 3 ? 'blank_dot' : labelNames[run.label[i]])
+              : by === 'trusted' ? rgb(run.trusted[i] ? 'safe' : 'gap')
               : by === 'error' ? ramp((Number.isFinite(last) ? last : 0) / 0.14) : rgb('path');
     colour.array.set(ink, 3 * i);
   }

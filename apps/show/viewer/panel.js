@@ -205,7 +205,8 @@ function makePanel() {
     regionRows();
   }
   if (scene.states) choice('colour of states', ['label', 'outcome', 'force'], colourStates).id = 'states-by';
-  if (scene.run) choice('colour of the path', ['plain', 'label', 'error'], colourPath).id = 'path-by';
+  if (scene.run) choice('colour of the path', ['plain', 'label', 'error', ...(scene.run.trusted ? ['trusted'] : [])],
+                        colourPath).id = 'path-by';
   if (scene.labels) {
     heading('Cut planes through the labels');
     for (let axis = 0; axis < 3; ++axis) planeRow(axis);

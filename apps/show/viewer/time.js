@@ -28,7 +28,8 @@ function setTime(t) {
 function momentText(i) {
   const run = scene.run;
   const error = Number.isFinite(run.error[i]) ? ', error ' + digits(100 * run.error[i], 2) + ' %' : '';
-  return '|F| ' + digits(norm(triple(run.sent, i)), 3) + ' N, ' + labelNames[run.label[i]] + ', ' +
+  const trust = run.trusted ? (run.trusted[i] ? 'trusted, ' : 'not trusted, ') : '';
+  return '|F| ' + digits(norm(triple(run.sent, i)), 3) + ' N, ' + labelNames[run.label[i]] + ', ' + trust +
          run.known[i] + ' states known' + error;
 }
 
