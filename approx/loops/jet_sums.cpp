@@ -153,6 +153,7 @@ FOREFEEL_INLINE void set_estimate(const double* block, const Pack d[3], const Fo
   const Pack inverse = at_row(block, row_trust), over = distance2 * inverse - 1;
   out.confirmed = over <= Pack{} ? same(1) : Pack{};
   const Pack beyond = over > Pack{} ? over : Pack{};
+  const Pack distrust = at_row(block, row_growth);
   const Pack growth = 1 + distrust * beyond * beyond * beyond;
   const Pack slope = 6 * distrust * inverse * beyond * beyond;   // times d: the gradient of the growth
   const Pack bend = 24 * distrust * inverse * inverse * beyond;  // times d d^T
@@ -269,6 +270,7 @@ void estimates(const double* block, const double x[3], double* out) {
     store(out + t * width, terms.own);
     store(out + lanes + t * width, terms.squared);
     for (std::size_t i = 0; i < 3; ++i) store(out + (2 + i) * lanes + t * width, -terms.gradient[i]);
+    store(out + 5 * lanes + t * width, terms.energy);
   }
 }
 

@@ -3,7 +3,7 @@
 //   E(x) = sum_i w_i E_i(d_i),   d_i = x - x_i,   w_i = v_i / sum_j v_j,   v_i = 1 / Q_i^2
 //   E_i(d) = E_0 - f_0 . d + 1/2 d^T K d + S_3 E_3(d) + S_4 E_4(d) + S_5 E_5(d)              [J]
 //   q_i    = own estimate squared: a_5 |grad E_5|^2 + a_4 |grad E_4|^2 + a_3 |grad E_3|^2 + e_0^2   [N^2]
-//   Q_i    = q_i (1 + c max(0, |d|^2 / t^2 - 1)^3)     t: trust [m]
+//   Q_i    = q_i (1 + c max(0, |d|^2 / t^2 - 1)^3)     t: trust [m], c: distrust
 // with gradient and Hessian, those of the weights included. S_k(|d|) is 1 up to the radius R of a jet. Beyond it the
 // term grows ever more slowly, from 2 R on linearly: S_k |d|^k = h_k,
 //   h_k = R^k (1 + k s / R + k (k - 1) g(s) / R^2),  s = |d| - R,  g'' = max(0, 1 - s / R)^2, g(0) = g'(0) = 0
@@ -28,11 +28,12 @@ enum Row : std::size_t {
   row_shares = 59,  // a_3, a_4, a_5
   row_floor = 62,   // e_0^2 [N^2]
   row_trust = 63,   // 1 / t^2 [1/m^2]
-  row_radius = 64,  // R [m]
-  rows = 65
+  row_growth = 64,  // c
+  row_radius = 65,  // R [m]
+  rows = 66
 };
 inline constexpr std::size_t block_size = rows * lanes;
-inline constexpr double distrust = 1;  // c
+inline constexpr std::size_t estimate_rows = 6;
 inline constexpr std::size_t most_blocks = 8;
 
 struct Blend {
@@ -46,7 +47,7 @@ struct Blend {
 struct Loops {
   // blocks: at most most_blocks, one after the other.
   void (*blend)(std::size_t blocks, const double* data, const double x[3], Blend& out);
-  // Of each lane of one block at x: q, Q and the force f = -grad E_i, 5 rows of `lanes`.
+  // Of each lane of one block at x: q, Q, the force f = -grad E_i and E_i, `estimate_rows` rows of `lanes`.
   void (*estimates)(const double* block, const double x[3], double* out);
 };
 const Loops& loops();  // those of instruction_set_in_use()

@@ -21,9 +21,14 @@ constexpr double beyond_confirmed = 1.25;  // trust over c
 constexpr double below_surprise = 0.8;     // trust over s
 constexpr double worst = 3;                // errors above this many e are a surprise
 constexpr double least_trust = 0.5;        // spacings
+constexpr double least_energy_share =
+    0.1;  // of the tolerance: what energies of one branch may differ by, over the way
 // The radius R of a jet: where e reaches this share of the force, in a quarter of the directions.
 constexpr double radius_share = 0.5;
-constexpr double most_radius = 50;  // spacings
+constexpr double back_within = 2.0 / 3;  // of that share: where a jet is taken again
+constexpr double most_radius = 50;       // spacings
+// A jet of a smaller radius is none: the hand leaves it before the next model comes. It lies beside a fold.
+constexpr double least_radius = 0.25;  // spacings
 // Farther than this many R from the jets of a model its force is held constant.
 constexpr double hold_radii = 3;
 
@@ -91,7 +96,7 @@ JetSet::Trust JetSet::trust(StateId id) const {
   return trusts_[place_of(id)];
 }
 
-void JetSet::add(StateId id, const State& state) {
+void JetSet::add(StateId id, const State& state, double radius) {
   const std::size_t jet = ids_.size();
   ids_.push_back(id);
   if (jet % jets::lanes == 0) {
@@ -101,6 +106,7 @@ void JetSet::add(StateId id, const State& state) {
       value(jet + lane, jets::row_radius) = 1;
     }
     squared_.resize(squared_.size() + jets::lanes);
+    energies_.resize(squared_.size());
   }
   const EnergyJet& of = *state.jet;
   constexpr std::array<std::array<Eigen::Index, 2>, 6> pairs{
@@ -126,7 +132,7 @@ void JetSet::add(StateId id, const State& state) {
     value(jet, jets::row_shares + static_cast<std::size_t>(of.order - 2)) = 1;
   }
   value(jet, jets::row_floor) = floor_squared;
-  value(jet, jets::row_radius) = radius_of(state, most_radius * spacing_);
+  value(jet, jets::row_radius) = radius;
   limits_.push_back(of.limit);
   trusts_.push_back({.distance = 0, .confirmed = 0, .surprised = std::numeric_limits<double>::infinity()});
 }
@@ -137,6 +143,8 @@ void JetSet::set_trust(std::size_t jet) {
       std::min(std::max({limits_[jet], least_trust * spacing_, beyond_confirmed * trust.confirmed}),
                below_surprise * trust.surprised);
   value(jet, jets::row_trust) = 1 / (trust.distance * trust.distance);
+  const double over = trust.surprised / trust.distance * (trust.surprised / trust.distance) - 1;
+  value(jet, jets::row_growth) = std::max(1.0, trust.excess / (over * over * over));
 }
 
 // estimates: of the block of the jet, at the other state.
@@ -150,9 +158,10 @@ void JetSet::judge(std::size_t jet, const State& other, const double* estimates)
   Trust& trust = trusts_[jet];
   const double distance = (other.at - at).norm(), error = (predicted - other.force).norm();
   const double most = std::max(worst * std::sqrt(estimates[lane]), tolerance_.limit(other.force.norm()));
-  if (!(error <= most)) {
+  if (!(error <= most)) {  // also where it is not finite
     if (distance < trust.surprised) {
       trust.surprised = distance;
+      trust.excess = error * error / estimates[lane];
       if (trust.confirmed > distance) confirm_again(jet);
     }
   } else if (distance < trust.surprised && distance > trust.confirmed) {
@@ -163,7 +172,7 @@ void JetSet::judge(std::size_t jet, const State& other, const double* estimates)
 // c, after s became less: from all states again.
 void JetSet::confirm_again(std::size_t jet) {
   trusts_[jet].confirmed = 0;
-  std::array<double, 5 * jets::lanes> estimates;
+  std::array<double, jets::estimate_rows * jets::lanes> estimates;
   for (std::uint32_t i = 0; i <= seen_ && i < space_.size(); ++i) {
     const State& other = space_[StateId{i}];
     if (!is_evidence(other) || StateId{i} == ids_[jet]) continue;
@@ -174,11 +183,12 @@ void JetSet::confirm_again(std::size_t jet) {
 }
 
 void JetSet::learn() {
-  std::array<double, 5 * jets::lanes> estimates;
+  std::array<double, jets::estimate_rows * jets::lanes> estimates;
   for (; seen_ < space_.size(); ++seen_) {
     const StateId id{static_cast<std::uint32_t>(seen_)};
     const State& state = space_[id];
     if (!is_evidence(state)) continue;
+    largest_force_ = std::max(largest_force_, state.force.norm());
     for (std::size_t first = 0; first < ids_.size(); first += jets::lanes) {
       jets::loops().estimates(blocks_.data() + first / jets::lanes * jets::block_size, state.at.data(),
                               estimates.data());
@@ -188,7 +198,9 @@ void JetSet::learn() {
       }
     }
     if (!state.jet || !state.has_stiffness() || !std::isfinite(state.energy)) continue;
-    add(id, state);
+    const double radius = radius_of(state, most_radius * spacing_);
+    if (radius < least_radius * spacing_) continue;
+    add(id, state, radius);
     const std::size_t jet = ids_.size() - 1;
     const double* const block = blocks_.data() + jet / jets::lanes * jets::block_size;
     for (std::uint32_t i = 0; i < seen_; ++i) {
@@ -203,15 +215,18 @@ void JetSet::learn() {
 
 void JetSet::choose(const Vec3& x, std::vector<StateId>& out) {
   out.clear();
-  std::array<double, 5 * jets::lanes> estimates;
+  std::array<double, jets::estimate_rows * jets::lanes> estimates;
   for (std::size_t first = 0; first < ids_.size(); first += jets::lanes) {
     jets::loops().estimates(blocks_.data() + first / jets::lanes * jets::block_size, x.data(),
                             estimates.data());
     std::copy_n(estimates.begin() + jets::lanes, jets::lanes,
                 squared_.begin() + static_cast<std::ptrdiff_t>(first));
+    std::copy_n(estimates.begin() + 5 * jets::lanes, jets::lanes,
+                energies_.begin() + static_cast<std::ptrdiff_t>(first));
   }
   for (const StateId id : last_) squared_[place_of(id)] *= sticky * sticky;
   out.assign(ids_.begin(), ids_.end());
+  if (out.empty()) return;
   const std::size_t count = std::min(most_, out.size());
   std::partial_sort(out.begin(), out.begin() + static_cast<std::ptrdiff_t>(count), out.end(),
                     [&](StateId a, StateId b) {
@@ -219,7 +234,27 @@ void JetSet::choose(const Vec3& x, std::vector<StateId>& out) {
                       return qa < qb || (qa == qb && a < b);
                     });
   out.resize(count);
+  std::erase_if(out, [&, best = out.front()](StateId id) { return on_another_branch(id, best, x); });
   last_.assign(out.begin(), out.end());
+}
+
+bool JetSet::lost(const Vec3& x, StateId best) {
+  const State& state = space_[best];
+  // A stiffness beside a fold may be of any size, the force is not.
+  const double slope = (state.stiffness * (x - state.at)).norm();
+  const double force = std::max(state.force.norm(), std::min(slope, largest_force_));
+  const double share = lost_ ? radius_share * back_within : radius_share;
+  lost_ = std::sqrt(squared_[place_of(best)]) > share * std::max(force, tolerance_.floor);
+  return lost_;
+}
+
+// Whether the energies of two jets differ at x by more than their estimates, over the way from their states, explain.
+bool JetSet::on_another_branch(StateId id, StateId best, const Vec3& x) const {
+  const std::size_t i = place_of(id), b = place_of(best);
+  const double way = (space_[id].at - x).norm(), way_of_best = (space_[best].at - x).norm();
+  const double least = least_energy_share * tolerance_.limit(space_[best].force.norm());
+  return std::abs(energies_[i] - energies_[b]) > std::max(std::sqrt(squared_[i]), least) * way +
+                                                     std::max(std::sqrt(squared_[b]), least) * way_of_best;
 }
 
 void JetSet::write(std::span<const StateId> chosen, ModelDraft& draft) const {

@@ -11,7 +11,8 @@
 //   l  material limit of the jet (solver/jet/jet_maker.hpp);  h: spacing
 //   s  least distance of a surprise: a state whose force is off the jet's by more than max(3 e, limit(f))
 //   c  largest distance, below s, of a state within that
-// limit(f): geometry/common/tolerance.hpp. t depends on the set of states, not on their order.
+// Beyond t the estimate grows as e (1 + c (r^2 / t^2 - 1)^3)^(1/2), c = 1 or more, so that at s it is at least the error
+// seen there. limit(f): geometry/common/tolerance.hpp. t depends on the set of states, not on their order.
 //
 // Sources: the jets, Koiter 1945 and Cochelin, Damil and Potier-Ferry 1994; see solver/jet/jet_maker.hpp.
 
@@ -33,10 +34,16 @@ class JetSet {
   JetSet(const StateSpace& space, const ModelOptions& options);  // the space must outlive the set
 
   void learn();  // the states that were added to the space since the last call
+  // No state has a jet that serves: beside a fold its series ends within a quarter of the spacing.
   bool empty() const { return ids_.empty(); }
-  // The ids of the `most` jets of least estimate at x, the least first. Members of the last choice count 0.8 times.
+  // The ids of the `most` jets of least estimate at x, the least first. Members of the last choice count 0.8 times. A
+  // jet of another branch is left out: its energy differs from the first one's by more than both estimates explain,
+  // and a blend of the two would push with the difference.
   void choose(const Vec3& x, std::vector<StateId>& out);
-  void forget() { last_.clear(); }
+  void forget() { last_.clear(), lost_ = false; }
+  // After choose(x): x lies outside the radius of every jet, so that other states' data say more (updater.hpp). True
+  // from an estimate of half the force on, false again below a third of it.
+  bool lost(const Vec3& x, StateId best);
   void write(std::span<const StateId> chosen,
              ModelDraft& draft) const;  // the model of these jets: copies of them
 
@@ -44,25 +51,28 @@ class JetSet {
     double distance = 0;   // t [m]
     double confirmed = 0;  // c [m]; 0: no state confirms the jet
     double surprised = 0;  // s [m]; infinite: none
+    double excess = 0;     // at s: the square of the error over e
   };
   Trust trust(StateId id) const;  // of a state with a jet
 
  private:
-  void add(StateId id, const State& state);
+  void add(StateId id, const State& state, double radius);
   void judge(std::size_t jet, const State& other, const double* estimates);
   void confirm_again(std::size_t jet);
   void set_trust(std::size_t jet);
   double& value(std::size_t jet, std::size_t row);
   std::size_t place_of(StateId id) const;
+  bool on_another_branch(StateId id, StateId best, const Vec3& x) const;
 
   const StateSpace& space_;
   std::size_t most_;
+  bool lost_ = false;
   Tolerance tolerance_;
-  double spacing_;
+  double spacing_, largest_force_ = 0;  // the second: of the states
   std::size_t seen_ = 0;
   std::vector<StateId> ids_, last_;  // of the jets; of the last choice
   std::vector<Trust> trusts_;
-  std::vector<double> limits_, squared_;
+  std::vector<double> limits_, squared_, energies_;  // the last two: at the place of the last choice
   AlignedArray blocks_;
 };
 

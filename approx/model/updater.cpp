@@ -31,7 +31,10 @@ Sample sample_of(StateId id, const State& state) {
   return sample;
 }
 
-// Of states without jets.
+// Outside the radius of all jets, so many states are needed for an RBF model in their place.
+constexpr std::size_t least_for_rbf = 8;
+
+// Of states without jets, and outside the radius of every jet.
 ModelOptions of_rbf(ModelOptions options) {
   if (options.data == Data::jet) {
     options.data = Data::force_and_stiffness;
@@ -137,6 +140,7 @@ bool ModelUpdater::Impl::update_jets(const Vec3& hip, Model& out, UpdateReport* 
   jets.learn();
   if (jets.empty()) return false;
   jets.choose(hip, chosen_jets);
+  if (jets.lost(hip, chosen_jets.front()) && space.size() >= least_for_rbf) return false;
   jets.write(chosen_jets, draft);
   if (tag.guess) draft.forget_states();
   ++serial;

@@ -1,7 +1,8 @@
 #pragma once
 // Keeps a model f~ (model.hpp) up to date while the state space grows and the HIP moves. Each update chooses
-// the neighbour set (neighbours.hpp) and replaces k of n centres in O(k n^2), or refits if that is faster
-// (rbf_fit.hpp).
+// the neighbour set (neighbours.hpp, jet_set.hpp) and replaces k of n centres in O(k n^2), or refits if that is faster
+// (rbf_fit.hpp). With jets, a HIP outside the radius of every jet gets the RBF model of force and stiffness if 8 states
+// are known: past a fold or in creases a jet says nothing, and its neighbours' data do.
 
 #include "approx/model/model.hpp"
 

@@ -33,11 +33,11 @@ fs::path trace_file(const DeviceSpec& device, const fs::path& folder) {
 
 // A scene has [model] select or [session] select, never both. An override goes into the section that the
 // scene uses.
-std::vector<std::string> with_select_of(const StudyFile& study, std::vector<std::string> overrides) {
+std::vector<std::string> with_select_of(const fs::path& scene, std::vector<std::string> overrides) {
   bool in_model = false;
   try {
-    const std::string text = read_text_file(study.scene);
-    check_key_depth(text, study.scene);
+    const std::string text = read_text_file(scene);
+    check_key_depth(text, scene);
     in_model = toml::parse(text)["model"]["select"].is_string();
   } catch (const toml::parse_error&) {  // load_scene reports the error
   }
@@ -47,10 +47,11 @@ std::vector<std::string> with_select_of(const StudyFile& study, std::vector<std:
 }
 
 Scene load_combination(const StudyFile& study, std::span<const std::size_t> choice, const Scene* like) {
-  std::vector<std::string> overrides = with_select_of(study, study.overrides(choice));
+  const fs::path& scene = study.scene_of(choice);
+  std::vector<std::string> overrides = with_select_of(scene, study.overrides(choice));
   overrides.push_back("session.clock=\"virtual\"");
   try {
-    return load_scene(study.scene, overrides, like);
+    return load_scene(scene, overrides, like);
   } catch (const InputError& error) {
     throw located(study, error);
   }

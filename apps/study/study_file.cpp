@@ -11,6 +11,7 @@
 #include "apps/console/suggest.hpp"
 #include "apps/scene/scene_declared.hpp"
 #include "apps/scene/toml_text.hpp"
+#include "apps/study/study_inputs.hpp"
 #include "apps/study/study_keys.hpp"
 #include "apps/study/study_toml.hpp"
 
@@ -35,6 +36,7 @@ class Reader {
   InputPlace where(const toml::node* node, const std::string& key) const;
   void check_root() const;
   void read_scene();
+  void add_scenes();
   void read_seeds();
   void read_set();
   void read_fixed();
@@ -54,6 +56,7 @@ class Reader {
   ClaimedKeys keys_;
   std::vector<std::string> set_;
   std::vector<std::string> together_;  // keys of the axis being read, where it is a section
+  StudyFileAxis scenes_;               // one, or a list
 };
 
 Reader::Reader(fs::path file, std::span<const std::string> set) : set_(set.begin(), set.end()) {
@@ -76,10 +79,12 @@ struct Reader::Key {
 
 std::span<const Reader::Key> Reader::keys() {
   static const Key all[] = {
-      {"scene", "required", "file of the scene, relative to the study", &Reader::read_scene},
+      {"scene", "required", "file of the scene, relative to the study, or a list of scenes in one folder",
+       &Reader::read_scene},
       {"seeds", "required", "list of whole numbers: every combination is run with each", &Reader::read_seeds},
       {"step", "", "[[step]] tables: changes that add up", &Reader::read_steps},
       {"vary", "", "table of lists: every combination is run", &Reader::read_vary},
+      {nullptr, nullptr, nullptr, &Reader::add_scenes},
       {nullptr, nullptr, nullptr, &Reader::read_fixed},
       {"sustained", "", "table: search the highest speed that each cell sustains", &Reader::read_sustained},
       {nullptr, nullptr, nullptr, &Reader::read_set},
@@ -102,35 +107,18 @@ void Reader::check_root() const {
 }
 
 void Reader::read_scene() {
-  const toml::node* node = root_.get("scene");
-  if (!node || !node->is_string())
-    throw InputError(where(node, "scene"), "missing, expected the file of a scene");
-  study_.scene = study_.file.parent_path() / node->as_string()->get();
-  study_.scene_place = where(node, "scene");
-  if (!fs::is_regular_file(study_.scene))
-    throw InputError(
-        where(node, "scene"),
-        fmt::format("no such file '{}', expected a scene, relative to the study", study_.scene.string()));
+  scenes_ = study_scenes(root_.get("scene"), study_.file);
+  study_.scene = scenes_.values.front().scene;
+  study_.scene_place = scenes_.where;
+}
+
+void Reader::add_scenes() {
+  if (scenes_.values.size() > 1) study_.axes.push_back(scenes_);
 }
 
 void Reader::read_seeds() {
   const toml::node* node = root_.get("seeds");
-  const toml::array* list = node ? node->as_array() : nullptr;
-  if (node && !list)
-    throw InputError(where(node, "seeds"),
-                     fmt::format("is {}, expected a list of whole numbers, as [1, 2]", toml_of(*node)));
-  if (!list) throw InputError(where(node, "seeds"), "missing, expected a list of whole numbers");
-  if (list->empty()) throw InputError(where(node, "seeds"), "is empty, expected at least one whole number");
-  for (const toml::node& element : *list) {
-    if (!element.is_integer() || element.as_integer()->get() < 0)
-      throw InputError(where(&element, "seeds"),
-                       fmt::format("holds {}, expected whole numbers of at least 0", toml_of(element)));
-    const auto seed = static_cast<std::uint64_t>(element.as_integer()->get());
-    if (std::ranges::find(study_.seeds, seed) != study_.seeds.end())
-      throw InputError(where(&element, "seeds"),
-                       fmt::format("holds {} twice, expected each seed once", seed));
-    study_.seeds.push_back(seed);
-  }
+  study_.seeds = study_seeds(node, study_.file);
   keys_.claim("session.seed", where(node, "seeds"), "given by the seeds of the study");
 }
 
@@ -371,6 +359,12 @@ std::vector<std::string> StudyFile::overrides(std::span<const std::size_t> chose
     all.insert(all.end(), some.begin(), some.end());
   }
   return all;
+}
+
+const fs::path& StudyFile::scene_of(std::span<const std::size_t> chosen) const {
+  for (std::size_t i = 0; i < axes.size(); ++i)
+    if (const fs::path& own = axes[i].values[chosen[i]].scene; !own.empty()) return own;
+  return scene;
 }
 
 std::vector<DeclaredTable> study_tables() {

@@ -1,7 +1,8 @@
 #pragma once
 // A study file (TOML), from which a Study (scheduling/study/study.hpp) is made.
 //
-//   scene = "liver.toml"            # relative to the study, as are traces and arrivals that it names
+//   scene = "liver.toml"            # relative to the study, as are traces and arrivals that it names; or a list of
+//                                   # scenes in one folder, which varies fastest
 //   seeds = [1, 2, 3]
 //   baseline = "nearest"            # optional: the value of the first axis that the others are compared with
 //
@@ -46,6 +47,7 @@ struct StudyFileValue {
   std::string text;                    // as in cells.csv
   std::vector<std::string> overrides;  // "key.path=TOML" for the scene
   std::optional<double> number;        // of `target_load` and `speed`, which are not keys of a scene
+  std::filesystem::path scene = {};    // of the axis `scene`; else empty
 };
 
 struct StudyFileAxis {
@@ -55,8 +57,8 @@ struct StudyFileAxis {
 };
 
 struct StudyFile {
-  std::filesystem::path file, scene;
-  std::string text;  // of the file
+  std::filesystem::path file, scene;  // scene: the first of a list
+  std::string text;                   // of the file
   std::vector<std::uint64_t> seeds;
   std::vector<StudyFileAxis> axes;
   std::optional<std::size_t> baseline;  // value of axes[0]
@@ -66,7 +68,8 @@ struct StudyFile {
   std::map<std::string, InputPlace> origin;           // scene key -> where it was given, for messages
 
   Study study() const;
-  // Of the scene, for a value of each axis.
+  const std::filesystem::path& scene_of(std::span<const std::size_t> choice) const;
+  // Of that scene, for a value of each axis.
   std::vector<std::string> overrides(std::span<const std::size_t> choice) const;
 };
 

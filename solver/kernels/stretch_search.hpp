@@ -147,7 +147,7 @@ struct StretchSearch {
     for (int e = 0; e < lane_count; ++e)
       if (failed[e] < 0) reached = least(reached, outside[e] * length);
   }
-  // (least stretch - limit)^2 of F, 0 below the limit. Newton from 0 stays below the smallest root m of
+  // (least stretch - limit)^2 of F, 0 below the limit and where the element is inverted. Newton from 0 stays below the smallest root m of
   // m^3 - I1 m^2 + I2 m - J^2, the square of the least stretch, so the margin is not overestimated.
   static FOREFEEL_INLINE Lanes margin2(const Point<Lanes>& p) {
     const Lanes i1 = dot9(p.f, p.f), i2 = dot9(p.cof, p.cof);
@@ -157,7 +157,8 @@ struct StretchSearch {
       m = slope > 0.0 ? m - value / slope : m;
     }
     const Lanes margin = root(m) - Law::least_stretch;
-    return margin > 0.0 ? margin * margin : Lanes{};
+    const Lanes square = margin > 0.0 ? margin * margin : Lanes{};
+    return p.j > 0.0 ? square : Lanes{};
   }
 };
 

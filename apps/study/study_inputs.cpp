@@ -1,0 +1,81 @@
+#include "apps/study/study_inputs.hpp"
+
+#include <fmt/format.h>
+
+#include <algorithm>
+#include <string>
+
+#include "apps/study/study_toml.hpp"
+
+namespace forefeel {
+namespace {
+
+namespace fs = std::filesystem;
+using study_toml::toml_of;
+
+InputPlace place_of(const toml::node* node, const fs::path& study, const char* key = "scene") {
+  InputPlace place{.file = study.string(), .key = key};
+  if (node && node->source().begin) place.line = node->source().begin.line;
+  return place;
+}
+
+StudyFileValue scene_of(const toml::node& node, const fs::path& study) {
+  if (!node.is_string())
+    throw InputError(place_of(&node, study),
+                     fmt::format("is {}, expected the file of a scene", toml_of(node)));
+  const fs::path scene = study.parent_path() / node.as_string()->get();
+  if (!fs::is_regular_file(scene))
+    throw InputError(
+        place_of(&node, study),
+        fmt::format("no such file '{}', expected a scene, relative to the study", scene.string()));
+  return {.text = scene.stem().string(), .overrides = {}, .number = {}, .scene = scene};
+}
+
+}  // namespace
+
+StudyFileAxis study_scenes(const toml::node* node, const fs::path& study) {
+  StudyFileAxis axis{.column = "scene", .where = place_of(node, study), .values = {}};
+  const toml::array* list = node ? node->as_array() : nullptr;
+  if (!node || (list && list->empty()))
+    throw InputError(axis.where, "missing, expected the file of a scene, or a list of them");
+  if (!list) {
+    axis.values.push_back(scene_of(*node, study));
+    return axis;
+  }
+  for (const toml::node& element : *list) {
+    StudyFileValue value = scene_of(element, study);
+    if (std::ranges::find(axis.values, value.text, &StudyFileValue::text) != axis.values.end())
+      throw InputError(place_of(&element, study),
+                       fmt::format("holds '{}' twice, expected each once", value.text));
+    if (!axis.values.empty() && value.scene.parent_path() != axis.values.front().scene.parent_path())
+      throw InputError(place_of(&element, study),
+                       fmt::format("'{}' is in another folder than '{}', expected scenes of one folder",
+                                   value.scene.string(), axis.values.front().scene.string()));
+    axis.values.push_back(std::move(value));
+  }
+  return axis;
+}
+
+std::vector<std::uint64_t> study_seeds(const toml::node* node, const fs::path& study) {
+  std::vector<std::uint64_t> seeds;
+  const toml::array* list = node ? node->as_array() : nullptr;
+  if (node && !list)
+    throw InputError(place_of(node, study, "seeds"),
+                     fmt::format("is {}, expected a list of whole numbers, as [1, 2]", toml_of(*node)));
+  if (!list) throw InputError(place_of(node, study, "seeds"), "missing, expected a list of whole numbers");
+  if (list->empty())
+    throw InputError(place_of(node, study, "seeds"), "is empty, expected at least one whole number");
+  for (const toml::node& element : *list) {
+    if (!element.is_integer() || element.as_integer()->get() < 0)
+      throw InputError(place_of(&element, study, "seeds"),
+                       fmt::format("holds {}, expected whole numbers of at least 0", toml_of(element)));
+    const auto seed = static_cast<std::uint64_t>(element.as_integer()->get());
+    if (std::ranges::find(seeds, seed) != seeds.end())
+      throw InputError(place_of(&element, study, "seeds"),
+                       fmt::format("holds {} twice, expected each seed once", seed));
+    seeds.push_back(seed);
+  }
+  return seeds;
+}
+
+}  // namespace forefeel

@@ -1,0 +1,20 @@
+#pragma once
+// What a study runs on: its scenes (the file of one, or a list of files in one folder, to which the values that name
+// files are relative) and its seeds.
+
+#include <toml++/toml.h>
+
+#include <cstdint>
+#include <filesystem>
+#include <vector>
+
+#include "apps/study/study_file.hpp"
+
+namespace forefeel {
+
+// An axis with a value for each scene, at least one. InputError names the study's line.
+StudyFileAxis study_scenes(const toml::node* node, const std::filesystem::path& study);
+// At least one, each once.
+std::vector<std::uint64_t> study_seeds(const toml::node* node, const std::filesystem::path& study);
+
+}  // namespace forefeel
