@@ -272,3 +272,71 @@ TEST_CASE("States without jets make the model of force and stiffness", "[jets]")
     CHECK(with.force(x) == without.force(x));
   }
 }
+
+TEST_CASE("Jets of another branch stay out of a blend", "[jets]") {
+  const Field field(false);
+  std::vector<State> states = states_of(field, random_points(6, 0.008, 12));
+  State other = field.state(Vec3(0.004, 0.002, -0.003));
+  other.energy -= 0.01;  // [J]: the equilibrium of a fold, with about the same force
+  states.push_back(other);
+  const StateSpace space = space_of(states);
+  JetSet jets(space, of_jets());
+  jets.learn();
+  std::vector<StateId> chosen;
+  jets.choose(Vec3(-0.004, 0, 0.002), chosen);
+  CHECK(chosen.size() == 6);
+  CHECK(std::ranges::find(chosen, StateId{6}) == chosen.end());
+  jets.choose(other.at, chosen);
+  CHECK(chosen == std::vector<StateId>{StateId{6}});
+  // A blend of the two would push with the difference of the energies.
+  ModelUpdater updater(space, of_jets());
+  double worst = 0;
+  for (const Vec3& x : random_points(100, 0.008, 13))
+    worst = std::max(worst, (updater.model_at(x).force(x) - field.force(x)).norm());
+  CHECK(worst < 0.01);  // [N]
+}
+
+TEST_CASE("Beyond its trust an estimate is at least the error that was seen there", "[jets]") {
+  const Field field(false);
+  State other = field.state(Vec3(0.012, 0, 0));
+  other.force *= 1.5;
+  other.jet = nullptr;
+  const StateSpace space = space_of({field.state(Vec3::Zero()), other});
+  const Model model = ModelUpdater(space, of_jets()).model_at(Vec3::Zero());
+  const JetEstimate there = model.estimate(other.at);
+  CHECK_FALSE(there.trusted);
+  CHECK(there.error >= 0.999 * (there.force - other.force).norm());
+  CHECK(model.estimate(Vec3(0.006, 0, 0)).error < 1e-3);
+}
+
+TEST_CASE("Where no jet reaches the neighbours' data answer", "[jets]") {
+  const Field field(false);
+  std::vector<State> states = states_of(field, random_points(30, 0.02, 14));
+  for (State& s : states) {
+    auto wild = std::make_shared<EnergyJet>(*s.jet);
+    for (double& c : wild->coefficients) c *= 1e10;  // as beside folds: it ends within 0.1 mm
+    s.jet = wild;
+  }
+  const StateSpace wild = space_of(states);
+  JetSet jets(wild, of_jets());
+  jets.learn();
+  CHECK(jets.empty());
+  ModelOptions hermite{.kernel = Kernel::quintic, .data = Data::force_and_stiffness, .neighbours = 25};
+  ModelUpdater a(wild, hermite), b(wild, [&] {
+    ModelOptions options = hermite;
+    options.data = Data::jet;
+    return options;
+  }());
+  for (const Vec3& x : random_points(20, 0.02, 15)) CHECK(a.model_at(x).force(x) == b.model_at(x).force(x));
+  // One that reaches 5 mm answers there and nowhere else.
+  states.push_back(field.state(Vec3(0.03, 0, 0)));
+  auto short_of_it = std::make_shared<EnergyJet>(*states.back().jet);
+  short_of_it->coefficients[jet_index(5, 0, 0)] = 1.5 / (5 * std::pow(0.005, 4));
+  short_of_it->coefficients[jet_index(0, 5, 0)] = short_of_it->coefficients[jet_index(0, 0, 5)] =
+      short_of_it->coefficients[jet_index(5, 0, 0)];
+  states.back().jet = short_of_it;
+  const StateSpace space = space_of(states);
+  ModelUpdater updater(space, of_jets());
+  CHECK(updater.model_at(Vec3(0.031, 0, 0)).has_jets());
+  CHECK_FALSE(updater.model_at(Vec3(-0.01, 0, 0)).has_jets());
+}

@@ -336,3 +336,19 @@ TEST_CASE("evaluate says where the kernel stepped down", "[evaluate]") {
   CHECK(whole["kernels"] == nlohmann::json{"cubic", "cubic"});
   CHECK(whole["stepped_down"] == 0);
 }
+
+TEST_CASE("evaluate says which forces of jets are trusted", "[evaluate]") {
+  const Workshop shop;
+  shop.write("beam.toml", beam_scene());
+  REQUIRE(shop.forefeel("generate beam.toml -o j.states --set state_space.jet=4").code == 0);
+  shop.write("q.csv", "x,y,z\n0.001,0.0005,0\n0.2,0.2,0\n");
+  const nlohmann::json said = run(shop, "evaluate j.states --points q.csv --data jet --json -o forces.csv");
+  CHECK(said["data"] == "jet");
+  CHECK(said["trusted"] == nlohmann::json({true, false}));
+  const std::string rows = shop.shell("cat forces.csv").out;
+  CHECK_THAT(rows,
+             Catch::Contains("label,trusted") && Catch::Contains(",safe,1") && Catch::Contains(",blank,0"));
+  const std::string text = shop.forefeel("evaluate j.states --points q.csv --data jet").out;
+  CHECK_THAT(text, Catch::Contains("safe, trusted") && Catch::Contains("blank, not trusted"));
+  CHECK(run(shop, "evaluate j.states --points q.csv --json")["trusted"].is_null());
+}

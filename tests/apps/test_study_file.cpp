@@ -33,6 +33,33 @@ TEST_CASE("a study: axes in the order of the file, the first slowest, the seed f
                                        "model.neighbours=12", "session.select=\"nearest\""});
 }
 
+TEST_CASE("a list of scenes is the last axis") {
+  const StudyFixture folder;
+  folder.write("other.toml", "[body]\nphantom = \"beam\"\n");
+  const auto list = [&](const std::string& scenes) {
+    return folder.write("list.toml",
+                        "scene = " + scenes + "\nseeds = [1]\n[vary]\npolicy = [\"nearest\", \"fifo\"]\n");
+  };
+  const StudyFile study = read_study(list("[\"scene.toml\", \"other.toml\"]"), {});
+  REQUIRE(study.axes.size() == 2);
+  CHECK(study.axes[1].column == "scene");
+  CHECK(study.axes[1].values[0].text == "scene");
+  const std::vector<std::size_t> second = study.study().choice(1);
+  CHECK(study.scene_of(second).filename() == "other.toml");
+  CHECK(study.scene.filename() == "scene.toml");
+  CHECK_THAT(refusal([&] { read_study(list("[]"), {}); }), Catch::Contains("scene: missing"));
+  CHECK_THAT(refusal([&] { read_study(list("[\"scene.toml\", 3]"), {}); }),
+             Catch::Contains("list.toml:1: scene: is 3"));
+  CHECK_THAT(refusal([&] { read_study(list("[\"scene.toml\", \"none.toml\"]"), {}); }),
+             Catch::Contains("no such file"));
+  CHECK_THAT(refusal([&] { read_study(list("[\"scene.toml\", \"scene.toml\"]"), {}); }),
+             Catch::Contains("holds 'scene' twice"));
+  fs::create_directories(folder.path / "more");
+  folder.write("more/third.toml", "[body]\nphantom = \"beam\"\n");
+  CHECK_THAT(refusal([&] { read_study(list("[\"scene.toml\", \"more/third.toml\"]"), {}); }),
+             Catch::Contains("another folder"));
+}
+
 TEST_CASE("keys of one section may change together, under a name") {
   const StudyFixture folder;
   const StudyFile study =

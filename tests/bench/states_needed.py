@@ -1,10 +1,11 @@
-"""How many states a model needs. Usage: states_needed.py FOREFEEL [--positions N] [--seconds T] [--bodies A,B] [MESH …]
+"""How many states a model needs. Usage: states_needed.py FOREFEEL [--positions N] [--seconds T] [--bodies A,B]
+                                                     [--picture FILE.svg] [MESH …]
 
 For each body and each kind of data (jets of order 4; force and stiffness with r^5 and r^3): `generate --error 0.02`
 places the states, without hindsight, for at most T seconds (default 120). The model of the first n of them is compared
 with tight solves at N random positions in a ball (default 1000); a position without an equilibrium is counted, not
 compared. Printed: the least n whose error at p95 is at most 7 and 2 %, and the solving time of these states. MESH:
-volume meshes of organs, pressed at their upper side."""
+volume meshes of organs, pressed at their upper side. --picture: error against states, a panel a body, by gnuplot."""
 import argparse
 import csv
 import json
@@ -22,9 +23,11 @@ BODIES = {  # phantom, law, Poisson's ratio, contact, radius of the ball [m]
     "one node": ("liver", "neo-hookean", 0.45, "nearest = [0.0, 0.0, 1.0]", 0.036),
     "beam": ("beam", "neo-hookean", 0.45, 'nearest = [1.0, 0.0, 0.0]', 0.030),
     "St. Venant-Kirchhoff": ("liver", "st-venant-kirchhoff", 0.45, PAD, 0.036),
-    "lump": ("slab", "neo-hookean", 0.45, PAD, 0.030),
+    "lump": ("slab", "neo-hookean", 0.45, PAD, 0.024),
 }
-KINDS = {"jets": ("jet", "quintic"), "Hermite r5": ("force+stiffness", "quintic"), "Hermite r3": ("force+stiffness", "cubic")}
+KINDS = {"jets": ("jet", "quintic"), "Hermite r5": ("force+stiffness", "quintic"), "Hermite r3": ("force+stiffness", "cubic"),
+         "force r3": ("force", "cubic")}
+INKS = ["#0072b2", "#d55e00", "#009e73", "#8a8a8a"]
 COUNTS = [1, 2, 3, 4, 5, 6, 7, 8, 10, 12, 14, 16, 20, 24, 28, 32, 40, 48, 56, 64, 80, 96, 128, 160, 200, 256, 300]
 
 
@@ -67,6 +70,31 @@ def p95(errors):
     return sorted(errors)[min(len(errors) - 1, int(0.95 * len(errors)))]
 
 
+def draw(file, curves):
+    """curves: body -> kind -> [(states, p95 in %)]."""
+    blocks, panels = [], []
+    for b, (body, kinds) in enumerate(curves.items()):
+        parts = []
+        for k, (kind, points) in enumerate(kinds.items()):
+            blocks.append(f"$b{b}k{k} << EOD\n" + "".join(f"{n} {p}\n" for n, p in points) + "EOD\n")
+            parts.append(f"$b{b}k{k} using 1:2 with linespoints pt 7 ps 0.4 lw 2 lc rgb '{INKS[k]}' title '{kind}'")
+        panels.append(f"set title '{body}'\nplot {', '.join(parts)}, 7 dt 2 lc rgb '#8a8a8a' notitle, "
+                      "2 dt 2 lc rgb '#8a8a8a' notitle\n")
+    columns = min(3, len(panels))
+    rows = -(-len(panels) // columns)
+    subprocess.run(["gnuplot"], check=True, text=True, input="".join(blocks) + f"""
+set terminal svg size {400 * columns},{320 * rows} font 'sans-serif,12' background rgb 'white'
+set output '{file}'
+set logscale xy
+set xrange [0.9:]
+set yrange [0.05:200]
+set grid
+set xlabel 'states'
+set ylabel 'error, p95 [%]'
+set multiplot layout {rows},{columns}
+""" + "".join(panels) + "unset multiplot\n")
+
+
 def needed(args, folder, path, kind, points, truth, per_state):
     data, kernel = KINDS[kind]
     states, table = os.path.join(folder, "g.states"), os.path.join(folder, "g.csv")
@@ -76,7 +104,7 @@ def needed(args, folder, path, kind, points, truth, per_state):
         "0.02", "-o", states, "--quiet", timeout=args.seconds)
     run(args.forefeel, "export", states, "-o", table, "--quiet")
     lines = open(table).read().splitlines()
-    least, last = {}, None
+    least, last, curve = {}, None, []
     for n in COUNTS:
         if n > len(lines) - 1:
             break
@@ -88,6 +116,7 @@ def needed(args, folder, path, kind, points, truth, per_state):
             "0.006", "--quiet", *options)
         errors = [math.dist(f, g) / max(math.hypot(*g), 0.05) for f, g in zip(forces(result), truth)]
         last = (n, 100 * statistics.median(errors), 100 * p95(errors), 100 * max(errors))
+        curve.append((n, 100 * p95(errors)))
         for share in (0.07, 0.02):
             if p95(errors) <= share:
                 least.setdefault(share, n)
@@ -96,6 +125,7 @@ def needed(args, folder, path, kind, points, truth, per_state):
     words = [f"{least[s]} ({least[s] * per_state:.0f} ms)" if s in least else "more" for s in (0.07, 0.02)]
     print(f"  {kind:<11} 7 %: {words[0]:<14} 2 %: {words[1]:<14} at {last[0]}: p50 {last[1]:.2f} p95 {last[2]:.2f} max "
           f"{last[3]:.1f} %; placed {len(lines) - 1}", flush=True)
+    return curve
 
 
 def main():
@@ -105,7 +135,9 @@ def main():
     parser.add_argument("--positions", type=int, default=1000)
     parser.add_argument("--seconds", type=float, default=120)
     parser.add_argument("--bodies", default=",".join(BODIES))
+    parser.add_argument("--picture")
     args = parser.parse_args()
+    curves = {}
     for name in [b for b in args.bodies.split(",") if b] + args.meshes:
         with tempfile.TemporaryDirectory() as folder:
             path, radius = scene(folder, os.path.basename(name), name)
@@ -126,7 +158,9 @@ def main():
             print(f"{name}: {len(good)} positions to {1e3 * radius:g} mm, {len(solved) - len(good)} without equilibrium, "
                   f"{sum(s['multivalued'] for s in good)} multivalued; {per_state:.1f} ms a state", flush=True)
             for kind in KINDS:
-                needed(args, folder, path, kind, points, [s["force"] for s in good], per_state)
+                curves.setdefault(os.path.basename(name), {})[kind] = needed(args, folder, path, kind, points, [s["force"] for s in good], per_state)
+    if args.picture:
+        draw(args.picture, curves)
 
 
 if __name__ == "__main__":
