@@ -30,7 +30,7 @@ constexpr double most_radius = 50;       // spacings
 // A jet of a smaller radius is none: the hand leaves it before the next model comes. It lies beside a fold.
 constexpr double least_radius = 0.25;  // spacings
 // Farther than this many R from the jets of a model its force is held constant.
-constexpr double hold_radii = 3;
+constexpr double hold_radii = 1.5;
 
 double factorials(int a, int b, int c) {
   constexpr std::array<double, 6> of{1, 1, 2, 6, 24, 120};
