@@ -14,15 +14,18 @@ namespace {
 
 constexpr double no_bar = std::numeric_limits<double>::infinity();
 constexpr std::size_t least_states = 8, least_checks = 20, least_of_label = 30, most_samples = 800;
-constexpr double constants[] = {0, 0.1, 0.3, 1, 3};   // b, in median errors
-constexpr std::size_t scored_level = 1;               // of bar_levels: 95 %
-constexpr double least_scale = 0.05;                  // b of judged bars, in median scales
-constexpr double least_trust = 0.7, most_trust = 16;  // g of judged bars
+constexpr double constants[] = {0, 0.1, 0.3, 1, 3};  // b, in median errors
+constexpr std::size_t scored_level = 1;              // of bar_levels: 95 %
+constexpr double least_scale = 0.05,
+                 large_scale = 0.9;                 // b of judged bars, in scales that 90 % do not exceed
+constexpr double least_trust = 1, most_trust = 16;  // g of judged bars
+constexpr double trust_step = 1.1;
 constexpr std::size_t local_samples = 30;
 constexpr double average_samples = 15;
 constexpr BarWidths steeper{1.5, 2, 3};  // stiffness across the states, in largest stiffnesses along them
 constexpr double few_groups = 4;         // bars of n groups are wider by 1 + 4 / n
-constexpr double usual_trust = 0.5;      // deviation of log g before the samples are seen
+constexpr double usual_trust = 1.15,
+                 trust_spread = 0.25;  // of g before the samples: median, deviation of log g
 
 double square(double x) {
   return x * x;
@@ -193,10 +196,10 @@ OfflineBars::OfflineBars(std::vector<BarSample> samples, double noise, std::size
   if (samples_.empty()) return;
   std::vector<double> scales;
   for (const BarSample& s : samples_) scales.push_back(s.scale);
-  constant_ = least_scale * median(std::move(scales));
+  constant_ = least_scale * quantile_of(scales, large_scale);
   double least = no_bar;
-  for (double trust = least_trust; trust <= most_trust; trust *= std::sqrt(std::sqrt(2.0))) {
-    double sum = square(std::log(trust) / usual_trust);
+  for (double trust = least_trust; trust <= most_trust; trust *= trust_step) {
+    double sum = square(std::log(trust / usual_trust) / trust_spread);
     for (const BarSample& s : samples_) {
       const double variance = trust * trust * square(s.scale + constant_) + 3 * noise * noise;
       sum += 3 * std::log(variance) + 3 * square(s.error) / variance;
