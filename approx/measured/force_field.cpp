@@ -19,14 +19,16 @@ constexpr std::size_t more_clusters = 110;                  // and those that it
 constexpr std::size_t law_boxes = 500;
 constexpr int first_polishing = 5, polishing = 20;  // steps
 constexpr double most_sag = 0.3;                    // of a box, in deviations of its mean
-constexpr double longest_doubt = 1.4;               // length, in extents of the rows (root mean square)
+constexpr double longest_doubt = 1.8;               // length, in extents of the rows (root mean square)
 constexpr double least_apart = 0.1;                 // of boxes for a secant, in lengths and radii
 constexpr std::size_t most_around = 2000;           // rows that show which directions are known
 constexpr std::size_t least_around = 12;
 constexpr double least_across =
     0.05;  // in distances of the nearest row: less is the sag of a curve between rows
 constexpr double known_share = 0.25;  // a direction is known up to the deviation of the rows divided by this
-constexpr double surely = 2.8;        // 95 % of |e| lie within 2.8 deviations of a component (chi, 3 degrees)
+constexpr double thin = 0.2;  // deviation of a thin direction, in the largest of the rows about a place
+constexpr double thin_share = 0.67;  // its share of the distance across, below which the error grows
+constexpr double surely = 2.8;       // 95 % of |e| lie within 2.8 deviations of a component (chi, 3 degrees)
 constexpr double cone = 0.5;  // cosine of the angle to the direction across, within which rows tell of it
 constexpr double most_overshoot = 2;  // no force is larger than this many times the largest known one
 
@@ -207,15 +209,24 @@ ForceField::Foot ForceField::foot_of(const Vec3& x) const {
     spread += off * off.transpose() / count;
   }
   const Eigen::SelfAdjointEigenSolver<Mat3> axes(spread);
-  Vec3 across = Vec3::Zero();
+  const double widest = std::sqrt(std::max(0.0, axes.eigenvalues()[2]));
+  Vec3 across = Vec3::Zero(), doubtful = Vec3::Zero();
   for (int k = 0; k < 3; ++k) {
     const Vec3 u = axes.eigenvectors().col(k);
     const double off = -u.dot(middle);
-    if (known_share * std::abs(off) > std::sqrt(std::max(0.0, axes.eigenvalues()[k]))) across += off * u;
+    const double own = std::sqrt(std::max(0.0, axes.eigenvalues()[k]));
+    if (known_share * std::abs(off) > own)
+      across += off * u;
+    else if (own < thin * widest && thin_share * std::abs(off) > own)
+      doubtful += off * u;
   }
   const Vec3 foot = x - across;
-  if (across.norm() <= least_across * nearest || known_across(x, foot)) return {.at = x, .across = 0};
-  return {.at = foot, .across = across.norm()};
+  const auto unknown_from = [&](const Vec3& place) {
+    return (x - place).norm() > least_across * nearest && !known_across(x, place);
+  };
+  const bool moved = unknown_from(foot);
+  const Vec3 thinnest = (moved ? foot : x) - doubtful;
+  return {.at = moved ? foot : x, .across = unknown_from(thinnest) ? (x - thinnest).norm() : 0};
 }
 
 bool ForceField::known_across(const Vec3& x, const Vec3& foot) const {
