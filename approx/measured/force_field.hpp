@@ -17,7 +17,9 @@
 // unless rows within l lie beyond x, or on the far side of the foot, within 60 degrees of the direction across and at
 // least E away: those of the next line of a raster. At the foot's force the error is at least S E. S [N/m]: the largest
 // secant |F_i - F_j| / |x_i - x_j| of neighbouring boxes, or the largest force over half the extent of the rows, if
-// that is more.
+// that is more. A direction is thin if the rows deviate in it by less than a fifth of their largest deviation (a line
+// with noise in its positions); the components of x in it beyond 1.5 such deviations count in E, but do not move the
+// foot.
 
 #include <memory>
 #include <optional>
