@@ -148,7 +148,7 @@ TEST_CASE("Rows are averaged where the field is flat among them, not where they 
   const auto force = [](const Vec3& x) {
     return Vec3(std::sin(300 * x.x()), std::cos(250 * x.y()), 100 * x.z());
   };
-  const auto noise = [&] { return 0.01 * Vec3(normal(random), normal(random), normal(random)); };
+  const auto noise = [&] { return Vec3(0.01 * Vec3(normal(random), normal(random), normal(random))); };
   for (int i = 0; i < 1400; ++i) {
     far.emplace_back(uniform(random), uniform(random), uniform(random));
     dense.emplace_back(-0.01 + 0.02 * i / 1399, 0, 0);
