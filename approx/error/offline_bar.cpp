@@ -14,15 +14,19 @@ namespace {
 
 constexpr double no_bar = std::numeric_limits<double>::infinity();
 constexpr std::size_t least_states = 8, least_checks = 20, least_of_label = 30, most_samples = 800;
-constexpr double constants[] = {0, 0.1, 0.3, 1, 3};   // b, in median errors
-constexpr std::size_t scored_level = 1;               // of bar_levels: 95 %
-constexpr double least_scale = 0.05;                  // b of judged bars, in median scales
-constexpr double least_trust = 0.7, most_trust = 16;  // g of judged bars
+constexpr double constants[] = {0, 0.1, 0.3, 1, 3};  // b, in median errors
+constexpr std::size_t scored_level = 1;              // of bar_levels: 95 %
+constexpr double least_scale = 0.05;                 // b of judged bars, in scales that 90 % do not exceed
+constexpr double least_trust = 1, most_trust = 16;   // g of judged bars
+constexpr double trust_step = 1.1;
+constexpr double trust_spread = 0.25;  // deviation of log g before the samples are seen
+constexpr double noise_spread = 0.07;  // and of log sigma, about what the process gave
 constexpr std::size_t local_samples = 30;
 constexpr double average_samples = 15;
-constexpr BarWidths steeper{1.5, 2, 3};  // stiffness across the states, in largest stiffnesses along them
-constexpr double few_groups = 4;         // bars of n groups are wider by 1 + 4 / n
-constexpr double usual_trust = 0.5;      // deviation of log g before the samples are seen
+constexpr BarWidths steeper{2, 3, 4};  // stiffness across the states, in largest stiffnesses along them
+constexpr double few_groups = 4, most_for_few = 1.7;  // bars of n groups are wider by 1 + 4 / n, at most 1.7
+// Of |e| over its root mean square, three normal components: no bar of measured forces has a smaller factor.
+constexpr BarWidths normal{1.443, 1.614, 1.945};
 
 double square(double x) {
   return x * x;
@@ -84,6 +88,13 @@ BarWidths times(BarWidths factors, double scale) {
   return factors;
 }
 
+// No narrower than those of normal errors.
+BarWidths at_least(BarWidths widths, double scale) {
+  for (std::size_t level = 0; level < widths.size(); ++level)
+    widths[level] = std::max(widths[level], normal[level] * scale);
+  return widths;
+}
+
 // Bars of each sample from the scores of the other parts.
 void fill_bars(std::vector<BarSample>& samples, double constant) {
   std::uint32_t parts = 0;
@@ -126,6 +137,16 @@ BarCover cover_of(std::span<const BarSample> samples, Counts counts) {
       found.inside[level] = static_cast<double>(inside[level]) / static_cast<double>(known[level]);
   found.width_p50 = median(std::move(widths));
   return found;
+}
+
+// The scale that 90 % of the samples inside do not exceed, or of all if none is inside.
+double usual_scale(std::span<const BarSample> samples) {
+  std::vector<double> inside, all;
+  for (const BarSample& s : samples) {
+    all.push_back(s.scale);
+    if (!s.seen.outside) inside.push_back(s.scale);
+  }
+  return quantile_of(inside.empty() ? all : inside, 0.9);
 }
 
 PlaceMethod method_of(const OfflineBarOptions& options) {
@@ -191,20 +212,22 @@ void widen(BarWidths& widths, double across) {
 OfflineBars::OfflineBars(std::vector<BarSample> samples, double noise, std::size_t groups)
     : samples_(std::move(samples)) {
   if (samples_.empty()) return;
-  std::vector<double> scales;
-  for (const BarSample& s : samples_) scales.push_back(s.scale);
-  constant_ = least_scale * median(std::move(scales));
+  constant_ = least_scale * usual_scale(samples_);
+  const double given = noise;
   double least = no_bar;
-  for (double trust = least_trust; trust <= most_trust; trust *= std::sqrt(std::sqrt(2.0))) {
-    double sum = square(std::log(trust) / usual_trust);
-    for (const BarSample& s : samples_) {
-      const double variance = trust * trust * square(s.scale + constant_) + 3 * noise * noise;
-      sum += 3 * std::log(variance) + 3 * square(s.error) / variance;
+  for (int step = -3; step <= 3; ++step) {
+    const double log_noise = 0.5 * step * noise_spread, own = given * std::exp(log_noise);
+    for (double trust = least_trust; trust <= most_trust; trust *= trust_step) {
+      double sum = square(std::log(trust) / trust_spread) + square(log_noise / noise_spread);
+      for (const BarSample& s : samples_) {
+        const double variance = square(trust) * (square(s.scale) + square(constant_)) + 3 * own * own;
+        sum += 3 * std::log(variance) + 3 * square(s.error) / variance;
+      }
+      if (sum < least) least = sum, trust_ = trust, noise = own;
     }
-    if (sum < least) least = sum, trust_ = trust;
   }
   for (BarSample& s : samples_) {
-    s.scale = std::sqrt(square(trust_ * (s.scale + constant_)) + 3 * noise * noise);
+    s.scale = std::hypot(trust_ * std::hypot(s.scale, constant_), std::sqrt(3.0) * noise);
     misses_.push_back(square(s.error / s.scale));
   }
   std::vector<double> factors;
@@ -215,11 +238,11 @@ OfflineBars::OfflineBars(std::vector<BarSample> samples, double noise, std::size
   fill_bars(pooled, 0);
   for (std::size_t i = 0; i < samples_.size(); ++i) {
     samples_[i].scale *= factors[i];
-    samples_[i].bar = pooled[i].bar;
+    samples_[i].bar = at_least(pooled[i].bar, samples_[i].scale);
     widen(samples_[i].bar, samples_[i].across);
   }
   factors_ = factors_of(pooled, 0, {});
-  trust_ *= 1 + few_groups / static_cast<double>(std::max<std::size_t>(groups, 1));
+  trust_ *= std::min(most_for_few, 1 + few_groups / static_cast<double>(std::max<std::size_t>(groups, 1)));
 }
 
 double OfflineBars::local(const Vec3& x, std::optional<std::uint32_t> but) const {
@@ -250,7 +273,8 @@ BarWidths OfflineBars::at(const Vec3& x, bool outside, double scale, double acro
   BarWidths widths;
   widths.fill(no_bar);
   if (samples_.empty() || !(scale >= 0)) return widths;
-  widths = times(factors_[outside][Label::safe], local(x, {}) * trust_ * (scale + constant_));
+  const double own = local(x, {}) * trust_ * std::hypot(scale, constant_);
+  widths = at_least(times(factors_[outside][Label::safe], own), own);
   widen(widths, across);
   return widths;
 }

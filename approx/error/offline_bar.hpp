@@ -10,15 +10,18 @@
 // least interval score (Gneiting, Raftery 2007, Eq. 43).
 // Measured states (without stiffness), if the model was chosen, are judged by a Gaussian process of them
 // (measured/force_field.hpp), which knows the noise sigma of their forces and how far the force may be from its own:
-// s(x)^2 = 3 v(x) + |f~(x) - process|^2. A held-out force f_i is measured, so
-//   y_i = |f~_i - f_i| / sqrt(g^2 (s(x_i) + b)^2 + 3 sigma^2),   z_i = y_i / t(x_i)
-//   e_p(x) = q_p g t(x) (s(x) + b) (1 + 4 / n) + m_p S E
-// q_p: of the z_i, of all labels; g: the likeliest factor of s; b: 0.05 times the median of s; t^2: the mean of y^2
-// over the 30 held-out positions nearest to x and 15 average ones, over the mean of all. t follows noise and roughness
-// that differ from place to place (positions off by a micrometre where the force is steep). The bar is that of the
-// force itself, without the noise of a measurement; the bars of samples hold it, because their forces do. n: number of
-// groups; few do not show how far the others may lie. S E: least error across the states; m_p = 1.5, 2, 3 is a prior:
-// the stiffness across is seldom more than so many times the largest one along them.
+// s(x)^2 = deviation(x)^2 + |f~(x) - process|^2. A held-out force f_i is measured, so
+//   y_i = |f~_i - f_i| / sqrt(g^2 (s(x_i)^2 + b^2) + 3 sigma^2),   z_i = y_i / t(x_i)
+//   e_p(x) = max(q_p, c_p) g t(x) sqrt(s(x)^2 + b^2) min(1 + 4 / n, 1.7) + m_p S E
+// q_p: of the z_i, of all labels; c_p: of normal errors, 1.61 at 95 %; g >= 1: the likeliest factor of s, sought with
+// sigma, which may be off by some 7 %; b: 0.05 times the s that 90 % of the positions inside do not exceed; t^2: the
+// mean of y^2 over the 30 held-out positions nearest to x and 15 average ones, over the mean of all. t follows noise
+// and roughness that differ from place to place (positions off by a micrometre where the force is steep).
+// Held-out forces never make a bar narrower than the process's own: they lie on the lines and levels of the states,
+// where the force is known better than between them, and where noise is most of the error they say nothing of g. The
+// bar is that of the force itself, without the noise of a measurement; the bars of samples hold it, because their
+// forces do. n: number of groups; few do not show how far the others may lie. S E: least error across the states; m_p
+// = 2, 3, 4 is a prior: the stiffness across is seldom more than so many times the largest one along them.
 // If the caller gives check solves (at random places of the box, not used as states), their errors are the scores, and
 //   s(x) = max(|f~(x)|, f0), f0 = 0.05 N,   b = 0,
 //   q_p: the ceil(n p)-th least of all n scores |f~_i - f_i| / max(|f~_i|, f0)

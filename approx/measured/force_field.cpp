@@ -12,17 +12,23 @@
 namespace forefeel {
 namespace {
 
-constexpr std::size_t most_rows = 1000;                     // of the process of all rows
-constexpr std::size_t law_clusters = 64, cluster_rows = 4;  // rows that the law is fitted to
-constexpr std::size_t law_boxes = 500;                      // that it is improved with
-constexpr int polishing = 20;                               // steps
-constexpr double least_apart = 0.1;                         // of boxes for a secant, in lengths and radii
-constexpr std::size_t most_around = 2000;                   // rows that show which directions are known
+constexpr std::size_t most_rows = 1300;                     // of the process of all rows
+constexpr std::size_t field_neighbours = 120;               // of a place, where the rows are not averaged
+constexpr std::size_t law_clusters = 40, cluster_rows = 4;  // rows that the law is first fitted to
+constexpr std::size_t more_clusters = 110;                  // and those that it is improved with
+constexpr std::size_t law_boxes = 500;
+constexpr int first_polishing = 5, polishing = 20;  // steps
+constexpr double most_sag = 0.3;                    // of a box, in deviations of its mean
+constexpr double longest_doubt = 1.8;               // length, in extents of the rows (root mean square)
+constexpr double least_apart = 0.1;                 // of boxes for a secant, in lengths and radii
+constexpr std::size_t most_around = 2000;           // rows that show which directions are known
 constexpr std::size_t least_around = 12;
 constexpr double least_across =
     0.05;  // in distances of the nearest row: less is the sag of a curve between rows
 constexpr double known_share = 0.25;  // a direction is known up to the deviation of the rows divided by this
-constexpr double surely = 2.8;        // 95 % of |e| lie within 2.8 deviations of a component (chi, 3 degrees)
+constexpr double thin = 0.2;  // deviation of a thin direction, in the largest of the rows about a place
+constexpr double thin_share = 0.67;  // its share of the distance across, below which the error grows
+constexpr double surely = 2.8;       // 95 % of |e| lie within 2.8 deviations of a component (chi, 3 degrees)
 constexpr double cone = 0.5;  // cosine of the angle to the direction across, within which rows tell of it
 constexpr double most_overshoot = 2;  // no force is larger than this many times the largest known one
 
@@ -33,14 +39,33 @@ std::vector<Vec3> positions_of(std::span<const State> states) {
 }
 
 // Clusters of neighbouring states, evenly drawn: near ones show the noise, far ones the length of the field.
-MeasuredRows rows_for_law(std::span<const State> states) {
+MeasuredRows rows_for_law(std::span<const State> states, std::size_t clusters) {
   MeasuredRows rows;
   const std::vector<Vec3> at = positions_of(states);
   const PositionGroups groups = compact_groups(at, cluster_rows);
-  const std::size_t stride = (groups.count + law_clusters - 1) / law_clusters;
+  const std::size_t stride = (groups.count + clusters - 1) / clusters;
   for (std::size_t i = 0; i < states.size(); ++i)
     if (groups.of[i] % stride == 0) rows.add(states[i].at, states[i].force);
   return rows;
+}
+
+// Rows of a box, so that there are at most so many boxes: a power of 2.
+std::size_t box_size(std::size_t rows, std::size_t most_boxes) {
+  std::size_t size = 1;
+  while (rows > size * most_boxes) size *= 2;
+  return size;
+}
+
+// Whether the field bends less within boxes of `size` rows than the noise of their means.
+bool flat_within(std::span<const State> states, std::size_t size, const FieldLaw& law) {
+  if (size == 1) return true;
+  const MeasuredRows boxes = averaged_boxes(states, size);
+  const PositionGroups groups = compact_groups(positions_of(states), size);
+  double squared = 0;
+  for (std::size_t i = 0; i < states.size(); ++i)
+    squared += (states[i].at - boxes.at[groups.of[i]]).squaredNorm() / double(states.size());
+  const double sag = 0.5 * law.amplitude * squared / (law.length * law.length);
+  return sag <= most_sag * law.noise / std::sqrt(double(size));
 }
 
 // The largest |F_i - F_j| / |x_i - x_j| of a box and the nearest box at least `apart` from it, less what noise makes.
@@ -71,12 +96,9 @@ double radius_of(const MeasuredRows& rows) {
 
 }  // namespace
 
-MeasuredRows averaged_boxes(std::span<const State> states, std::size_t most) {
+MeasuredRows averaged_boxes(std::span<const State> states, std::size_t size) {
   MeasuredRows rows;
-  const std::vector<Vec3> at = positions_of(states);
-  std::size_t size = 1;
-  while (states.size() > size * most) size *= 2;
-  const PositionGroups groups = compact_groups(at, size);
+  const PositionGroups groups = compact_groups(positions_of(states), size);
   rows.at.assign(groups.count, Vec3::Zero());
   rows.force.assign(groups.count, Vec3::Zero());
   rows.weight.assign(groups.count, 0);
@@ -92,16 +114,22 @@ MeasuredRows averaged_boxes(std::span<const State> states, std::size_t most) {
 
 std::optional<FieldOptions> field_of(std::span<const State> states, const KnownNoise& noise) {
   if (states.size() < 8) return {};
-  const MeasuredRows some = rows_for_law(states), boxes = averaged_boxes(states, law_boxes);
-  std::optional<LikelyLaw> best;
+  const MeasuredRows some = rows_for_law(states, law_clusters), more = rows_for_law(states, more_clusters);
+  const std::size_t size = box_size(states.size(), law_boxes);
+  const MeasuredRows boxes = averaged_boxes(states, size);
+  std::optional<LikelyLaw> best, doubt;
   const auto fit = [&](std::optional<double> known) {
     best.reset();
     for (const Smoothness smoothness : {Smoothness::gaussian, Smoothness::matern52, Smoothness::matern32}) {
       std::optional<LikelyLaw> found = likely_law(some, smoothness, known);
-      if (found) found = improved_law(boxes, found->law, 0, known);
+      if (found) found = improved_law(more, found->law, {.steps = first_polishing, .noise = known});
       if (found && (!best || found->minus_log_likelihood < best->minus_log_likelihood)) best = found;
     }
-    if (best) best = improved_law(boxes, best->law, polishing, known);
+    if (best) best = improved_law(more, best->law, {.steps = polishing, .noise = known});
+    if (best && size > 1 && flat_within(states, size, best->law))
+      best = improved_law(boxes, best->law, {.steps = polishing, .noise = known});
+    if (best)
+      doubt = improved_law(more, best->law, {.steps = polishing, .noise = known, .longest = longest_doubt});
   };
   fit(noise.force);
   if (!best) return {};
@@ -115,9 +143,14 @@ std::optional<FieldOptions> field_of(std::span<const State> states, const KnownN
   double most = 0;
   for (const Vec3& f : boxes.force) most = std::max(most, f.norm());
   const double apart = std::min(least_apart * best->law.length, least_apart * radius_of(boxes));
-  return FieldOptions{
+  FieldOptions found{
       .law = best->law,
-      .stiffest = std::max(largest_secant(boxes, best->law.noise, apart), most / radius_of(boxes))};
+      .doubt = doubt ? doubt->law : best->law,
+      .stiffest = std::max(largest_secant(boxes, best->law.noise, apart), most / radius_of(boxes)),
+      .box = box_size(states.size(), most_rows)};
+  if (best->law.length <= found.doubt.length) found.doubt = best->law;
+  if (!flat_within(states, found.box, best->law)) found.neighbours = field_neighbours;
+  return found;
 }
 
 ForceField::ForceField(const StateSpace& known, const FieldOptions& options)
@@ -133,17 +166,30 @@ ForceField::ForceField(const StateSpace& known, const FieldOptions& options)
     light.force = state.force;
     states.push_back(std::move(light));
   }
-  if (options.neighbours == 0)
-    all_ = std::make_shared<const GaussianProcess>(averaged_boxes(states, most_rows), options.law);
+  if (options.neighbours > 0) return;
+  MeasuredRows rows = averaged_boxes(states, options.box);
+  if (doubted()) doubt_ = std::make_shared<const GaussianProcess>(rows, options.doubt);
+  all_ = std::make_shared<const GaussianProcess>(std::move(rows), options.law);
 }
 
-GaussianProcess::Prediction ForceField::predicted(const Vec3& x) const {
-  if (all_) return all_->at(x);
-  std::vector<StateId> ids;
-  known_->nearest(x, options_.neighbours, ids);
-  MeasuredRows rows;
-  for (const StateId id : ids) rows.add((*known_)[id].at, (*known_)[id].force);
-  return GaussianProcess(std::move(rows), options_.law).at(x);
+bool ForceField::doubted() const {
+  return options_.doubt.length > 0 && options_.doubt.length < options_.law.length;
+}
+
+ForceField::Prediction ForceField::predicted(const Vec3& x) const {
+  std::shared_ptr<const GaussianProcess> own = all_, doubt = doubt_;
+  if (!own) {
+    std::vector<StateId> ids;
+    known_->nearest(x, options_.neighbours, ids);
+    MeasuredRows rows;
+    for (const StateId id : ids) rows.add((*known_)[id].at, (*known_)[id].force);
+    if (doubted()) doubt = std::make_shared<const GaussianProcess>(rows, options_.doubt);
+    own = std::make_shared<const GaussianProcess>(std::move(rows), options_.law);
+  }
+  Prediction made{.force = own->force(x)};
+  const GaussianProcess::Prediction judged = (doubt ? *doubt : *own).at(x);
+  made.deviation = std::hypot(std::sqrt(3.0) * judged.deviation, (judged.force - made.force).norm());
+  return made;
 }
 
 ForceField::Foot ForceField::foot_of(const Vec3& x) const {
@@ -163,15 +209,24 @@ ForceField::Foot ForceField::foot_of(const Vec3& x) const {
     spread += off * off.transpose() / count;
   }
   const Eigen::SelfAdjointEigenSolver<Mat3> axes(spread);
-  Vec3 across = Vec3::Zero();
+  const double widest = std::sqrt(std::max(0.0, axes.eigenvalues()[2]));
+  Vec3 across = Vec3::Zero(), doubtful = Vec3::Zero();
   for (int k = 0; k < 3; ++k) {
     const Vec3 u = axes.eigenvectors().col(k);
     const double off = -u.dot(middle);
-    if (known_share * std::abs(off) > std::sqrt(std::max(0.0, axes.eigenvalues()[k]))) across += off * u;
+    const double own = std::sqrt(std::max(0.0, axes.eigenvalues()[k]));
+    if (known_share * std::abs(off) > own)
+      across += off * u;
+    else if (own < thin * widest && thin_share * std::abs(off) > own)
+      doubtful += off * u;
   }
   const Vec3 foot = x - across;
-  if (across.norm() <= least_across * nearest || known_across(x, foot)) return {.at = x, .across = 0};
-  return {.at = foot, .across = across.norm()};
+  const auto unknown_from = [&](const Vec3& place) {
+    return (x - place).norm() > least_across * nearest && !known_across(x, place);
+  };
+  const bool moved = unknown_from(foot);
+  const Vec3 thinnest = (moved ? foot : x) - doubtful;
+  return {.at = moved ? foot : x, .across = unknown_from(thinnest) ? (x - thinnest).norm() : 0};
 }
 
 bool ForceField::known_across(const Vec3& x, const Vec3& foot) const {
@@ -188,11 +243,9 @@ bool ForceField::known_across(const Vec3& x, const Vec3& foot) const {
 
 ForceField::Prediction ForceField::at(const Vec3& x) const {
   const Foot foot = foot_of(x);
-  const GaussianProcess::Prediction own = predicted(foot.at);
-  Prediction made{.force = own.force,
-                  .deviation = std::sqrt(3.0) * own.deviation,
-                  .foot = foot.at,
-                  .least_error = options_.stiffest * foot.across};
+  Prediction made = predicted(foot.at);
+  made.foot = foot.at;
+  made.least_error = options_.stiffest * foot.across;
   const double size = made.force.norm();
   if (size > bound()) made.force *= bound() / size;
   return made;

@@ -1,7 +1,13 @@
 #pragma once
 // The field of measured forces: a Gaussian process (gaussian_process.hpp) of all rows, or of the rows nearest to a
 // place. Where there are many rows, the mean of a box of neighbouring rows stands for them: its noise is less by the
-// square root of their number, and lines that are dense along themselves weigh no more than their length.
+// square root of their number, and lines that are dense along themselves weigh no more than their length. Boxes are
+// made only where the field bends less within a box than the noise of its mean; else the rows nearest to a place serve.
+//
+// The likeliest law of a smooth field may be much longer than the extent of the rows: the field is then a polynomial of
+// low degree, and the process is sure of it between the rows, where nothing was measured. So the deviation comes from a
+// second law, `doubt`, the likeliest of those no longer than the extent:
+//   s^2 = 3 v_doubt(x) + |f~_doubt(x) - f~(x)|^2
 //
 // Directions that the rows do not know. Rows of a line, a curve or a surface determine nothing across it. Let M be the
 // covariance of the positions within 4 d of x (d: distance of the nearest row; at least 12 rows) and c their mean. An
@@ -11,7 +17,9 @@
 // unless rows within l lie beyond x, or on the far side of the foot, within 60 degrees of the direction across and at
 // least E away: those of the next line of a raster. At the foot's force the error is at least S E. S [N/m]: the largest
 // secant |F_i - F_j| / |x_i - x_j| of neighbouring boxes, or the largest force over half the extent of the rows, if
-// that is more.
+// that is more. A direction is thin if the rows deviate in it by less than a fifth of their largest deviation (a line
+// with noise in its positions); the components of x in it beyond 1.5 such deviations count in E, but do not move the
+// foot.
 
 #include <memory>
 #include <optional>
@@ -25,14 +33,14 @@ namespace forefeel {
 // The likeliest law of the forces of the states, and S. Nothing for fewer than 8 states or states at one place.
 std::optional<FieldOptions> field_of(std::span<const State> states, const KnownNoise& noise = {});
 
-// Means of boxes of neighbouring states, at most `most` boxes.
-MeasuredRows averaged_boxes(std::span<const State> states, std::size_t most);
+// Means of boxes of at most `size` neighbouring states.
+MeasuredRows averaged_boxes(std::span<const State> states, std::size_t size);
 
 class ForceField {
  public:
   struct Prediction {
     Vec3 force = Vec3::Zero();  // [N]
-    double deviation = 0;       // of |force - f~| at the foot, without noise: sqrt(3 v) [N]
+    double deviation = 0;       // of |force - f~| at the foot, without noise: s [N]
     Vec3 foot = Vec3::Zero();   // x itself where all directions are known [m]
     double least_error = 0;     // S E [N]
   };
@@ -48,13 +56,15 @@ class ForceField {
   };
   Foot foot_of(const Vec3& x) const;
   bool known_across(const Vec3& x, const Vec3& foot) const;
-  GaussianProcess::Prediction predicted(const Vec3& x) const;
+  bool doubted() const;
+  Prediction predicted(const Vec3& x) const;
 
   const StateSpace* known_;
   FieldOptions options_;
-  double most_ = 0;                             // largest force [N]
-  std::vector<Vec3> rows_;                      // positions
-  std::shared_ptr<const GaussianProcess> all_;  // null: of each place
+  double most_ = 0;                               // largest force [N]
+  std::vector<Vec3> rows_;                        // positions
+  std::shared_ptr<const GaussianProcess> all_;    // null: of each place
+  std::shared_ptr<const GaussianProcess> doubt_;  // null: the law of the deviation is that of the force
 };
 
 }  // namespace forefeel

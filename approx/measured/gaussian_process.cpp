@@ -154,7 +154,9 @@ double square(double x) {
 // Where the law is sought.
 class Range {
  public:
-  explicit Range(double radius) : shortest_(std::log(1e-3 * radius)), longest_(std::log(100 * radius)) {}
+  explicit Range(double radius, double longest = 100)
+      : shortest_(std::log(1e-3 * radius)), longest_(std::log(longest * radius)) {}
+  double longest() const { return longest_; }
   bool holds(const Place& p) const {
     return p[0] >= shortest_ && p[0] <= longest_ && p[1] >= std::log(least_ratio) - 1e-9 &&
            p[1] <= std::log(most_ratio);
@@ -206,13 +208,15 @@ std::optional<LikelyLaw> likely_law(const MeasuredRows& rows, Smoothness smoothn
   return searched(start, 1, most_steps, range, likelihood);
 }
 
-std::optional<LikelyLaw> improved_law(const MeasuredRows& rows, const FieldLaw& law, int steps_wanted,
-                                      std::optional<double> noise) {
+std::optional<LikelyLaw> improved_law(const MeasuredRows& rows, const FieldLaw& law,
+                                      const LawSearch& search) {
   const double radius = radius_of(rows.at);
   if (rows.size() < 4 || !(radius > 0)) return {};
-  const Likelihood likelihood(rows, law.smoothness, noise);
-  const Place at{std::log(law.length), std::log(std::max(least_ratio, square(law.noise / law.amplitude)))};
-  return searched({at, likelihood.at(at[0], at[1]).value}, 0.5, steps_wanted, Range(radius), likelihood);
+  const Likelihood likelihood(rows, law.smoothness, search.noise);
+  const Range range(radius, search.longest);
+  const Place at{std::min(std::log(law.length), range.longest()),
+                 std::log(std::max(least_ratio, square(law.noise / law.amplitude)))};
+  return searched({at, likelihood.at(at[0], at[1]).value}, 0.5, search.steps, range, likelihood);
 }
 
 GaussianProcess::GaussianProcess(MeasuredRows rows, const FieldLaw& law) : rows_(std::move(rows)), law_(law) {

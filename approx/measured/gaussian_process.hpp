@@ -43,8 +43,12 @@ std::optional<LikelyLaw> likely_law(const MeasuredRows& rows, Smoothness smoothn
 
 // The likeliest law of other rows found from `law` in some steps of a search; with no steps its own likelihood, with
 // the likeliest amplitude. O(n^3) a step.
-std::optional<LikelyLaw> improved_law(const MeasuredRows& rows, const FieldLaw& law, int steps,
-                                      std::optional<double> noise = {});
+struct LawSearch {
+  int steps = 0;
+  std::optional<double> noise = {};  // known sigma [N]
+  double longest = 100;              // l, in distances of the rows from their middle (root mean square)
+};
+std::optional<LikelyLaw> improved_law(const MeasuredRows& rows, const FieldLaw& law, const LawSearch& search);
 
 class GaussianProcess {
  public:

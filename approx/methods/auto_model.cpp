@@ -28,6 +28,7 @@ struct Candidate {
   ModelOptions model;
   bool all = false;  // all states in one model
   std::optional<FieldOptions> field = {};
+  bool judge = false;  // the process that judges the positions
   double score = std::numeric_limits<double>::infinity();
 };
 
@@ -51,7 +52,7 @@ std::vector<double> misses(const Trial& trial, const Judged& judged, const Candi
   std::vector<double> out;
   std::optional<PlaceModels> models;
   std::optional<ForceField> field;
-  const bool own = candidate.field && candidate.field->neighbours > 0;
+  const bool own = candidate.field && !candidate.judge;
   if (own) field.emplace(*trial.known, *candidate.field);
   if (!candidate.field) models.emplace(*trial.known, candidate.model, candidate.all);
   for (std::size_t i = 0; i < trial.held.size(); i += stride) {
@@ -222,11 +223,14 @@ std::vector<Candidate> sets_to_try(std::span<const State> states, const ModelWis
 std::vector<Candidate> fields_to_try(const AutoModelOptions& options, std::size_t states) {
   const ModelWishes& wishes = options.model;
   if (!options.field || wishes.kernel || wishes.ridge || wishes.neighbours || wishes.select) return {};
-  Candidate field{
-      .model = {.neighbours = states, .select = Select::nearest}, .all = true, .field = options.field};
+  const std::size_t near = options.field->neighbours;
+  Candidate field{.model = {.neighbours = near > 0 ? near : states, .select = Select::nearest},
+                  .all = near == 0,
+                  .field = options.field,
+                  .judge = true};
   std::vector<Candidate> fields{field};
-  if (states <= most_for_all) return fields;
-  field.all = false;
+  if (states <= most_for_all || near > 0) return fields;
+  field.all = field.judge = false;
   field.field->neighbours = field.model.neighbours = field_neighbours;
   fields.push_back(field);
   return fields;

@@ -276,14 +276,14 @@ Evaluation evaluate(std::span<const State> states, std::span<const Vec3> points,
   if (result.method == Method::rbf_network)
     result.options.centres = RbfNetwork::centres_of(rows, options.model.neighbours.value_or(0));
   const std::optional<FieldOptions> process = result.chosen ? result.chosen->field : std::nullopt;
-  const JudgedPoints near =
-      process && process->neighbours > 0 ? judge(space, points, process) : JudgedPoints{};
-  result.made =
-      process ? evaluate_field(space, points, process->neighbours > 0 ? near : judged, *process, show)
-      : result.chosen && result.chosen->all ? evaluate_whole(mean.states, space, places, model, show)
-      : result.method == Method::rbf
-          ? evaluate_rbf(space, places, model, show)
-          : evaluate_older(result.method, mean.states, space, points, result.options);
+  const bool own = process && process->neighbours != result.field->neighbours;
+  const JudgedPoints near = own ? judge(space, points, process) : JudgedPoints{};
+  result.made = process ? evaluate_field(space, points, own ? near : judged, *process, show)
+                : result.chosen && result.chosen->all
+                    ? evaluate_whole(mean.states, space, places, model, show)
+                : result.method == Method::rbf
+                    ? evaluate_rbf(space, places, model, show)
+                    : evaluate_older(result.method, mean.states, space, points, result.options);
   for (std::size_t i = 0; i < points.size(); ++i)
     if (places[i] != points[i]) result.made.labels[i] = space.label(points[i]);
   if (moving && options.bars)

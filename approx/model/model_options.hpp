@@ -49,8 +49,10 @@ struct FieldLaw {
 
 struct FieldOptions {
   FieldLaw law = {};
+  FieldLaw doubt = {};         // law of the deviation (force_field.hpp)
   double stiffest = 0;         // S [N/m] (force_field.hpp)
   std::size_t neighbours = 0;  // rows of each place; 0: all
+  std::size_t box = 1;         // neighbouring rows averaged to one, of all rows
 };
 
 // Of measured states; unknown where not given.

@@ -4,6 +4,7 @@
 #include <catch2/catch.hpp>
 #include <random>
 
+#include "approx/measured/force_field.hpp"
 #include "geometry/common/quantiles.hpp"
 #include "tests/approx/measured_cases.hpp"
 
@@ -47,7 +48,7 @@ MeasuredCase line(const Variant& v, double jitter) {
   return made;
 }
 
-// 21 lines along x, 3 mm apart in 3 depths, 80 places each; |f| is about 3 N. Points between the lines.
+// 21 lines along x, 3 mm apart in 3 depths, 27 places each; |f| is about 3 N. Points between the lines.
 Vec3 raster_force(const Vec3& x) {
   return {-320 * x.x() * (1 + 20 * x.z()), -320 * x.y() + 0.3 * std::sin(300 * x.x()),
           1 + 200 * std::abs(x.z()) * (1 - 800 * x.x() * x.x())};
@@ -62,8 +63,8 @@ MeasuredCase raster(const Variant& v) {
   };
   for (int depth = 0; depth < 3; ++depth)
     for (int across = -3; across <= 3; ++across)
-      for (int i = 0; i < 80; ++i) {
-        const Vec3 at = Vec3(-0.01 + 0.02 * i / 79, 0.003 * across, -0.002 - 0.002 * depth) + shake(5e-6);
+      for (int i = 0; i < 27; ++i) {
+        const Vec3 at = Vec3(-0.01 + 0.02 * i / 26, 0.003 * across, -0.002 - 0.002 * depth) + shake(5e-6);
         made.at.push_back(at);
         made.force.push_back(raster_force(at) + shake(made.noise));
       }
@@ -133,6 +134,59 @@ TEST_CASE("Between the dense lines of a raster the error is that of a smooth fie
     CHECK(found.chosen->groups >= 7);
     CHECK(found.chosen->groups < 210);  // lines, not rows
     if (found.bars) CHECK(held(found, errors) > 0.85);
+  }
+}
+
+TEST_CASE("Rows are averaged where the field is flat among them, not where they are far apart",
+          "[measured]") {
+  std::mt19937 random(3);
+  std::normal_distribution<double> normal;
+  std::uniform_real_distribution<double> uniform(-0.01, 0.01);
+  std::vector<Vec3> far, dense, far_force, dense_force;
+  const auto force = [](const Vec3& x) {
+    return Vec3(std::sin(300 * x.x()), std::cos(250 * x.y()), 100 * x.z());
+  };
+  const auto noise = [&] { return Vec3(0.01 * Vec3(normal(random), normal(random), normal(random))); };
+  for (int i = 0; i < 1400; ++i) {
+    far.emplace_back(uniform(random), uniform(random), uniform(random));
+    dense.emplace_back(-0.01 + 0.02 * i / 1399, 0, 0);
+    far_force.push_back(force(far.back()) + noise());
+    dense_force.push_back(force(dense.back()) + noise());
+  }
+  const std::optional<FieldOptions> apart = field_of(measured_states(far, far_force));
+  const std::optional<FieldOptions> near = field_of(measured_states(dense, dense_force));
+  REQUIRE(apart);
+  REQUIRE(near);
+  CHECK(apart->neighbours > 0);
+  CHECK(near->neighbours == 0);
+  CHECK(near->box == 2);
+  CHECK(std::abs(apart->law.noise / 0.01 - 1) < 0.2);
+  CHECK(std::abs(near->law.noise / 0.01 - 1) < 0.2);
+}
+
+// A cubic on three levels: no row tells of the third degree across them, and the likeliest law is very long.
+TEST_CASE("Between the few levels of a lattice the bars hold", "[measured]") {
+  for (const Variant& v : ten_variants()) {
+    MeasuredCase made;
+    std::mt19937 random(v.seed);
+    std::normal_distribution<double> normal;
+    std::uniform_real_distribution<double> uniform(-0.02, 0.02);
+    const auto force = [](const Vec3& x) { return Vec3(-60 * x * (1 + 1500 * x.squaredNorm())); };
+    for (int i = 0; i < 6; ++i)
+      for (int j = 0; j < 6; ++j)
+        for (int k = 0; k < 3; ++k) {
+          made.at.emplace_back(-0.02 + 0.008 * i, -0.02 + 0.008 * j, -0.02 + 0.01 * k);
+          made.force.push_back(force(made.at.back()) +
+                               0.0015 * v.noise * Vec3(normal(random), normal(random), normal(random)));
+        }
+    for (int i = 0; i < 100; ++i) {
+      made.points.emplace_back(uniform(random), uniform(random), 0.5 * uniform(random) - 0.01);
+      made.truth.push_back(force(made.points.back()));
+    }
+    apply(v, made);
+    const Evaluation found = evaluate(made.states(), made.points, {.bars = true, .spacing = 0.01 * v.length});
+    CAPTURE(v.seed);
+    CHECK(held(found, errors_of(found, made)) >= 0.93);
   }
 }
 

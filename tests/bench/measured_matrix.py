@@ -283,6 +283,14 @@ def summary(results):
                 f"in 93 to 97 % in {np.sum((held >= 0.93) & (held <= 0.97))}, below 93 % in {np.sum(held < 0.93)}; beside at least "
                 f"{100 * np.nanmin(beside) if np.any(np.isfinite(beside)) else np.nan:.0f} %, below 93 % in {np.nansum(beside < 0.93):.0f}; width over 3 in "
                 f"{np.nansum(column('width') > 3):.0f}; spread over 20 in {np.nansum(column('spread') > 20):.0f}")
+    of_set = lambda name: [r for r in results if r["cell"][0] == name]
+    text.append("held inside by set: " + ", ".join(
+        f"{name} {100 * np.mean([r['held'] for r in of_set(name)]):.1f} % of {len(of_set(name))} cells"
+        for name in sets if of_set(name)))
+    above = lambda key, most: [" ".join(map(str, r["cell"])) + f" ({r[key]:.2f})" for r in results if r.get(key, 0) > most]
+    for key, most in (("default", 1.05), ("linear50", 1.05), ("best", 1.25)):
+        if above(key, most):
+            text.append(f"{key} above {most}: " + "; ".join(above(key, most)))
     return "\n".join(text)
 
 
