@@ -78,7 +78,7 @@ def draw(file, curves):
         for k, (kind, points) in enumerate(kinds.items()):
             blocks.append(f"$b{b}k{k} << EOD\n" + "".join(f"{n} {p}\n" for n, p in points) + "EOD\n")
             parts.append(f"$b{b}k{k} using 1:2 with linespoints pt 7 ps 0.4 lw 2 lc rgb '{INKS[k]}' title '{kind}'")
-        panels.append(f"set title '{body}'\nplot {', '.join(parts)}, 7 dt 2 lc rgb '#8a8a8a' notitle, "
+        panels.append(f"set title '{body}' noenhanced\nplot {', '.join(parts)}, 7 dt 2 lc rgb '#8a8a8a' notitle, "
                       "2 dt 2 lc rgb '#8a8a8a' notitle\n")
     columns = min(3, len(panels))
     rows = -(-len(panels) // columns)
@@ -87,7 +87,8 @@ set terminal svg size {400 * columns},{320 * rows} font 'sans-serif,12' backgrou
 set output '{file}'
 set logscale xy
 set xrange [0.9:]
-set yrange [0.05:200]
+set yrange [0.1:200]
+set key bottom left samplen 1 font ',9'
 set grid
 set xlabel 'states'
 set ylabel 'error, p95 [%]'
