@@ -14,7 +14,7 @@ namespace {
 
 constexpr std::size_t most_rows = 1300;                     // of the process of all rows
 constexpr std::size_t field_neighbours = 120;               // of a place, where the rows are not averaged
-constexpr std::size_t law_clusters = 40, cluster_rows = 4;  // rows that the law is first fitted to
+constexpr std::size_t law_clusters = 64, cluster_rows = 4;  // rows that the law is first fitted to
 constexpr std::size_t more_clusters = 110;                  // and those that it is improved with
 constexpr std::size_t law_boxes = 500;
 constexpr int first_polishing = 5, polishing = 20;  // steps
@@ -186,8 +186,8 @@ ForceField::Prediction ForceField::predicted(const Vec3& x) const {
     if (doubted()) doubt = std::make_shared<const GaussianProcess>(rows, options_.doubt);
     own = std::make_shared<const GaussianProcess>(std::move(rows), options_.law);
   }
-  Prediction made{.force = own->force(x)};
-  const GaussianProcess::Prediction judged = (doubt ? *doubt : *own).at(x);
+  const GaussianProcess::Prediction likeliest = own->at(x), judged = doubt ? doubt->at(x) : likeliest;
+  Prediction made{.force = likeliest.force, .own_deviation = std::sqrt(3.0) * likeliest.deviation};
   made.deviation = std::hypot(std::sqrt(3.0) * judged.deviation, (judged.force - made.force).norm());
   return made;
 }

@@ -41,6 +41,7 @@ class ForceField {
   struct Prediction {
     Vec3 force = Vec3::Zero();  // [N]
     double deviation = 0;       // of |force - f~| at the foot, without noise: s [N]
+    double own_deviation = 0;   // by the likeliest law alone, to tell places that are alike: sqrt(3 v) [N]
     Vec3 foot = Vec3::Zero();   // x itself where all directions are known [m]
     double least_error = 0;     // S E [N]
   };

@@ -118,7 +118,7 @@ std::vector<SeenPlace> positions(const Trials& trials, const std::vector<Judged>
   for (const std::size_t t : of.trials)
     for (std::size_t i = 0; i < trials.each[t].seen.size(); i += of.stride) {
       seen.push_back(trials.each[t].seen[i]);
-      if (!judged[t].empty()) seen.back().doubt = judged[t][i].deviation;
+      if (!judged[t].empty()) seen.back().doubt = judged[t][i].own_deviation;
     }
   return seen;
 }

@@ -259,7 +259,7 @@ Evaluation evaluate(std::span<const State> states, std::span<const Vec3> points,
   }
   if (moving && !stiffness) result.field = field_of(mean.states, options.noise);
   const JudgedPoints judged = judge(space, points, result.field);
-  for (std::size_t i = 0; i < judged.at.size(); ++i) wanted[i].doubt = judged.at[i].deviation;
+  for (std::size_t i = 0; i < judged.at.size(); ++i) wanted[i].doubt = judged.at[i].own_deviation;
   if (moving && is_chosen(options, stiffness)) {
     result.chosen = choose_model(mean.states,
                                  {.field = result.field,

@@ -107,7 +107,10 @@ void Reader::check_root() const {
 }
 
 void Reader::read_scene() {
-  scenes_ = study_scenes(root_.get("scene"), study_.file);
+  const toml::node* node = root_.get("scene");
+  scenes_ = {.column = "scene", .where = where(node, "scene"), .values = {}};
+  for (const fs::path& scene : study_scenes(node, study_.file))
+    scenes_.values.push_back({.text = scene.stem().string(), .overrides = {}, .number = {}, .scene = scene});
   study_.scene = scenes_.values.front().scene;
   study_.scene_place = scenes_.where;
 }

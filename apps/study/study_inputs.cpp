@@ -19,41 +19,40 @@ InputPlace place_of(const toml::node* node, const fs::path& study, const char* k
   return place;
 }
 
-StudyFileValue scene_of(const toml::node& node, const fs::path& study) {
+fs::path scene_of(const toml::node& node, const fs::path& study) {
   if (!node.is_string())
     throw InputError(place_of(&node, study),
                      fmt::format("is {}, expected the file of a scene", toml_of(node)));
-  const fs::path scene = study.parent_path() / node.as_string()->get();
+  fs::path scene = study.parent_path() / node.as_string()->get();
   if (!fs::is_regular_file(scene))
     throw InputError(
         place_of(&node, study),
         fmt::format("no such file '{}', expected a scene, relative to the study", scene.string()));
-  return {.text = scene.stem().string(), .overrides = {}, .number = {}, .scene = scene};
+  return scene;
 }
 
 }  // namespace
 
-StudyFileAxis study_scenes(const toml::node* node, const fs::path& study) {
-  StudyFileAxis axis{.column = "scene", .where = place_of(node, study), .values = {}};
+std::vector<fs::path> study_scenes(const toml::node* node, const fs::path& study) {
   const toml::array* list = node ? node->as_array() : nullptr;
   if (!node || (list && list->empty()))
-    throw InputError(axis.where, "missing, expected the file of a scene, or a list of them");
-  if (!list) {
-    axis.values.push_back(scene_of(*node, study));
-    return axis;
-  }
+    throw InputError(place_of(node, study), "missing, expected the file of a scene, or a list of them");
+  if (!list) return {scene_of(*node, study)};
+  std::vector<fs::path> scenes;
   for (const toml::node& element : *list) {
-    StudyFileValue value = scene_of(element, study);
-    if (std::ranges::find(axis.values, value.text, &StudyFileValue::text) != axis.values.end())
-      throw InputError(place_of(&element, study),
-                       fmt::format("holds '{}' twice, expected each once", value.text));
-    if (!axis.values.empty() && value.scene.parent_path() != axis.values.front().scene.parent_path())
-      throw InputError(place_of(&element, study),
-                       fmt::format("'{}' is in another folder than '{}', expected scenes of one folder",
-                                   value.scene.string(), axis.values.front().scene.string()));
-    axis.values.push_back(std::move(value));
+    const fs::path scene = scene_of(element, study);
+    for (const fs::path& other : scenes) {
+      if (other.stem() == scene.stem())
+        throw InputError(place_of(&element, study),
+                         fmt::format("holds '{}' twice, expected each once", scene.stem().string()));
+      if (other.parent_path() != scene.parent_path())
+        throw InputError(place_of(&element, study),
+                         fmt::format("'{}' is in another folder than '{}', expected scenes of one folder",
+                                     scene.string(), other.string()));
+    }
+    scenes.push_back(scene);
   }
-  return axis;
+  return scenes;
 }
 
 std::vector<std::uint64_t> study_seeds(const toml::node* node, const fs::path& study) {

@@ -2,18 +2,16 @@
 // What a study runs on: its scenes (the file of one, or a list of files in one folder, to which the values that name
 // files are relative) and its seeds.
 
-#include <toml++/toml.h>
-
 #include <cstdint>
 #include <filesystem>
 #include <vector>
 
-#include "apps/study/study_file.hpp"
+#include "apps/study/study_toml.hpp"
 
 namespace forefeel {
 
-// An axis with a value for each scene, at least one. InputError names the study's line.
-StudyFileAxis study_scenes(const toml::node* node, const std::filesystem::path& study);
+// At least one. InputError names the study's line.
+std::vector<std::filesystem::path> study_scenes(const toml::node* node, const std::filesystem::path& study);
 // At least one, each once.
 std::vector<std::uint64_t> study_seeds(const toml::node* node, const std::filesystem::path& study);
 

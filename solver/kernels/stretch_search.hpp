@@ -147,8 +147,8 @@ struct StretchSearch {
     for (int e = 0; e < lane_count; ++e)
       if (failed[e] < 0) reached = least(reached, outside[e] * length);
   }
-  // (least stretch - limit)^2 of F, 0 below the limit and where the element is inverted. Newton from 0 stays below the smallest root m of
-  // m^3 - I1 m^2 + I2 m - J^2, the square of the least stretch, so the margin is not overestimated.
+  // (least stretch - limit)^2 of F, 0 below the limit and where the element is inverted. Newton from 0 stays below the
+  // smallest root m of m^3 - I1 m^2 + I2 m - J^2, the square of the least stretch, so the margin is not overestimated.
   static FOREFEEL_INLINE Lanes margin2(const Point<Lanes>& p) {
     const Lanes i1 = dot9(p.f, p.f), i2 = dot9(p.cof, p.cof);
     Lanes m{};
