@@ -167,10 +167,11 @@ std::string by_label_table(const SessionSummary& summary) {
   }
   html += "</table>\n";
   if (std::isfinite(summary.error.time_trusted))
-    html += fmt::format("<p class=\"muted\">No force here was solved at its place: each is predicted from energy "
-                        "jets of solved states. Trusted, for {} of the time: no state has contradicted these jets, and "
-                        "their own estimate is within the tolerance.</p>\n",
-                        percent(summary.error.time_trusted));
+    html += fmt::format(
+        "<p class=\"muted\">No force here was solved at its place: each is predicted from energy "
+        "jets of solved states. Trusted, for {} of the time: no state has contradicted these jets, and "
+        "their own estimate is within the tolerance.</p>\n",
+        percent(summary.error.time_trusted));
   return html;
 }
 
@@ -243,7 +244,9 @@ std::string all_numbers(Json document) {
   std::string html =
       "<details open><summary>All numbers (SI; shares from 0 to 1)</summary>\n<div class=\"columns\">\n";
   for (const char* elsewhere : {"provenance", "notes", "attention"}) document.erase(elsewhere);
-  if (document.contains("error")) for (const char* key : {"by_label", "by_trusted"}) document["error"].erase(key);  // in a table of their own
+  if (document.contains("error"))
+    for (const char* key : {"by_label", "by_trusted"})
+      document["error"].erase(key);  // in a table of their own
   const std::string lists = take_lists("", document);
   std::string single;
   for (const auto& [key, value] : document.items()) {

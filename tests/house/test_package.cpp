@@ -51,9 +51,10 @@ void check_headers(const Workshop& shop) {
     CHECK(fs::exists(shop.path() / include / header));
   // All headers in one file, in order and backwards, so that each is parsed before those it might lean on.
   for (const char* order : {"sort", "sort -r"})
-    ran(shop, std::string("cd prefix/include && find forefeel -name '*.hpp' | ") + order +
-                  " | sed 's/.*/#include <&>/' | g++ -std=c++20 -fsyntax-only -I. -isystem /usr/include/eigen3 "
-                  "-DEIGEN_DONT_PARALLELIZE -x c++ -");
+    ran(shop,
+        std::string("cd prefix/include && find forefeel -name '*.hpp' | ") + order +
+            " | sed 's/.*/#include <&>/' | g++ -std=c++20 -fsyntax-only -I. -isystem /usr/include/eigen3 "
+            "-DEIGEN_DONT_PARALLELIZE -x c++ -");
 }
 
 // What a program includes with the umbrella header: lengths of the longest include chains that begin at each header.
