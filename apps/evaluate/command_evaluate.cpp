@@ -110,6 +110,8 @@ void write_csv(const std::string& file, const std::vector<Vec3>& points, const E
 // The older methods ignore some options; a warning says which.
 void warn_of_unused(const Globals& globals, const ModelArguments& arguments) {
   const std::string method = arguments.method.value_or("rbf");
+  if (arguments.data == "jet" && arguments.ridge)
+    warn(globals, "--ridge: without effect where a force comes from energy jets");
   if (method == "rbf" || method == "auto") return;
   const bool offline = method == "offline-rbf";
   std::vector<std::string> unused;
@@ -161,6 +163,9 @@ KnownStates read_known(const Globals& globals, const EvaluateArguments& argument
   }
   if (arguments.spacing) known.spacing = *arguments.spacing;
   known.states = std::move(loaded.states);
+  if (!arguments.model.data && !arguments.model.method && !arguments.model.kernel &&
+      std::ranges::any_of(known.states, [](const State& s) { return s.jet != nullptr; }))
+    warn(globals, fmt::format("{}: holds energy jets, which are used with --data jet", arguments.states));
   if (arguments.spacing)
     if (const auto line =
             spacing_beyond("--spacing", known.spacing, summarise(known.states).extent, "the states"))

@@ -25,6 +25,8 @@ void for_each_member(Each&& each, Header& h) {
   auto& m = h.model;
   each(m.fit.kernel), each(m.fit.data), each(m.fit.neighbours), each(m.fit.select), each(m.fit.ridge);
   each(m.fit.length), each(m.method), each(m.update_travel), each(m.guess);
+  if (m.fit.data == Data::jet)
+    each(m.fit.tolerance), each(m.fit.floor);  // records of other runs are as before
   auto& space = h.space;
   each(space.spacing), each(space.box.low), each(space.box.high), each(space.merge_distance);
   auto& c = space.coverage;

@@ -6,6 +6,7 @@
 #include <utility>
 
 #include "geometry/common/error.hpp"
+#include "geometry/states/energy_jet.hpp"
 
 namespace forefeel {
 namespace {
@@ -14,6 +15,14 @@ constexpr std::uint64_t most_content = 1
                                        << 20;  // [bytes]; a header with many viscous branches is the largest
 constexpr std::uint64_t state_size = 191, model_size = 37, frame_size = 113;
 
+// Of a state without displacements; with a jet: its order, limit and coefficients behind it.
+bool fits_state(std::uint64_t length) {
+  if (length == state_size) return true;
+  for (int order = 2; order <= most_jet_order; ++order)
+    if (length == state_size + 1 + sizeof(double) * (1 + jet_terms_of_order(order))) return true;
+  return false;
+}
+
 // Whether a record of this kind may be so long. Only a header has no fixed length.
 bool fits(InputKind kind, std::uint64_t length) {
   switch (kind) {
@@ -21,7 +30,7 @@ bool fits(InputKind kind, std::uint64_t length) {
       return length <= most_content;
     case InputKind::state:
     case InputKind::failed:
-      return length == state_size;
+      return fits_state(length);
     case InputKind::model:
       return length == model_size;
     case InputKind::frame:

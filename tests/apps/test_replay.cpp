@@ -32,7 +32,8 @@ TEST_CASE("real and virtual runs replay to the same bits by the command", "[repl
           "[state_space]\nspacing = 0.004\nbox = [[-0.004, -0.004, -0.004], [0.004, 0.004, 0.004]]\n");
   for (const std::string session :
        {"beam.toml --clock real --seconds 1.5", "viscous.toml --clock real --seconds 1",
-        "beam.toml --clock virtual --seconds 3"}) {
+        "beam.toml --clock virtual --seconds 3",
+        "viscous.toml --clock virtual --seconds 2 --set model.data=jet --cost constant:0.05"}) {
     CAPTURE(session);
     const json run = run_json(shop, "session " + session + " -o run");
     const json replay = run_json(shop, "replay run");
