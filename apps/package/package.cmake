@@ -98,7 +98,7 @@ file(CONFIGURE OUTPUT ${PROJECT_BINARY_DIR}/installed/README.md @ONLY CONTENT
 @readme@")
 install(FILES ${package_folder}/copyright ${PROJECT_BINARY_DIR}/installed/README.md LICENSE
         DESTINATION ${CMAKE_INSTALL_DATADIR}/doc/forefeel)
-install(FILES apps/pictures/speed_error.svg DESTINATION ${CMAKE_INSTALL_DATADIR}/doc/forefeel/apps/pictures)
+install(FILES apps/pictures/truth.svg DESTINATION ${CMAKE_INSTALL_DATADIR}/doc/forefeel/apps/pictures)
 
 # Two packages: forefeel, and python3-forefeel where the Python module is built.
 set(CPACK_GENERATOR DEB)
