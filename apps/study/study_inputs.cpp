@@ -6,6 +6,7 @@
 #include <string>
 
 #include "apps/study/study_toml.hpp"
+#include "geometry/common/error.hpp"
 
 namespace forefeel {
 namespace {
