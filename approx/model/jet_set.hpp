@@ -11,7 +11,7 @@
 //   l  material limit of the jet (solver/jet/jet_maker.hpp);  h: spacing
 //   s  least distance of a surprise: a state whose force is off the jet's by more than max(3 e, limit(f))
 //   c  largest distance, below s, of a state within that
-// Beyond t the estimate grows as e (1 + c (r^2 / t^2 - 1)^3)^(1/2), c = 1 or more, so that at s it is at least the
+// Beyond t the estimate grows as e (1 + k (r^2 / t^2 - 1)^3)^(1/2), k = 1 or more, so that at s it is at least the
 // error seen there. limit(f): geometry/common/tolerance.hpp. t depends on the set of states, not on their order.
 //
 // Sources: the jets, Koiter 1945 and Cochelin, Damil and Potier-Ferry 1994; see solver/jet/jet_maker.hpp.
