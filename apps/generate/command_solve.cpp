@@ -18,7 +18,7 @@
 #include "apps/console/json.hpp"
 #include "apps/console/outputs.hpp"
 #include "apps/console/values.hpp"
-#include "apps/scene/scene.hpp"
+#include "apps/scene/scene_anywhere.hpp"
 #include "geometry/common/error.hpp"
 #include "geometry/common/output_file.hpp"
 #include "geometry/mesh/tet_mesh.hpp"
@@ -34,6 +34,7 @@ namespace {
 struct SolveArguments {
   std::string scene;
   std::vector<std::string> at;
+  std::string site;  // of a pad anywhere
   std::string points, output;
   bool discretisation_error = false;
   std::optional<int> jet;  // order
@@ -144,6 +145,7 @@ void check_finer(const Body& body) {
 
 // Result of `forefeel solve`, in the order of the positions.
 struct SolveResult {
+  std::optional<SitedBody> sited;  // with --site
   std::vector<SolveOutcome> outcomes;
   std::vector<ForceError> discretisation_errors;  // relative; empty unless requested
   int jet = 1;                                    // order of the force that was asked for
@@ -161,8 +163,10 @@ struct SolveResult {
 SolveResult solve(const Globals& globals, const SolveArguments& arguments, const Scene& scene,
                   const std::vector<Vec3>& points) {
   const int jet = arguments.jet.value_or(scene.kept.jet);
-  SolveResult result{
-      .outcomes = solve_all(scene, points, jet, globals), .discretisation_errors = {}, .jet = jet};
+  SolveResult result{.sited = {},
+                     .outcomes = solve_all(scene, points, jet, globals),
+                     .discretisation_errors = {},
+                     .jet = jet};
   if (!arguments.discretisation_error) return result;
   result.discretisation_errors = discretisation_errors(scene, result.outcomes);
   return result;
@@ -173,13 +177,15 @@ struct SolvedState {
   const State& state;
   const std::vector<std::string>& warnings;
   bool with_jet;  // one was asked for
+  const SitedBody* sited = nullptr;
   std::optional<ForceError> mesh = {};
 };
 
 std::vector<SolvedState> solved_states(const SolveResult& result) {
   std::vector<SolvedState> all;
   for (std::size_t i = 0; i < result.outcomes.size(); ++i) {
-    all.push_back({result.outcomes[i].state, result.outcomes[i].warnings, result.jet > 1});
+    all.push_back({result.outcomes[i].state, result.outcomes[i].warnings, result.jet > 1,
+                   result.sited ? &*result.sited : nullptr});
     if (!result.discretisation_errors.empty()) all.back().mesh = result.discretisation_errors[i];
   }
   return all;
@@ -222,6 +228,10 @@ const JsonKeys<SolveResult>& solve_keys() {
   using S = SolvedState;
   static const JsonKeys<S> of_state{
       {"at", "m", "HIP position", [](const S& s) { return s.state.at; }},
+      {"site", "m", "with --site: place of the pad on the surface, from which at counts",
+       [](const S& s) { return s.sited ? std::optional(s.sited->body->pad->site) : std::nullopt; }},
+      {"clamped_share", "1", "with --site: share of the pad's springs that pull on clamped nodes",
+       [](const S& s) { return s.sited ? std::optional(s.sited->clamped_share) : std::nullopt; }},
       {"force", "N", "force of the body on the tip", [](const S& s) { return s.state.force; }},
       {"stiffness", "N/m", "rows of K = -df/dx", [](const S& s) { return rows_of(s.state.stiffness); }},
       {"energy", "J", "stored energy", [](const S& s) { return s.state.energy; }},
@@ -289,10 +299,31 @@ void write_output(const std::string& file, const SolveResult& result) {
   write_states_csv(file, states);
 }
 
+// The scene, with its pad at --site.
+Scene read_scene(const Globals& globals, const SolveArguments& arguments, std::optional<SitedBody>& sited) {
+  std::optional<Vec3> site;
+  if (!arguments.site.empty()) site = parse_vector(arguments.site, "--site");
+  if (site && !site->allFinite())
+    throw InputError("--site", "is not finite, expected three finite numbers [m]");
+  if (site && !arguments.output.empty())
+    throw InputError("-o", "a file of states holds those of one place, expected --json beside --site");
+  Scene scene = load_scene_with_sites(arguments.scene, globals.set, {.spacing = false});
+  if (site && !is_anywhere(scene))
+    throw InputError("--site",
+                     "the scene's contact has a place, expected a scene with contact.anywhere = true");
+  if (!site && is_anywhere(scene))
+    throw InputError("--site", "missing, expected X,Y,Z, where the pad of contact.anywhere is put");
+  if (!site) return scene;
+  sited = put_at(scene, *site);
+  scene.body = sited->body;
+  return scene;
+}
+
 int run_solve(const Globals& globals, const SolveArguments& arguments) {
   const std::vector<Vec3> points = wanted_points(arguments);
   if (!arguments.output.empty()) check_writable(arguments.output, {arguments.scene, arguments.points});
-  const Scene scene = load_scene(arguments.scene, globals.set, nullptr, {.spacing = false});
+  std::optional<SitedBody> sited;
+  const Scene scene = read_scene(globals, arguments, sited);
   check_reach(points, longest_side(scene.body->mesh));
   if (arguments.discretisation_error) check_finer(*scene.body);
   for (const std::string& warning : scene.source.warnings) warn(globals, warning);
@@ -301,7 +332,10 @@ int run_solve(const Globals& globals, const SolveArguments& arguments) {
         fmt::format(
             "spacing \"auto\" is not measured, since a solve needs none: continuation steps of {:.3g} mm",
             1e3 * scene.space.spacing));
-  const SolveResult result = solve(globals, arguments, scene, points);
+  if (sited)
+    for (const std::string& warning : sited->warnings) warn(globals, warning);
+  SolveResult result = solve(globals, arguments, scene, points);
+  result.sited = sited;
   for (const SolveOutcome& outcome : result.outcomes)
     for (const std::string& warning : outcome.warnings)
       warn(globals, fmt::format("({:.6g}, {:.6g}, {:.6g}): {}", outcome.state.at[0], outcome.state.at[1],
@@ -335,6 +369,10 @@ void add_solve(CommandLine& line) {
                                "repeat --at for more positions")
                         .takes_one()
                         .shows("X,Y,Z");
+  sub.option("--site", arguments->site,
+             "Where the pad is put: the place of the surface nearest to this [m]; of a scene with "
+             "contact.anywhere")
+      .shows("X,Y,Z");
   sub.option("--points", arguments->points, "CSV of positions x,y,z [m]").shows("F.csv").excludes(at);
   sub.flag(
       "--discretisation-error", arguments->discretisation_error,

@@ -6,10 +6,12 @@
 #include <cmath>
 
 #include "apps/scene/cache_folder.hpp"
+#include "apps/scene/scene_anywhere.hpp"
 #include "apps/scene/scene_body.hpp"
 #include "apps/scene/scene_declared.hpp"
 #include "apps/scene/scene_hand.hpp"
 #include "apps/scene/scene_materials.hpp"
+#include "apps/scene/scene_nodes.hpp"
 #include "apps/scene/scene_tolerance.hpp"
 #include "apps/scene/session_rows.hpp"
 #include "apps/scene/spacing_check.hpp"
@@ -83,6 +85,9 @@ const SceneRows<Scene>& rows_of_space() {
                 "[[x0, y0, z0], [x1, y1, z1]] of tip positions, low corner first; rest is [0, 0, 0]"})
           .required("[[x0, y0, z0], [x1, y1, z1]]")
           .standard("required; made of the body with a phantom")
+          .row({"depth", "m", fmt::format("{}", usual_depth),
+                "with contact.anywhere, in place of box: how deep states are placed, and half as far "
+                "sideways"})
           .flag("displacements", "true: states keep the displacements of all nodes",
                 path(&Scene::kept, &KeptValues::displacements))
           .whole("jet", 1, most_jet_order,
@@ -98,10 +103,20 @@ const SceneRows<Scene>& rows_of_space() {
   return rows;
 }
 
-void read_state_space(const SceneTable& table, const TetMesh& mesh, bool defaults, const SceneUse& use,
-                      Scene& scene) {
+// The cube that holds every displacement of a touch of this depth, in the frame of any site.
+Box box_of_depth(const SceneTable& table) {
+  if (table.has("box"))
+    throw InputError(table.where("box"), "is of one place, expected depth with contact.anywhere");
+  const double depth = table.number("depth", positive()).value_or(usual_depth);
+  return {Vec3::Constant(-depth), Vec3::Constant(depth)};
+}
+
+void read_state_space(const SceneTable& table, const TetMesh& mesh, bool defaults, bool anywhere,
+                      const SceneUse& use, Scene& scene) {
+  if (!anywhere && table.has("depth"))
+    throw InputError(table.where("depth"), "is for contact.anywhere = true, expected box");
   const bool automatic = scene.spacing.automatic = table.is_text("spacing", "auto");
-  if (!defaults) rows_of_space().check_required(table);
+  if (!defaults && !anywhere) rows_of_space().check_required(table);
   const std::optional<Tolerance>& tolerance = scene.written.tolerance = read_tolerance(table);
   if (tolerance && tolerance->newtons && automatic)
     throw table.wrong("tolerance", "a share of the force beside spacing = \"auto\", as 0.07");
@@ -111,7 +126,10 @@ void read_state_space(const SceneTable& table, const TetMesh& mesh, bool default
   else
     scene.space.spacing =
         table.number("spacing", {0, 1e300, true, false, "a number above 0 [m], or \"auto\""}).value_or(0.006);
-  scene.space.box = table.has("box") ? *table.box("box") : default_box(mesh, scene.space.spacing);
+  if (anywhere)
+    scene.space.box = box_of_depth(table);
+  else
+    scene.space.box = table.has("box") ? *table.box("box") : default_box(mesh, scene.space.spacing);
   check_reach(table, scene.space, longest_side(mesh));
   if (automatic) choose_spacing_of(table, use, scene);
   if (!automatic || use.spacing) check_positions(scene.space, table.where("spacing"));
@@ -192,14 +210,20 @@ spacing = 0.006
 box = [[-0.036, -0.036, -0.036], [0.036, 0.036, 0.024]]
 )";
 
+// sites: of a command that knows places on the surface.
 Scene make_scene(const SceneDocument& document, const fs::path& file, const Scene* like,
-                 const SceneUse& use = {}) {
+                 const SceneUse& use = {}, bool sites = false) {
   const SceneTable root = document.root(scene_sections());
   const auto table = [&](const SceneRowList& rows) { return root.sub(rows.name(), rows.names()); };
   const SceneTable space = table(state_space_rows()), model = table(model_rows()),
                    session = table(session_rows());
   BodySections sections{table(body_rows()), root.subs("material", material_rows().names()),
                         table(clamp_rows()), table(contact_rows())};
+  const bool anywhere = is_anywhere(sections.contact);
+  if (anywhere && !sites)
+    throw InputError(
+        sections.contact.where("anywhere"),
+        "is for solve --site, expected nearest = [x, y, z], a place for the pad, with this command");
   Scene scene;
   scene.source.file = file;
   scene.model = read_model(model);
@@ -222,7 +246,8 @@ Scene make_scene(const SceneDocument& document, const fs::path& file, const Scen
     take_body(std::move(read.body), scene);
   }
   scene.viscosity = read_viscosity(sections.materials);
-  read_state_space(space, scene.body->mesh, sections.body.has("phantom"), use, scene);
+  if (anywhere) scene.identity["contact"] = anywhere_in_words(*scene.body->pad);
+  read_state_space(space, scene.body->mesh, sections.body.has("phantom"), anywhere, use, scene);
   if (scene.model.data == Data::jet && !space.has("jet")) scene.kept.jet = most_jet_order;
   scene.kept.displacements = scene.kept.displacements || scene.shape.rate > 0;
   scene.model.length = scene.space.spacing;
@@ -245,6 +270,11 @@ Scene load_scene(const fs::path& file, std::span<const std::string> overrides, c
   return make_scene(SceneDocument::read(file, overrides), file, like, use);
 }
 
+Scene load_scene_with_sites(const fs::path& file, std::span<const std::string> overrides,
+                            const SceneUse& use) {
+  return make_scene(SceneDocument::read(file, overrides), file, nullptr, use, true);
+}
+
 Scene scene_of_text(std::string_view text, const std::string& name, std::span<const std::string> overrides,
                     const SceneUse& use) {
   return make_scene(SceneDocument::parse(text, name, overrides), name, nullptr, use);
@@ -256,7 +286,7 @@ Scene built_in_scene(std::span<const std::string> overrides) {
 
 std::set<std::string> scene_keys_read(std::string_view text, std::span<const std::string> overrides) {
   const SceneDocument document = SceneDocument::parse(text, "scene", overrides);
-  make_scene(document, "scene", nullptr, {.spacing = false});
+  make_scene(document, "scene", nullptr, {.spacing = false}, true);
   return document.keys_read();
 }
 

@@ -10,6 +10,7 @@
 
 #include "apps/console/console.hpp"
 #include "apps/scene/phantom_cache.hpp"
+#include "apps/scene/scene_anywhere.hpp"
 #include "apps/scene/scene_declared.hpp"
 #include "apps/scene/scene_fine.hpp"
 #include "apps/scene/scene_materials.hpp"
@@ -176,7 +177,7 @@ InputError at_key(const InputError& error, const BodySections& sections, const s
 // The ball of the pad, before there is a mesh. tip: of a phantom, at its own size.
 Pressed pressed_of(const BodySections& sections, const BodyKeys& keys, bool is_phantom) {
   const SceneTable& contact = sections.contact;
-  if (!contact.has("pad")) return {};
+  if (!contact.has("pad") || is_anywhere(contact)) return {};
   const std::optional<Vec3> place = contact.vector("nearest");
   if (!place && !is_phantom) return {};  // read_pad() says what is missing
   const double radius = contact.number("radius", positive()).value_or(Pad().radius);
@@ -220,6 +221,8 @@ Body assemble(const BodyInput& in, const BodyKeys& keys, std::vector<std::string
   body.clamp = read_clamp(in.sections.clamp, body.mesh, in.is_phantom);
   body.pad = read_pad(in.sections.contact, body.mesh,
                       in.is_phantom ? std::optional<Vec3>(scale * phantom_tip(keys.phantom)) : std::nullopt);
+  if (is_anywhere(in.sections.contact))
+    body.pad->site = free_site(body, in.sections.contact.where("anywhere"));
   if (!body.pad) body.contact = read_contact(in.sections.contact, body.mesh, in.is_phantom);
   for (const std::string& warning : check(body, in.file)) warnings.push_back(in.file + ": " + warning);
   return body;
@@ -328,6 +331,11 @@ BodyRead make_body(const BodySections& sections, const fs::path& folder, const s
   in.materials =
       read_materials(sections.materials, in.is_phantom);  // cheap checks first, before the mesh is made
   rows_of_body().read(sections.body, in.keys);
+  if (is_anywhere(sections.contact))
+    for (const char* key : {"fine", "accuracy"})
+      if (sections.body.has(key) && (key != std::string("fine") || in.keys.fine))
+        throw InputError(sections.body.where(key),
+                         "is for a contact with one place, expected none with contact.anywhere");
   BodyRead read;
   if (in.keys.accuracy) {
     read.accuracy = accurate(in, quiet);

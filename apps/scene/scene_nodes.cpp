@@ -17,6 +17,7 @@ struct NodeSet {
   std::optional<double> radius;  // [m], of contact
   std::optional<double> pad;     // [N/m], of contact
   std::optional<Vec3> place;     // of `nearest`, as given [m]
+  bool anywhere = false;         // of contact
 };
 using Choose = std::vector<NodeIndex> (*)(const SceneTable&, const std::string& key, const TetMesh&);
 
@@ -150,7 +151,10 @@ const SceneRows<NodeSet>& rows_of_contact() {
               "stiffness of a compliant pad, about a fingertip's: springs between surface and tip instead of "
               "nodes that move with it",
               &NodeSet::pad)
-          .standard("none: a rigid patch");
+          .standard("none: a rigid patch")
+          .flag("anywhere",
+                "true: the pad is put at any place of the surface, in place of nearest; see solve --site",
+                &NodeSet::anywhere);
   return rows;
 }
 
@@ -204,17 +208,28 @@ std::optional<LowEnd> rim_of(const SceneTable& clamp) {
   return LowEnd{keys.axis, keys.share};
 }
 
+bool is_anywhere(const SceneTable& contact) {
+  return contact.boolean("anywhere").value_or(false);
+}
+
 std::optional<Pad> read_pad(const SceneTable& table, const TetMesh& mesh, const std::optional<Vec3>& tip) {
-  if (!table.has("pad")) return {};
+  const bool anywhere = is_anywhere(table);
+  if (!table.has("pad")) {
+    if (anywhere)
+      throw InputError(table.where("pad"), "missing, expected a stiffness [N/m] beside anywhere = true");
+    return {};
+  }
+  if (anywhere && table.has("nearest")) throw table.wrong("nearest", "no place beside anywhere = true");
   for (const char* key : {"node", "nodes", "group"})
     if (table.has(key)) throw table.wrong(key, "no nodes beside pad: its place is nearest = [x, y, z]");
   NodeSet set;
   set.mesh = &mesh;
   rows_of_contact().read(table, set);
-  if (!set.place && !tip)
+  if (!set.place && !tip && !anywhere)
     throw InputError(table.where("nearest"),
                      "missing, expected [x, y, z], the place of the pad on the mesh [m]");
-  Pad pad{.site = nearest_site(mesh, set.place ? *set.place : *tip)};
+  Pad pad;
+  if (!anywhere) pad.site = nearest_site(mesh, set.place ? *set.place : *tip);
   pad.radius = set.radius.value_or(pad.radius);
   pad.stiffness = *set.pad;
   return pad;

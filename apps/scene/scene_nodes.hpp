@@ -18,7 +18,10 @@ std::vector<NodeIndex> read_contact(const SceneTable& contact, const TetMesh& me
 // The clamp, where it is a low end of the body: its rim becomes edges of a graded mesh.
 std::optional<LowEnd> rim_of(const SceneTable& clamp);
 
-// The pad of [contact]; nullopt without the key `pad`. tip: of a phantom.
+// contact.anywhere: the pad has no place of its own.
+bool is_anywhere(const SceneTable& contact);
+
+// The pad of [contact]; nullopt without the key `pad`; with contact.anywhere its site is not set. tip: of a phantom.
 std::optional<Pad> read_pad(const SceneTable& contact, const TetMesh& mesh, const std::optional<Vec3>& tip);
 
 }  // namespace forefeel

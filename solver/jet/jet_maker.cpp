@@ -60,6 +60,16 @@ void JetMaker::add_gram(const double* a, const double* b, double factor, double*
 
 EnergyJet JetMaker::at(const std::vector<double>& u, const std::vector<double>& tangent,
                        const Factorisation& factor, int order) {
+  const JetSolves solves{[&](double* b) { factor.solve_lanes(b); },
+                         [&](double* b) { factor.half_solve_lanes(b); }, d_->elements.pad};
+  EnergyJet jet = at(u, tangent, solves, order);
+  if (d_->elements.fine.jet)
+    d_->elements.fine.jet->add_to(jet, Eigen::Map<const Vec3>(u.data() + 3 * d_->free_nodes));
+  return jet;
+}
+
+EnergyJet JetMaker::at(const std::vector<double>& u, const std::vector<double>& tangent,
+                       const JetSolves& solves, int order) {
   EnergyJet jet{.order = order};
   JetDirections directions{.count = static_cast<int>(path_direction_count),
                            .ways = path_directions().data(),
@@ -72,16 +82,16 @@ EnergyJet JetMaker::at(const std::vector<double>& u, const std::vector<double>& 
   std::array<double, path_direction_count> fourth{}, fifth{};
   const double* v = nullptr;
   if (order == 3) {
-    factor.half_solve_lanes(second_.data());
+    solves.half(second_.data());
     add_gram(second_.data(), second_.data(), -0.5, fourth.data());
   } else if (order >= 4) {
-    factor.solve_lanes(second_.data());
+    solves.whole(second_.data());
     std::fill(second_.begin() + static_cast<std::ptrdiff_t>(rows * lane_count), second_.end(), 0.0);
     for (double& value : second_) value = -value;
     v = second_.data();
-    if (!d_->elements.pad.pairs.empty()) {
+    if (!solves.pad.pairs.empty()) {
       springs_.assign(second_.size(), 0.0);
-      d_->elements.pad.apply_lanes(v, springs_.data());
+      solves.pad.apply_lanes(v, springs_.data());
       add_gram(v, springs_.data(), 0.5, fourth.data());
     }
   }
@@ -96,8 +106,6 @@ EnergyJet JetMaker::at(const std::vector<double>& u, const std::vector<double>& 
     set_fourth(fourth, jet);
     if (order >= 4) set_fifth(fifth, jet);
   }
-  if (d_->elements.fine.jet)
-    d_->elements.fine.jet->add_to(jet, Eigen::Map<const Vec3>(u.data() + 3 * d_->free_nodes));
   return jet;
 }
 

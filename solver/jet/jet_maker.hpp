@@ -17,6 +17,7 @@
 // it. A heuristic: it sees where the material softens or folds, not that the series has ended. Of paths that dip below
 // the limit and come back only those that are below it at the end or half-way are seen.
 
+#include <functional>
 #include <memory>
 #include <vector>
 
@@ -25,6 +26,13 @@
 
 namespace forefeel {
 
+// What a jet needs of A: eight b in lanes become A^{-1} b, or U^-T b with A = U^T U (for order 3 alone); and the pad's
+// springs that are in A, over free nodes.
+struct JetSolves {
+  std::function<void(double*)> whole, half;
+  const PadSprings& pad;
+};
+
 // Work space of one body for one thread.
 class JetMaker {
  public:
@@ -32,6 +40,9 @@ class JetMaker {
 
   // u: local vector of the equilibrium, tangent: U, three local vectors; factor: exact, of H(u). order: 2, 3 or 4.
   EnergyJet at(const std::vector<double>& u, const std::vector<double>& tangent, const Factorisation& factor,
+               int order);
+  // The same without a factor of A itself; the fine jet of the body does not count.
+  EnergyJet at(const std::vector<double>& u, const std::vector<double>& tangent, const JetSolves& solves,
                int order);
 
  private:

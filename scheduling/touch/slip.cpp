@@ -1,0 +1,136 @@
+#include "scheduling/touch/slip.hpp"
+
+#include <Eigen/Geometry>
+#include <algorithm>
+#include <cmath>
+
+namespace forefeel {
+namespace {
+
+constexpr double settled = 2e-4;   // of mu f . n, or of |f| where the force pulls
+constexpr double shortest = 1e-9;  // step [m]
+constexpr double longest = 2e-3;   // step [m]; a longer way has several
+constexpr int most_steps = 200, most_halvings = 60;
+
+// One site, seen along a direction of its facet.
+struct Seen {
+  SurfaceMap::Walk walk;
+  TouchTerms terms;
+  Vec3 drive = Vec3::Zero();  // g
+  double limit = 0;           // mu f . n, 0 where the force pulls
+};
+
+class Slider {
+ public:
+  Slider(const TouchField& field, const Vec3& tip, double friction)
+      : field_(field), tip_(tip), friction_(friction) {}
+
+  Seen see(const SurfaceMap::Walk& walk) const {
+    Seen seen{.walk = walk, .terms = field_.at(walk.end, tip_ - walk.end.at)};
+    seen.drive = drive(field_, walk.end, seen.terms);
+    seen.limit = friction_ * std::max(0.0, push(seen));
+    return seen;
+  }
+  static double push(const Seen& seen) { return seen.terms.at.force.dot(seen.terms.normal); }
+  static double tolerance(const Seen& seen) {
+    return settled * (seen.limit > 0 ? seen.limit : seen.terms.at.force.norm()) + 1e-12;
+  }
+
+  // The farthest place along `way` (length 1) to which E falls by more than friction takes. `from` if there is none.
+  Seen advance(const Seen& from, const Vec3& way) const {
+    const double excess = from.drive.dot(way) - from.limit;
+    double step = std::clamp(excess / (from.terms.at.stiffness.norm() + 1e-300), 10 * shortest, longest);
+    double low = 0, high = -1;
+    Seen best = from;
+    for (int i = 0; i < most_halvings && (high < 0 || high - low > shortest); ++i) {
+      Seen seen = see(field_.map().walk(from.walk.end, step * way));
+      const double slope = onward(seen, way);
+      const bool falls = seen.terms.at.energy <= best.terms.at.energy;
+      if (falls && slope >= -tolerance(seen)) {
+        best = seen, low = step;
+        if (slope <= tolerance(seen) || !seen.walk.whole || low >= longest) break;
+        step = high < 0 ? std::min(2 * step, longest) : 0.5 * (low + high);
+      } else {
+        high = step;
+        step = 0.5 * (low + high);
+      }
+    }
+    return best;
+  }
+
+ private:
+  // -dE/dh - mu f . n, h the way so far.
+  double onward(const Seen& seen, const Vec3& way) const {
+    const Vec3 direction = seen.walk.step.norm() > 0 ? Vec3(seen.walk.step.normalized()) : way;
+    return seen.drive.dot(direction) - seen.limit;
+  }
+
+  const TouchField& field_;
+  Vec3 tip_;
+  double friction_;
+};
+
+// Along the edge of the facet that the site stands on, downhill; zero if it is on none.
+Vec3 along_edge(const SurfaceMap& map, const Seen& seen) {
+  const std::array<Vec3, 3> corner = map.corners(seen.walk.end.facet);
+  const Vec3 share = map.barycentric(seen.walk.end);
+  for (std::size_t e = 0; e < 3; ++e) {
+    const Vec3 edge = corner[(e + 1) % 3] - corner[e];
+    const double height =
+        share[static_cast<int>((e + 2) % 3)] * 2 * map.facet(seen.walk.end).area / edge.norm();
+    if (height > 2 * shortest) continue;
+    const Vec3 way = edge.normalized();
+    return seen.drive.dot(way) >= 0 ? way : Vec3(-way);
+  }
+  return Vec3::Zero();
+}
+
+}  // namespace
+
+Vec3 drive(const TouchField& field, const SurfacePlace& site, const TouchTerms& terms) {
+  const Vec3 g = -(terms.at.by_site + terms.at.force);
+  const Vec3& n = field.map().facet(site).normal;
+  return g - n.dot(g) * n;
+}
+
+Slip slide(const TouchField& field, const SurfacePlace& from, const Vec3& tip, double friction) {
+  const Slider slider(field, tip, friction);
+  Seen here = slider.see({.end = from});
+  const bool pulled = Slider::push(here) < 0;
+  Slip slip{.site = from};
+  const double start = here.terms.at.energy;
+  slip.end = SlipEnd::unsettled;
+  for (int i = 0; i < most_steps; ++i) {
+    if (pulled && Slider::push(here) >= 0) {
+      slip.end = SlipEnd::sticks;
+      break;
+    }
+    if (here.drive.norm() <= here.limit + Slider::tolerance(here)) {
+      slip.end = pulled ? SlipEnd::minimum : SlipEnd::sticks;
+      break;
+    }
+    Seen next = slider.advance(here, here.drive.normalized());
+    if (next.walk.step.norm() <= 2 * shortest &&
+        next.walk.whole) {  // a kink: along the edge, if that goes down
+      const Vec3 way = along_edge(field.map(), next);
+      if (next.drive.dot(way) > next.limit + Slider::tolerance(next)) next = slider.advance(next, way);
+      if (next.walk.step.norm() <= 2 * shortest) {
+        slip.end = pulled ? SlipEnd::minimum : SlipEnd::sticks;
+        break;
+      }
+    }
+    slip.slid += next.walk.step.norm();
+    const bool border = !next.walk.whole;
+    here = next;
+    here.walk.step.setZero(), here.walk.whole = true;
+    if (border) {
+      slip.end = SlipEnd::border;
+      break;
+    }
+  }
+  slip.site = here.walk.end;
+  slip.lost = std::max(0.0, start - here.terms.at.energy);
+  return slip;
+}
+
+}  // namespace forefeel

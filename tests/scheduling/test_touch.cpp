@@ -1,0 +1,173 @@
+// Touching a body anywhere: where touches begin and end, sliding, and that closed paths gain no work.
+#include <array>
+#include <Eigen/Geometry>
+#include <catch2/catch.hpp>
+#include <cmath>
+#include <random>
+
+#include "geometry/meshing/phantom.hpp"
+#include "scheduling/touch/touch.hpp"
+#include "solver/body/pad.hpp"
+
+namespace forefeel {
+namespace {
+
+const FieldOfSites& liver() {
+  static const FieldOfSites field = [] {
+    auto body = std::make_shared<Body>();
+    body->mesh = phantom("liver", 600);
+    body->material = {Law::neo_hookean, 5000, 0.4};
+    body->clamp = body->mesh.groups.at("clamp");
+    body->pad = Pad{};
+    return FieldOfSites(std::make_shared<const SiteField>(std::make_shared<const RestSites>(body, 2),
+                                                          SiteFieldOptions{.spacing = 0.02, .threads = 2}));
+  }();
+  return field;
+}
+
+Vec3 normal_at(const SurfacePlace& place) {
+  return liver().at(place, Vec3::Zero()).normal;
+}
+
+// Force over a way of the tip while the site stays, by Gauss's rule of five points.
+double work_of(const SurfacePlace& site, const Vec3& from, const Vec3& to) {
+  constexpr std::array<double, 5> at{0.046910077030668, 0.230765344947158, 0.5, 0.769234655052842,
+                                     0.953089922969332},
+      weight{0.118463442528095, 0.239314335249683, 0.284444444444444, 0.239314335249683, 0.118463442528095};
+  double sum = 0;
+  for (std::size_t i = 0; i < 5; ++i)
+    sum += weight[i] * liver().at(site, from + at[i] * (to - from) - site.at).at.force.dot(to - from);
+  return sum;
+}
+
+struct Loop {
+  double gained = 0;  // work of the body on the hand over the loop [J]
+  double most = 0;    // largest stored energy [J]
+  double lost = 0;
+};
+
+// The tip along these places, the first and last outside, in straight lines of `steps` frames.
+Loop follow(const std::vector<Vec3>& places, int steps, std::optional<double> friction) {
+  Loop loop;
+  Touch now;
+  Vec3 last = places.front();
+  for (std::size_t leg = 0; leg + 1 < places.size(); ++leg)
+    for (int i = 1; i <= steps; ++i) {
+      const Vec3 tip = places[leg] + (places[leg + 1] - places[leg]) * i / steps;
+      const TouchFrame frame = touch(liver(), now, tip, friction);
+      if (now.kind != TouchKind::none) loop.gained += work_of(now.site, last, frame.left.value_or(tip));
+      if (frame.began) loop.gained += work_of(*frame.began, frame.began->at, tip);
+      loop.most = std::max(loop.most, frame.energy);
+      loop.lost += frame.lost;
+      CHECK(frame.lost >= 0);
+      now = frame.touch, last = tip;
+    }
+  CHECK(now.kind == TouchKind::none);
+  return loop;
+}
+
+SurfacePlace place_near_tip() {
+  return liver().map().nearest(phantom_tip("liver"));
+}
+
+}  // namespace
+
+TEST_CASE("A touch begins where the tip crosses the surface, sticks without friction, and ends outside") {
+  const SurfacePlace place = place_near_tip();
+  const Vec3 n = liver().map().facet(place).normal;
+  Touch now = touch(liver(), {}, place.at + 0.002 * n, {}).touch;
+  CHECK(now.kind == TouchKind::none);
+  TouchFrame frame = touch(liver(), now, place.at - 0.004 * n, {});
+  REQUIRE(frame.touch.kind == TouchKind::stick);
+  CHECK((frame.touch.site.at - place.at).norm() < 1e-9);
+  CHECK(frame.force.dot(n) > 0);
+  frame = touch(liver(), frame.touch, place.at - 0.006 * n + 0.003 * n.unitOrthogonal(), {});
+  CHECK(frame.touch.kind == TouchKind::stick);
+  CHECK((frame.touch.site.at - place.at).norm() < 1e-9);
+  const double stored = frame.energy;
+  frame = touch(liver(), frame.touch, place.at + 0.001 * n, {});
+  CHECK(frame.touch.kind == TouchKind::none);
+  CHECK(frame.force.norm() == 0);
+  CHECK(frame.lost < stored);
+}
+
+TEST_CASE("A tip that is inside from the start begins at the nearest place") {
+  const SurfacePlace place = place_near_tip();
+  const Vec3 tip = place.at - 0.003 * liver().map().facet(place).normal;
+  const TouchFrame frame = touch(liver(), {}, tip, 0.3);
+  REQUIRE(frame.began);
+  CHECK((frame.began->at - liver().map().nearest(tip).at).norm() < 1e-12);
+}
+
+TEST_CASE("No touch begins through a clamped facet") {
+  const SurfaceMap& map = liver().map();
+  for (std::size_t f = 0; f < map.facets().size(); ++f) {
+    if (!map.facets()[f].clamped) continue;
+    const auto [a, b, c] = map.corners(static_cast<std::int32_t>(f));
+    const Vec3 middle = (a + b + c) / 3, n = map.facets()[f].normal;
+    const Touch outside = touch(liver(), {}, middle + 0.001 * n, {}).touch;
+    if (outside.inside) continue;
+    CHECK(touch(liver(), outside, middle - 0.001 * n, {}).touch.kind == TouchKind::none);
+    return;
+  }
+  FAIL("no clamped facet");
+}
+
+TEST_CASE("While a site slides, its drive is mu times the normal force, and energy is only lost") {
+  std::mt19937_64 random(8);
+  int slips = 0, valleys = 0;
+  for (int i = 0; i < 40; ++i) {
+    const SurfacePlace place = liver().map().random(random);
+    const Vec3 n = normal_at(place);
+    const double friction = 0.1 + 0.02 * i;
+    const Vec3 tip = place.at - 0.006 * n + 0.006 * n.unitOrthogonal();
+    const TouchTerms before = liver().at(place, tip - place.at);
+    const Slip slip = slide(liver(), place, tip, friction);
+    const TouchTerms after = liver().at(slip.site, tip - slip.site.at);
+    CHECK(slip.lost >= 0);
+    CHECK(before.at.energy - after.at.energy == Approx(slip.lost).margin(1e-15));
+    if (slip.slid == 0 || slip.end != SlipEnd::sticks) continue;
+    ++slips;
+    const double limit = friction * after.at.force.dot(after.normal);
+    const double ratio = drive(liver(), slip.site, after).norm() / limit;
+    const bool on_edge = liver().map().barycentric(slip.site).minCoeff() < 1e-4;
+    if (on_edge && ratio > 1.001)
+      ++valleys;  // both sides push to the edge
+    else
+      CHECK(std::abs(ratio - 1) < 1e-3);
+  }
+  CHECK(slips > 15);
+  CHECK(valleys < slips / 2);
+}
+
+TEST_CASE("Over closed paths of press, slide and lift the hand gains no work") {
+  std::mt19937_64 random(9);
+  std::uniform_real_distribution<double> share(0, 1);
+  double largest = 0, worst = 0;
+  int slid = 0;
+  for (int i = 0; i < 100; ++i) {
+    const SurfacePlace place = liver().map().random(random);
+    const Vec3 n = normal_at(place), e = n.unitOrthogonal(), b = n.cross(e);
+    const auto at = [&](double depth, double far) {
+      return Vec3(place.at - depth * n + far * (2 * share(random) - 1) * e +
+                  far * (2 * share(random) - 1) * b);
+    };
+    const Vec3 outside = place.at + 0.25 * n;
+    std::optional<double> friction;
+    if (i % 4 != 0) friction = 0.05 + share(random);
+    const Loop loop = follow({outside, place.at + 0.001 * n, at(0.008, 0.002), at(0.008, 0.015),
+                              at(0.006, 0.015), at(0.01, 0.01), outside},
+                             12, friction);
+    largest = std::max(largest, loop.most);
+    worst = std::max(worst, loop.gained / std::max(loop.most, 1e-12));
+    slid += loop.lost > 0;
+    CHECK(loop.gained <= 1e-6 * loop.most + 1e-14);
+    CHECK(std::abs(loop.gained + loop.lost) <=
+          1e-5 * loop.most + 1e-14);  // what is lost is what the hand gave
+  }
+  INFO("worst " << worst);
+  CHECK(largest > 1e-4);
+  CHECK(slid > 50);
+}
+
+}  // namespace forefeel
