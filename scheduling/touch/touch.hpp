@@ -2,8 +2,8 @@
 // Touching a body anywhere. Inside and outside mean the body at rest. The tip outside feels nothing. Where it crosses
 // the surface a touch begins: the site s, and x = tip - s. Without friction the site stays; with it the site slides
 // (slip.hpp). The touch ends when the tip is outside again, or when a tensile force finds a minimum of E before it
-// becomes a push. Crossing a clamped facet begins none. A tip that is inside from the start begins at the nearest place.
-// One point, one coefficient, no torque.
+// becomes a push. Crossing a clamped facet begins none. A tip inside from the start begins at the nearest place. One
+// point, one coefficient, no torque.
 //
 // E of the sites is a potential and sliding lowers it, so over a closed path the hand gets back no more than it gave.
 

@@ -8,9 +8,6 @@
 
 namespace forefeel {
 
-using pad_quadrature::cross;
-using pad_quadrature::Vec2;
-
 // The integrals over one facet, without g: of N_i N_j, i <= j, and their derivatives by s.
 struct MovingPad::Part {
   std::int32_t facet = -1;
@@ -21,6 +18,9 @@ struct MovingPad::Part {
 };
 
 namespace {
+
+using pad_quadrature::cross;
+using pad_quadrature::Vec2;
 
 constexpr std::size_t pair_of(std::size_t i, std::size_t j) {  // i <= j
   return j * (j + 1) / 2 + i;
