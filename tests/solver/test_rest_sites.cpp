@@ -38,14 +38,15 @@ TEST_CASE("A site's stiffness and jet are those of the body with a pad there") {
         const SurfacePlace place = sites.map().random(random);
         Body at_place = *body;
         at_place.pad->site = place.at;
-        const RestJet own = rest_jet(at_place, "body"), ours = jets.at(place);
+        const RestJet own = rest_jet(at_place, {.key = "body"}), ours = jets.at(place);
         CHECK((ours.stiffness - own.stiffness).norm() < 1e-10 * own.stiffness.norm());
         CHECK((sites.at(place, false).stiffness - own.stiffness).norm() < 1e-10 * own.stiffness.norm());
         CHECK(difference(ours.jet, own.jet) < 1e-8);
         CHECK(ours.jet.limit == Approx(own.jet.limit).epsilon(1e-6));
         const PadSurface under = pad_surface(body->mesh, *at_place.pad);
         CHECK((sites.at(place, false).normal - under.normal).norm() < 1e-9);
-        CHECK(sites.at(place, false).clamped_share == Approx(clamped_share(at_place, under)).margin(1e-9));
+        if (element == Element::linear)  // of quadratic elements the share counts the middles of edges too
+          CHECK(sites.at(place, false).clamped_share == Approx(clamped_share(at_place, under)).margin(1e-9));
       }
     }
 }
