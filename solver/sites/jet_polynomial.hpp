@@ -6,7 +6,6 @@
 
 #include <Eigen/Core>
 
-#include "geometry/common/types.hpp"
 #include "geometry/states/energy_jet.hpp"
 
 namespace forefeel {

@@ -7,8 +7,8 @@
 #include <map>
 #include <vector>
 
-#include "geometry/common/error.hpp"
 #include "solver/jet/jet_maker.hpp"
+#include "solver/jet/rest_jet.hpp"
 #include "solver/system/factorisation.hpp"
 
 namespace forefeel {

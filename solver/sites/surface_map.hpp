@@ -11,7 +11,6 @@
 #include <random>
 #include <vector>
 
-#include "geometry/mesh/tet_mesh.hpp"
 #include "solver/body/body.hpp"
 
 namespace forefeel {
