@@ -27,7 +27,7 @@ namespace forefeel {
 using JetSlopes = Eigen::Matrix<double, static_cast<int>(jet_size), 5>;
 
 struct SiteFieldOptions {
-  double spacing = 0.012;  // every place has a site within this delta [m]
+  double spacing = 0.010;  // every place has a site within this delta [m]
   int threads = 1;
   double theta = 1;
   int degree = 2;             // of the coefficients over the surface: 0, 1 or 2

@@ -2,7 +2,7 @@
 //   sites_table [SCENE.toml] [PLACES] [SPACING]...
 // SCENE: its body; the contact becomes a pad of 1000 N/m and 2 cm (default: the built-in liver). PLACES random (s, x):
 // s uniform by area over the unclamped surface, depth 2 to 25 mm, sideways up to half of that (default 500). SPACING of
-// the sites [m] (default 0.008). Relative errors of the force against tight solves; none is left out: places whose pad
+// the sites [m] (default 0.010). Relative errors of the force against tight solves; none is left out: places whose pad
 // reaches over the clamp, and solves that fail, are counted apart.
 #include <omp.h>
 
@@ -137,7 +137,7 @@ int main(int count, char** arguments) {
     }
     const int places = numbers.empty() ? 500 : static_cast<int>(numbers[0]);
     std::vector<double> spacings(numbers.begin() + (numbers.empty() ? 0 : 1), numbers.end());
-    if (spacings.empty()) spacings = {0.008};
+    if (spacings.empty()) spacings = {SiteFieldOptions().spacing};
     print_table(body_of(scene), places, spacings);
   } catch (const std::exception& error) {
     std::fprintf(stderr, "sites_table: %s\n", error.what());
