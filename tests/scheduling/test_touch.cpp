@@ -1,6 +1,6 @@
 // Touching a body anywhere: where touches begin and end, sliding, and that closed paths gain no work.
-#include <array>
 #include <Eigen/Geometry>
+#include <array>
 #include <catch2/catch.hpp>
 #include <cmath>
 #include <random>

@@ -1,6 +1,6 @@
 // The energy of sites E(s, x): a potential with exact derivatives, without jumps in s, exact for linear bodies.
-#include <algorithm>
 #include <Eigen/Geometry>
+#include <algorithm>
 #include <catch2/catch.hpp>
 #include <cmath>
 
