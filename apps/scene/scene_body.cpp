@@ -186,10 +186,10 @@ Pressed pressed_of(const BodySections& sections, const BodyKeys& keys, bool is_p
   return Toward{scale_of(keys, phantom_surface(keys.phantom)) * phantom_tip(keys.phantom), radius};
 }
 
-struct BodyInput {
-  const BodySections& sections;
-  const fs::path& folder;
-  const std::string& file;
+struct BodyInput {  // owns what it names: a finer body is made later
+  BodySections sections;
+  fs::path folder;
+  std::string file;
   bool is_phantom = false;
   std::vector<MaterialTable> materials;
   BodyKeys keys;
@@ -240,12 +240,15 @@ void refuse_numbers(const BodyInput& in, const std::string& key, const std::stri
               " cannot find them in another; expected a group, a place or a part of the body, or " + without);
 }
 
+bool subdivides(const BodyInput& in) {
+  return !in.is_phantom && !is_surface_file(in.folder / in.keys.mesh);
+}
+
 // A fine body: a phantom or a surface is meshed again, a volume mesh is subdivided.
 Body assemble_fine(const BodyInput& in, const Body& body, std::size_t elements) {
   BodyKeys keys = in.keys;
   keys.element = in.keys.fine->element;
-  const bool meshed = in.is_phantom || is_surface_file(in.folder / keys.mesh);
-  if (!meshed) {
+  if (subdivides(in)) {
     Body fine = refined_to(body, elements);
     fine.element = keys.element;
     return fine;
@@ -261,8 +264,6 @@ Body assemble_fine(const BodyInput& in, const Body& body, std::size_t elements) 
   return fine;
 }
 
-// The second has an eighth of the first one's tetrahedra, or is the subdivision before. So few may not suffice for a
-// mesh, and then there is none.
 FineBodies assemble_fine(const BodyInput& in, const Body& body) {
   FineBodies fine;
   try {
@@ -271,11 +272,8 @@ FineBodies assemble_fine(const BodyInput& in, const Body& body) {
     if (error.place().key != "phantom") throw;
     throw InputError(in.sections.body.where("fine"), error.problem());
   }
-  try {
-    fine.second = assemble_fine(in, body, std::max<std::size_t>(4, fine.first.mesh.tets.size() / 8));
-    if (fine.second->mesh.tets.size() == fine.first.mesh.tets.size()) fine.second.reset();
-  } catch (const InputError&) {
-  }
+  fine.make = [in, body](std::size_t elements) { return assemble_fine(in, body, elements); };
+  fine.subdivided = subdivides(in);
   return fine;
 }
 
@@ -299,7 +297,7 @@ BodyKeys of_trial(BodyKeys keys, const AccuracyTrial& trial) {
 
 AccuracyChoice accurate(const BodyInput& in, bool quiet) {
   AccuracyGiven given{.element = {}, .elements = in.keys.elements, .fine = {}};
-  const bool mesh_given = !in.is_phantom && !is_surface_file(in.folder / in.keys.mesh);
+  const bool mesh_given = subdivides(in);
   if (mesh_given)
     given.mesh_tets = read_mesh(in.folder / in.keys.mesh).tets.size();
   else

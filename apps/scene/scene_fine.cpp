@@ -2,12 +2,15 @@
 
 #include <fmt/format.h>
 
+#include <algorithm>
 #include <array>
 #include <cmath>
 #include <cstdint>
+#include <exception>
 #include <filesystem>
 #include <nlohmann/json.hpp>
 #include <optional>
+#include <utility>
 
 #include "apps/console/console.hpp"
 #include "apps/scene/cache_folder.hpp"
@@ -63,22 +66,48 @@ RestJet kept_rest_jet(const Body& body, const InputPlace& where, Progress& progr
   return rest;
 }
 
+// Eight times the elements, as far as a desktop makes and factors them within half a minute, twice at least. Where a
+// subdivision would be larger, the level before shows the error too, with a wider interval.
+std::size_t finer_elements(std::size_t fine, bool subdivided) {
+  constexpr std::size_t affordable = 28'000;  // 12 s of one core, 1.8 GB
+  if (subdivided) return 8 * fine <= affordable ? 8 * fine : std::max<std::size_t>(1, fine / 8);
+  return std::max(2 * fine, std::min(8 * fine, affordable));
+}
+
+// What fails leaves the error unknown.
+std::optional<Refinement> refine(const FineBodies& fine, const InputPlace& where, const Globals& globals) {
+  constexpr std::size_t solved_elements = 1'800;  // 0.1 s a state
+  try {
+    Progress progress(globals, "Finer body");
+    const std::size_t elements = fine.first.mesh.tets.size();
+    Refinement made;
+    auto solved =
+        std::make_shared<Body>(elements <= 1.5 * solved_elements ? fine.first : fine.make(solved_elements));
+    made.of_solved = kept_rest_jet(*solved, where, progress);
+    made.solved = std::move(solved);
+    const Body finer = fine.make(finer_elements(elements, fine.subdivided));
+    made.ratio = std::cbrt(static_cast<double>(finer.mesh.tets.size()) / static_cast<double>(elements));
+    if (made.ratio == 1) return {};
+    made.finer = kept_rest_jet(finer, where, progress);
+    return made;
+  } catch (const std::exception&) {
+    return {};
+  }
+}
+
 }  // namespace
 
-std::shared_ptr<const FineJet> fine_jet_of(const Body& body, const FineBodies& fine, const InputPlace& where,
+std::shared_ptr<const FineJet> fine_jet_of(const Body& body, FineBodies fine, const InputPlace& where,
                                            bool quiet) {
   Globals globals;
   globals.quiet = quiet;
   Progress progress(globals, "Fine body");
   const RestJet of_fine = kept_rest_jet(fine.first, where, progress);
-  std::optional<SecondFine> second;
-  if (fine.second) {
-    const double ratio = std::cbrt(static_cast<double>(fine.first.mesh.tets.size()) /
-                                   static_cast<double>(fine.second->mesh.tets.size()));
-    second = SecondFine{kept_rest_jet(*fine.second, where, progress), ratio};
-  }
-  return std::make_shared<const FineJet>(of_fine, kept_rest_jet(body, where, progress),
-                                         fine_body_in_words(fine.first), second);
+  const RestJet of_body = kept_rest_jet(body, where, progress);
+  std::string words = fine_body_in_words(fine.first);
+  return std::make_shared<const FineJet>(
+      of_fine, of_body, std::move(words),
+      [fine = std::move(fine), where, globals] { return refine(fine, where, globals); });
 }
 
 Body refined_to(const Body& body, std::size_t elements) {

@@ -4,8 +4,8 @@
 // answers (solver/body/fine_jet.hpp).
 
 #include <cstddef>
+#include <functional>
 #include <memory>
-#include <optional>
 
 #include "geometry/common/error.hpp"
 #include "solver/body/body.hpp"
@@ -13,15 +13,15 @@
 
 namespace forefeel {
 
-// The fine body, and one of larger elements, which shows what refinement still changes; none where the first one's
-// elements are too few for that.
+// The fine body, and what its error is measured by (Refinement), made when an error is first asked for.
 struct FineBodies {
   Body first;
-  std::optional<Body> second;
+  std::function<Body(std::size_t elements)> make;  // another; throws InputError where so many cannot be made
+  bool subdivided = false;                         // in eight, from a volume mesh
 };
 
 // quiet: no progress line. where: of the key, for errors.
-std::shared_ptr<const FineJet> fine_jet_of(const Body& body, const FineBodies& fine, const InputPlace& where,
+std::shared_ptr<const FineJet> fine_jet_of(const Body& body, FineBodies fine, const InputPlace& where,
                                            bool quiet);
 
 // The body with each tetrahedron split into eight, as often as brings their number nearest to `elements` in ratio.

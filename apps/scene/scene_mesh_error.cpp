@@ -27,7 +27,7 @@ namespace {
 namespace fs = std::filesystem;
 
 constexpr std::int64_t measuring_rule =
-    3;                              // version of the measurement; a new number invalidates kept values
+    4;                              // version of the measurement; a new number invalidates kept values
 constexpr int lower_priority = 10;  // nice value of the thread
 
 fs::path file_of(const Scene& scene, std::span<const Vec3> positions, const fs::path& folder) {

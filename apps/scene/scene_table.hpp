@@ -68,7 +68,7 @@ class SceneTable {
   std::shared_ptr<const Source> source_;
 };
 
-// A scene file with its overrides. It must outlive its tables, which point into it.
+// A scene file with its overrides. Its tables share it.
 class SceneDocument {
  public:
   // overrides: "key.path=value" as given to --set; value is TOML, or a bare string. Throws InputError
@@ -89,8 +89,8 @@ class SceneDocument {
 
  private:
   struct Parsed;
-  explicit SceneDocument(std::unique_ptr<Parsed> parsed);
-  std::unique_ptr<Parsed> parsed_;
+  explicit SceneDocument(std::shared_ptr<Parsed> parsed);
+  std::shared_ptr<Parsed> parsed_;
 };
 
 // Helper of word(): finds the entry equal to text, or throws the error that lists all entries.

@@ -71,6 +71,7 @@ struct SceneTable::Source {
   const std::set<std::string>* overridden;  // key paths
   std::set<std::string>* asked;             // key paths that readers asked for
   std::vector<std::string> known;
+  std::shared_ptr<const void> document;  // that the pointers point into
 
   const toml::node* given(const std::string& key) const { return table ? table->get(key) : nullptr; }
   // For readers of the value.
@@ -225,7 +226,7 @@ SceneTable SceneTable::sub(const std::string& key, std::vector<std::string> know
   const toml::node* value = source_->node(key);
   if (value && !value->is_table()) throw wrong(key, "a table");
   return {std::make_shared<Source>(Source{value ? value->as_table() : nullptr, full(key), source_->file,
-                                          source_->overridden, source_->asked, known}),
+                                          source_->overridden, source_->asked, known, source_->document}),
           known};
 }
 
@@ -240,9 +241,10 @@ std::vector<SceneTable> SceneTable::subs(const std::string& key,
   for (const toml::node& element : *list) {
     const std::optional<std::string_view> group = group_of(element);
     const std::string path = group ? full(key) + "." + std::string(*group) : full(key);
-    tables.push_back({std::make_shared<Source>(Source{element.as_table(), path, source_->file,
-                                                      source_->overridden, source_->asked, known}),
-                      known});
+    tables.push_back(
+        {std::make_shared<Source>(Source{element.as_table(), path, source_->file, source_->overridden,
+                                         source_->asked, known, source_->document}),
+         known});
   }
   return tables;
 }
@@ -298,23 +300,23 @@ struct SceneDocument::Parsed {
   }
 };
 
-SceneDocument::SceneDocument(std::unique_ptr<Parsed> parsed) : parsed_(std::move(parsed)) {}
+SceneDocument::SceneDocument(std::shared_ptr<Parsed> parsed) : parsed_(std::move(parsed)) {}
 SceneDocument::SceneDocument(SceneDocument&&) noexcept = default;
 SceneDocument::~SceneDocument() = default;
 
 SceneDocument SceneDocument::read(const fs::path& file, std::span<const std::string> overrides) {
-  return SceneDocument(std::make_unique<Parsed>(parse_scene(file), file.string(), overrides));
+  return SceneDocument(std::make_shared<Parsed>(parse_scene(file), file.string(), overrides));
 }
 
 SceneDocument SceneDocument::parse(std::string_view text, const std::string& name,
                                    std::span<const std::string> overrides) {
-  return SceneDocument(std::make_unique<Parsed>(parse_toml(text, name), name, overrides));
+  return SceneDocument(std::make_shared<Parsed>(parse_toml(text, name), name, overrides));
 }
 
 SceneTable SceneDocument::root(const std::vector<std::string>& known) const {
   using Source = SceneTable::Source;
-  return {std::make_shared<Source>(
-              Source{&parsed_->table, "", parsed_->file, &parsed_->overridden, &parsed_->asked, known}),
+  return {std::make_shared<Source>(Source{&parsed_->table, "", parsed_->file, &parsed_->overridden,
+                                          &parsed_->asked, known, parsed_}),
           known};
 }
 

@@ -138,11 +138,23 @@ RestJet between(RestJet a, const RestJet& b) {
 
 }  // namespace
 
-FineJet::FineJet(const RestJet& fine, const RestJet& coarse, std::string fine_body,
-                 const std::optional<SecondFine>& second)
-    : difference_(between(fine, coarse)), fine_body_(std::move(fine_body)) {
-  if (second) change_ = SecondFine{between(fine, second->rest), second->ratio};
+FineJet::FineJet(const RestJet& fine, const RestJet& coarse, std::string fine_body, Refine refine)
+    : fine_(fine),
+      difference_(between(fine, coarse)),
+      refine_(std::move(refine)),
+      fine_body_(std::move(fine_body)) {
   radius_ = trusted_to(difference_, fine.stiffness) / trusted_share;
+}
+
+const std::optional<Refinement>& FineJet::refinement() const {
+  std::call_once(refined_, [this] {
+    if (refine_) refinement_ = refine_();
+  });
+  return refinement_;
+}
+
+std::shared_ptr<const Body> FineJet::solved() const {
+  return refinement() ? refinement()->solved : nullptr;
 }
 
 JetTerms FineJet::at(const Vec3& x) const {
@@ -168,17 +180,22 @@ JetTerms FineJet::at(const Vec3& x) const {
   return terms;
 }
 
-std::optional<ForceError> FineJet::error_left(const Vec3& x, const Vec3& force) const {
+std::optional<ForceError> FineJet::error_left(const Vec3& x, const Vec3& force,
+                                              const Vec3& solved_force) const {
   const double size = force.norm();
-  if (!change_ || !(size > 0) || x.norm() > FineJet::trusted_share * radius_) return {};
-  const double change =
-      (change_->rest.stiffness * x + jet_terms(change_->rest.jet, x).gradient).norm() / size;
-  const double last =
-      (jet_terms(difference_.jet, x).gradient - jet_terms(difference_.jet, x, most_degree - 1).gradient)
-          .norm() /
-      size;
-  const auto left = [&](double p) { return change / (std::pow(change_->ratio, p) - 1); };
-  return ForceError{left(2.7), left(4.5), left(1.8) + 0.5 * last};
+  if (!(size > 0) || x.norm() > FineJet::trusted_share * radius_ || !refinement()) return {};
+  const Refinement& refined = *refinement();
+  const auto more_than = [&](const RestJet& rest) -> Vec3 {
+    return (fine_.stiffness - rest.stiffness) * x + jet_terms(fine_.jet, x).gradient -
+           jet_terms(rest.jet, x).gradient;
+  };
+  const Vec3 degrees = force + more_than(refined.of_solved) - solved_force;
+  const Vec3 mesh = -more_than(refined.finer) / (1 - std::pow(refined.ratio, -3.7));
+  const double alike = std::pow(2 / refined.ratio, 1.75);
+  const double error = (degrees + mesh).norm() / size, t = degrees.norm() / size,
+               h = alike * mesh.norm() / size;
+  return ForceError{error, std::max(0.0, error - 0.45 * h - 0.3 * t - 0.0007),
+                    error + 0.4 * h + 0.5 * t + 0.0007};
 }
 
 // Where s(x) = x: each coefficient of degree 3 and above is a Taylor shift.

@@ -13,7 +13,10 @@
 // series holds; where dE saturates, by the 10 to 50 % of the linear body alone.
 
 #include <array>
+#include <functional>
 #include <limits>
+#include <memory>
+#include <mutex>
 #include <optional>
 #include <string>
 
@@ -21,15 +24,21 @@
 
 namespace forefeel {
 
+struct Body;
+
 struct RestJet {
   Mat3 stiffness = Mat3::Zero();  // K [N/m]
   EnergyJet jet;                  // of order 4
 };
 
-// A second fine body, of larger elements: what refinement still changes.
-struct SecondFine {
-  RestJet rest;
-  double ratio = 2;  // of the edges, this body's over the fine body's, (N_fine / N)^(1/3)
+// What an error of the fine body is measured by: a finer body, for what refinement still changes, and a body of
+// quadratic elements that is small enough to be solved, for the degrees that dE leaves out.
+struct Refinement {
+  RestJet finer;
+  double ratio =
+      2;  // r of the edges, the fine body's over the finer one's, (N / N_fine)^(1/3); below 1: larger elements
+  std::shared_ptr<const Body> solved;  // without a fine body
+  RestJet of_solved;
 };
 
 // Relative error of a force, and an interval that holds it.
@@ -40,29 +49,37 @@ struct ForceError {
 class FineJet {
  public:
   static constexpr double trusted_share = 0.8;  // of rho, to which s(x) = x
-  // fine_body: what the fine body is, in words and hashes; part of the identity of what is answered.
-  FineJet(const RestJet& fine, const RestJet& coarse, std::string fine_body,
-          const std::optional<SecondFine>& second = {});
+  using Refine = std::function<std::optional<Refinement>()>;
+  // fine_body: what the fine body is, in words and hashes; part of the identity of what is answered. refine: called at
+  // most once, by the first who asks for an error; must not throw.
+  FineJet(const RestJet& fine, const RestJet& coarse, std::string fine_body, Refine refine = {});
 
   JetTerms at(const Vec3& x) const;  // dE(s(x)), gradient and Hessian
   // Adds the Taylor coefficients of dE(s(x + d)) in d to a state's jet, those that its order has.
   void add_to(EnergyJet& jet, const Vec3& x) const;
-  // Error of the force f at x that is left with the fine body, by Richardson extrapolation from the second one: with
-  // c = |df/dlevel| / |f|, the change of the force between the two, errors that fall as h^p leave c / (r^p - 1).
-  // error: p = 2.7; low: p = 4.5, faster than smooth solutions converge; high: p = 1.8, as beside a rim, and half of
-  // what the last degree of dE adds. The exponents were fitted to two phantoms with fine bodies of 900 and 1,800
-  // elements (tests/bench/interval_of_truth.py). nullopt without a second fine body, at rest, and beyond 0.8 rho, where
-  // the argument saturates and nothing is claimed.
-  std::optional<ForceError> error_left(const Vec3& x, const Vec3& force) const;
+  // The body whose force at x error_left() wants; null without one. Any thread may ask; the first waits for it.
+  std::shared_ptr<const Body> solved() const;
+  // Error of the force f at x that is left with the fine body, f_q the force of solved() at x. With gradients at x,
+  //   e = t + h,  t = f + grad(J_f - J_q) - f_q,  h = -grad(J_f - J_finer) / (1 - r^-3.7)      [N]
+  // t: what the degrees beyond 5 of the difference of quadratic and linear elements would change; h: what refinement
+  // would, if errors fall as edges^3.7. error: |e| / |f|. low and high: |e| less 0.45 g |h| + 0.3 |t|, and more by
+  // 0.4 g |h| + 0.5 |t|, and 0.0007 |f| each; g = (2 / r)^1.75, as a mesh that is hardly finer has much the same
+  // errors. The numbers were fitted to five bodies (tests/bench/interval_of_truth.py). nullopt without a refinement, at
+  // rest, and beyond 0.8 rho, where the argument saturates and nothing is claimed.
+  std::optional<ForceError> error_left(const Vec3& x, const Vec3& force, const Vec3& solved_force) const;
   double radius() const { return radius_; }                        // rho [m]
   const Mat3& stiffness() const { return difference_.stiffness; }  // K_f - K_c
   const std::string& fine_body() const { return fine_body_; }
 
  private:
   void add_shifted(EnergyJet& jet, const Vec3& x) const;
+  const std::optional<Refinement>& refinement() const;
 
+  RestJet fine_;
   RestJet difference_;
-  std::optional<SecondFine> change_;  // J_f minus the second fine body's
+  Refine refine_;
+  mutable std::once_flag refined_;
+  mutable std::optional<Refinement> refinement_;
   double radius_ = std::numeric_limits<double>::infinity();
   std::string fine_body_;
 };

@@ -47,13 +47,15 @@ void by_rest(Solver& solver, Solver& finer, std::span<const Vec3> positions, con
   for (const Vec3& x : positions) take(found, relative(at_rest.stiffness * x, better.stiffness * x));
 }
 
-void by_fine_jet(Solver& solver, std::span<const Vec3> positions, const MeshErrorOptions& options,
-                 MeshError& found) {
+void by_fine_jet(Solver& solver, Solver& quadratic, std::span<const Vec3> positions,
+                 const MeshErrorOptions& options, MeshError& found) {
   for (const Vec3& x : positions) {
     if (options.stop.stop_requested()) return;
     const State state = solved(solver, x, options);
     if (!state.usable()) continue;
-    const std::optional<ForceError> left = solver.body().fine->error_left(x, state.force);
+    const State other = solved(quadratic, x, options);
+    if (!other.usable()) continue;
+    const std::optional<ForceError> left = solver.body().fine->error_left(x, state.force, other.force);
     if (!left) continue;
     if (!(left->error <= found.error))
       found.error = left->error, found.low = left->low, found.high = left->high;
@@ -64,12 +66,16 @@ void by_fine_jet(Solver& solver, std::span<const Vec3> positions, const MeshErro
 MeshError fine_mesh_error(const std::shared_ptr<const Body>& body, std::span<const Vec3> positions,
                           const MeshErrorOptions& options) {
   MeshError found{.method = MeshErrorMethod::fine, .finer = "two fine bodies"};
-  Solver solver(body);
-  by_fine_jet(solver, positions, options, found);
+  const std::shared_ptr<const Body> quadratic = body->fine->solved();
+  if (quadratic) {
+    Solver solver(body), other(quadratic);
+    by_fine_jet(solver, other, positions, options, found);
+  }
   found.stopped = options.stop.stop_requested();
   if (found.positions > 0 && !found.stopped) return found;
   found = {.finer = found.finer, .stopped = found.stopped};
   found.why = found.stopped ? "it was interrupted"
+              : !quadratic  ? "no finer body than the fine one can be made"
                             : fmt::format("the fine body corrects forces to {:.3g} mm from rest only",
                                           1e3 * FineJet::trusted_share * body->fine->radius());
   return found;
@@ -139,20 +145,22 @@ MeshError mesh_error(const std::shared_ptr<const Body>& body, std::span<const Ve
 
 std::vector<ForceError> mesh_errors(const Body& body, std::span<const State> states, double spacing) {
   const FineJet* const fine = body.fine.get();
-  std::optional<Solver> finer;
-  if (!fine) finer.emplace(finer_body(body));
-  std::vector<ForceError> errors;
-  for (const State& state : states) {
-    errors.push_back({unknown, unknown, unknown});
+  const std::shared_ptr<const Body> other = fine ? fine->solved() : finer_body(body);
+  std::vector<ForceError> errors(states.size(), {unknown, unknown, unknown});
+  if (!other) return errors;
+  Solver solver(other);
+  for (std::size_t i = 0; i < states.size(); ++i) {
+    const State& state = states[i];
     if (!state.usable() || state.at.norm() == 0) continue;
+    if (fine && state.at.norm() > FineJet::trusted_share * fine->radius()) continue;
+    const State better = solver.reference(state.at, spacing).state;
+    if (!better.usable()) continue;
     if (fine) {
-      if (const auto left = fine->error_left(state.at, state.force)) errors.back() = *left;
+      if (const auto left = fine->error_left(state.at, state.force, better.force)) errors[i] = *left;
       continue;
     }
-    const State better = finer->reference(state.at, spacing).state;
-    if (!better.usable()) continue;
     const double error = relative(state.force, better.force);
-    errors.back() = {error, error, unknown};
+    errors[i] = {error, error, unknown};
   }
   return errors;
 }

@@ -11,7 +11,7 @@
 //   to most_for_equilibria nodes   equilibria at x_i, reached straight from rest
 //   to most_nodes                  the stiffness at rest, f = -K x_i: one factorisation of each body
 //   beyond                         not measured
-// A body with a fine jet (fine_jet.hpp) is compared with a second fine body instead: FineJet::error_left() gives e and
+// A body with a fine jet (fine_jet.hpp) is compared with a finer body instead: FineJet::error_left() gives e and
 // an interval at each position nearer than 0.8 rho.
 
 #include <cstdint>

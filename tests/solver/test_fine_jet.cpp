@@ -306,3 +306,30 @@ TEST_CASE("A fine jet takes at least four fifths of a coarse body's error") {
 }
 
 }  // namespace forefeel
+
+TEST_CASE("the error that is left is the change by refinement and the degrees that are missed, as vectors") {
+  RestJet fine, finer, solved;
+  fine.stiffness = 100 * Mat3::Identity(), finer.stiffness = 96 * Mat3::Identity();
+  solved.stiffness = 110 * Mat3::Identity();
+  fine.jet.order = finer.jet.order = solved.jet.order = most_jet_order;
+  RestJet coarse = fine;
+  coarse.stiffness *= 1.5;
+  int made = 0;
+  const FineJet jet(fine, coarse, "", [&]() -> std::optional<Refinement> {
+    ++made;
+    return Refinement{finer, 2, std::make_shared<const Body>(), solved};
+  });
+  CHECK(made == 0);
+  REQUIRE(jet.solved());
+  const Vec3 x(0.01, 0, 0), force = -100 * x;
+  // the solved body answers as its own jet does, but for 0.03 N across: what the degrees miss
+  const auto error = jet.error_left(x, force, -110 * x + Vec3(0, 0.03, 0));
+  CHECK(made == 1);
+  REQUIRE(error);
+  const double mesh = 0.04 / (1 - std::pow(2, -3.7));  // 0.04 N of 1 N, and what further refinement adds
+  CHECK(error->error == Approx(std::hypot(mesh, 0.03)).epsilon(1e-12));
+  CHECK(error->low < error->error);
+  CHECK(error->high > error->error);
+  CHECK_FALSE(jet.error_left(Vec3::Zero(), force, force));
+  CHECK_FALSE(FineJet(fine, coarse, "").solved());
+}
