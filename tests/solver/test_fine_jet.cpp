@@ -305,8 +305,6 @@ TEST_CASE("A fine jet takes at least four fifths of a coarse body's error") {
   check("beam", 300, 0.008);
 }
 
-}  // namespace forefeel
-
 TEST_CASE("the error that is left is the change by refinement and the degrees that are missed, as vectors") {
   RestJet fine, finer, solved;
   fine.stiffness = 100 * Mat3::Identity(), finer.stiffness = 96 * Mat3::Identity();
@@ -333,3 +331,5 @@ TEST_CASE("the error that is left is the change by refinement and the degrees th
   CHECK_FALSE(jet.error_left(Vec3::Zero(), force, force));
   CHECK_FALSE(FineJet(fine, coarse, "").solved());
 }
+
+}  // namespace forefeel
