@@ -16,20 +16,33 @@ constexpr double no_bar = std::numeric_limits<double>::infinity();
 constexpr std::size_t least_states = 8, least_checks = 20, least_of_label = 30, most_samples = 800;
 constexpr double constants[] = {0, 0.1, 0.3, 1, 3};  // b, in median errors
 constexpr std::size_t scored_level = 1;              // of bar_levels: 95 %
-constexpr double least_scale = 0.05;                 // b of judged bars, in scales that 90 % do not exceed
-constexpr double least_trust = 1, most_trust = 16;   // g of judged bars
-constexpr double trust_step = 1.1;
-constexpr double trust_spread = 0.25;  // deviation of log g before the samples are seen
-constexpr double noise_spread = 0.07;  // and of log sigma, about what the process gave
+constexpr double prior_groups = 6;                   // nu: groups that the process's own deviation counts as
+constexpr std::size_t enough_groups = 30;            // from which t is known
 constexpr std::size_t local_samples = 30;
 constexpr double average_samples = 15;
+constexpr double most_apart = 20;      // no judged bar inside is narrower than the widest divided by this
 constexpr BarWidths steeper{2, 3, 4};  // stiffness across the states, in largest stiffnesses along them
-constexpr double few_groups = 4, most_for_few = 1.7;  // bars of n groups are wider by 1 + 4 / n, at most 1.7
-// Of |e| over its root mean square, three normal components: no bar of measured forces has a smaller factor.
-constexpr BarWidths normal{1.443, 1.614, 1.945};
-
 double square(double x) {
   return x * x;
+}
+
+// Quantiles u of |e| over its root mean square, e of three normal components whose variance is known from n degrees of
+// freedom: u^2 has the distribution F(3, n), so u has the density C u^2 (1 + 3 u^2 / n)^(-(n + 3) / 2).
+BarWidths quantiles_of_norm(double n) {
+  constexpr double step = 1e-3, farthest = 100;
+  const double log_c = std::log(2.0) + 1.5 * std::log(3 / n) + std::lgamma(0.5 * (n + 3)) - std::lgamma(1.5) -
+                       std::lgamma(0.5 * n);
+  BarWidths found;
+  double share = 0, u = 0;
+  for (std::size_t level = 0; level < bar_levels.size(); ++level) {
+    for (; share < bar_levels[level] && u < farthest; u += step) {
+      const double middle = u + 0.5 * step;
+      share +=
+          step * std::exp(log_c + 2 * std::log(middle) - 0.5 * (n + 3) * std::log1p(3 * middle * middle / n));
+    }
+    found[level] = u;
+  }
+  return found;
 }
 
 // The ceil((n + 1) p)-th least of n scores; no_bar if there are fewer.
@@ -88,13 +101,6 @@ BarWidths times(BarWidths factors, double scale) {
   return factors;
 }
 
-// No narrower than those of normal errors.
-BarWidths at_least(BarWidths widths, double scale) {
-  for (std::size_t level = 0; level < widths.size(); ++level)
-    widths[level] = std::max(widths[level], normal[level] * scale);
-  return widths;
-}
-
 // Bars of each sample from the scores of the other parts.
 void fill_bars(std::vector<BarSample>& samples, double constant) {
   std::uint32_t parts = 0;
@@ -139,16 +145,6 @@ BarCover cover_of(std::span<const BarSample> samples, Counts counts) {
   return found;
 }
 
-// The scale that 90 % of the samples inside do not exceed, or of all if none is inside.
-double usual_scale(std::span<const BarSample> samples) {
-  std::vector<double> inside, all;
-  for (const BarSample& s : samples) {
-    all.push_back(s.scale);
-    if (!s.seen.outside) inside.push_back(s.scale);
-  }
-  return quantile_of(inside.empty() ? all : inside, 0.9);
-}
-
 PlaceMethod method_of(const OfflineBarOptions& options) {
   return {.model = options.model, .all = options.all, .field = options.field, .judge = options.judge};
 }
@@ -163,6 +159,17 @@ BarSample sample_of(const StateSpace& known, const Vec3& force, const State& hel
           .seen = {.away = coverage.delta},
           .scale = scale_at(known, held.at, force),
           .error = (force - held.force).norm()};
+}
+
+// Sums over samples: of 1, of the share of s^2 in the variance of the comparison, and of that share times y^2.
+struct Misfit {
+  double samples = 0, share = 0, missed = 0;
+  void add(const Misfit& other) { samples += other.samples, share += other.share, missed += other.missed; }
+};
+
+// g, if a sample counts as `each` groups.
+double trust_of(const Misfit& of, double each) {
+  return std::sqrt(std::max(1.0, (prior_groups + each * of.missed) / (prior_groups + each * of.share)));
 }
 
 // Every `stride`-th force left out of one trial.
@@ -210,42 +217,38 @@ void widen(BarWidths& widths, double across) {
 
 // The samples become those of judged bars: their scale is that of a comparison with a measured force.
 OfflineBars::OfflineBars(std::vector<BarSample> samples, double noise, std::size_t groups)
-    : samples_(std::move(samples)) {
+    : samples_(std::move(samples)), local_(groups >= enough_groups) {
   if (samples_.empty()) return;
-  constant_ = least_scale * usual_scale(samples_);
-  const double given = noise;
-  double least = no_bar;
-  for (int step = -3; step <= 3; ++step) {
-    const double log_noise = 0.5 * step * noise_spread, own = given * std::exp(log_noise);
-    for (double trust = least_trust; trust <= most_trust; trust *= trust_step) {
-      double sum = square(std::log(trust) / trust_spread) + square(log_noise / noise_spread);
-      for (const BarSample& s : samples_) {
-        const double variance = square(trust) * (square(s.scale) + square(constant_)) + 3 * own * own;
-        sum += 3 * std::log(variance) + 3 * square(s.error) / variance;
-      }
-      if (sum < least) least = sum, trust_ = trust, noise = own;
-    }
+  std::vector<Misfit> of_part;
+  Misfit every;
+  for (BarSample& s : samples_) {
+    const double own = square(s.scale), seen = own + 3 * square(noise);
+    const double excess = std::max(0.0, s.error - steeper[scored_level] * s.across);
+    misses_.push_back(seen > 0 ? square(excess) / seen : 0);
+    const Misfit one{.samples = 1, .share = seen > 0 ? own / seen : 0};
+    if (of_part.size() <= s.part) of_part.resize(s.part + 1);
+    for (Misfit* sum : {&of_part[s.part], &every})
+      sum->add({one.samples, one.share, one.share * misses_.back()});
+  }
+  const double each = static_cast<double>(groups) / every.samples;  // groups of a sample
+  std::vector<double> trust;
+  std::vector<BarWidths> quantiles;
+  for (const Misfit& part : of_part) {
+    const Misfit others{every.samples - part.samples, every.share - part.share, every.missed - part.missed};
+    trust.push_back(trust_of(others, each));
+    quantiles.push_back(quantiles_of_norm(each * others.samples + 1));
   }
   for (BarSample& s : samples_) {
-    s.scale = std::hypot(trust_ * std::hypot(s.scale, constant_), std::sqrt(3.0) * noise);
-    misses_.push_back(square(s.error / s.scale));
+    s.scale = std::hypot(local(s.at, s.part) * trust[s.part] * s.scale, std::sqrt(3.0) * noise);
+    s.bar = times(quantiles[s.part], s.scale);
+    widen(s.bar, s.across);
   }
-  std::vector<double> factors;
-  for (const BarSample& s : samples_) factors.push_back(local(s.at, s.part));
-  std::vector<BarSample> pooled = samples_;
-  for (std::size_t i = 0; i < pooled.size(); ++i)
-    pooled[i].scale *= factors[i], pooled[i].label = Label::safe;
-  fill_bars(pooled, 0);
-  for (std::size_t i = 0; i < samples_.size(); ++i) {
-    samples_[i].scale *= factors[i];
-    samples_[i].bar = at_least(pooled[i].bar, samples_[i].scale);
-    widen(samples_[i].bar, samples_[i].across);
-  }
-  factors_ = factors_of(pooled, 0, {});
-  trust_ *= std::min(most_for_few, 1 + few_groups / static_cast<double>(std::max<std::size_t>(groups, 1)));
+  trust_ = trust_of(every, each);
+  judged_ = quantiles_of_norm(each * every.samples + 1);
 }
 
 double OfflineBars::local(const Vec3& x, std::optional<std::uint32_t> but) const {
+  if (!local_) return 1;
   std::vector<std::pair<double, double>> near;
   double sum = 0;
   for (std::size_t i = 0; i < samples_.size(); ++i) {
@@ -269,12 +272,11 @@ BarWidths OfflineBars::at(Label label, bool outside, double scale) const {
   return times(factors_[outside][label], scale + constant_);
 }
 
-BarWidths OfflineBars::at(const Vec3& x, bool outside, double scale, double across) const {
+BarWidths OfflineBars::at(const Vec3& x, double scale, double across) const {
   BarWidths widths;
   widths.fill(no_bar);
   if (samples_.empty() || !(scale >= 0)) return widths;
-  const double own = local(x, {}) * trust_ * std::hypot(scale, constant_);
-  widths = at_least(times(factors_[outside][Label::safe], own), own);
+  widths = times(judged_, local(x, {}) * trust_ * scale);
   widen(widths, across);
   return widths;
 }
@@ -299,6 +301,15 @@ OfflineBars measure_bars(std::span<const State> states, const OfflineBarOptions&
   for (const std::vector<BarSample>& part : parts) samples.insert(samples.end(), part.begin(), part.end());
   if (options.judge) return {std::move(samples), options.judge->law.noise, trials.groups};
   return OfflineBars(std::move(samples));
+}
+
+void keep_together(std::span<BarWidths> bars, std::span<const char> inside) {
+  for (std::size_t level = 0; level < bar_levels.size(); ++level) {
+    double widest = 0;
+    for (std::size_t i = 0; i < bars.size(); ++i)
+      if (inside[i] && std::isfinite(bars[i][level])) widest = std::max(widest, bars[i][level]);
+    for (BarWidths& bar : bars) bar[level] = std::max(bar[level], widest / most_apart);
+  }
 }
 
 double judged_scale(const ForceField::Prediction& judged, const Vec3& force) {

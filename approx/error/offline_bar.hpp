@@ -10,18 +10,19 @@
 // least interval score (Gneiting, Raftery 2007, Eq. 43).
 // Measured states (without stiffness), if the model was chosen, are judged by a Gaussian process of them
 // (measured/force_field.hpp), which knows the noise sigma of their forces and how far the force may be from its own:
-// s(x)^2 = deviation(x)^2 + |f~(x) - process|^2. A held-out force f_i is measured, so
-//   y_i = |f~_i - f_i| / sqrt(g^2 (s(x_i)^2 + b^2) + 3 sigma^2),   z_i = y_i / t(x_i)
-//   e_p(x) = max(q_p, c_p) g t(x) sqrt(s(x)^2 + b^2) min(1 + 4 / n, 1.7) + m_p S E
-// q_p: of the z_i, of all labels; c_p: of normal errors, 1.61 at 95 %; g >= 1: the likeliest factor of s, sought with
-// sigma, which may be off by some 7 %; b: 0.05 times the s that 90 % of the positions inside do not exceed; t^2: the
-// mean of y^2 over the 30 held-out positions nearest to x and 15 average ones, over the mean of all. t follows noise
-// and roughness that differ from place to place (positions off by a micrometre where the force is steep).
-// Held-out forces never make a bar narrower than the process's own: they lie on the lines and levels of the states,
-// where the force is known better than between them, and where noise is most of the error they say nothing of g. The
-// bar is that of the force itself, without the noise of a measurement; the bars of samples hold it, because their
-// forces do. n: number of groups; few do not show how far the others may lie. S E: least error across the states; m_p
-// = 2, 3, 4 is a prior: the stiffness across is seldom more than so many times the largest one along them.
+//   s(x)^2 = deviation(x)^2 + |f~(x) - process|^2,   e_p(x) = q_p g t(x) s(x) + m_p S E
+// The held-out forces f_i tell whether s is too small. They are measured, and their errors are alike within a group, so
+//   y_i^2 = (|f~_i - f_i| - m S E)^2 / v_i,   v_i = s(x_i)^2 + 3 sigma^2,   w_i = s(x_i)^2 / v_i
+//   K = n mean(w),   g^2 = max(1, (nu + n mean(w y^2)) / (nu + K))
+// n: number of groups. w: what a comparison tells of s; nothing where noise is most of it. The process's own deviation
+// counts as nu = 6 groups. Its law was found from n groups, so s is known with few degrees of freedom: q_p are the
+// quantiles of sqrt(F(3, n + 1)) (Student's t of three components; at 95 % 1.61 for many groups, 2.57 for three).
+// g >= 1: held-out forces never make a bar narrower than the process's own. They lie on the lines and levels of the
+// states, where the force is known better than between them. From 30 groups on t^2 is the mean of y^2 over the 30
+// held-out positions nearest to x and 15 average ones, over the mean of all: it follows noise and roughness that differ
+// from place to place (positions off by a micrometre where the force is steep). The bar is that of the force itself,
+// without the noise of a measurement; the bars of samples hold it, because their forces do. S E: least error across the
+// states; m_p = 2, 3, 4 is a prior: the stiffness across is seldom more than so many times the largest one along them.
 // If the caller gives check solves (at random places of the box, not used as states), their errors are the scores, and
 //   s(x) = max(|f~(x)|, f0), f0 = 0.05 N,   b = 0,
 //   q_p: the ceil(n p)-th least of all n scores |f~_i - f_i| / max(|f~_i|, f0)
@@ -80,7 +81,7 @@ class OfflineBars {
 
   BarWidths at(Label label, bool outside, double scale) const;  // outside: of the states; scale: s(x) [N]
   // Of measured states: the bar at x, across: least error across the states [N].
-  BarWidths at(const Vec3& x, bool outside, double scale, double across) const;
+  BarWidths at(const Vec3& x, double scale, double across) const;
   double constant() const { return constant_; }  // b [N]
   bool checked() const { return checked_; }      // from check solves
   std::span<const BarSample> samples() const { return samples_; }
@@ -95,7 +96,9 @@ class OfflineBars {
   bool checked_ = false;
   double constant_ = 0;
   double trust_ = 1;                             // g of judged bars
+  BarWidths judged_{};                           // q_p of judged bars
   std::vector<double> misses_;                   // y_i^2 of judged bars
+  bool local_ = false;                           // t is known
   std::array<ByLabel<BarWidths>, 2> factors_{};  // inside and outside
 };
 
@@ -115,6 +118,9 @@ OfflineBars measure_bars(std::span<const State> states, const OfflineBarOptions&
 // The same from check solves; fewer than 20 give no samples.
 OfflineBars checked_bars(const StateSpace& known, std::span<const State> checks,
                          const OfflineBarOptions& options);
+// Judged bars of places that are asked together: none is narrower than a 20th of the widest inside the states. A process
+// may be far surer at its rows than between them, but not that much: its law is a guess. inside: of each bar.
+void keep_together(std::span<BarWidths> bars, std::span<const char> inside);
 // Adds the least error across the states [N] to a bar, times m_p.
 void widen(BarWidths& widths, double across);
 // s(x) [N] of a model with the force f~(x), as judged by the process: its deviation, and how far the model is from it.

@@ -203,6 +203,7 @@ EvaluatedBars bars_of(const StateSpace& space, std::span<const State> states, st
   const OfflineBars& own = measured.checked() ? left_out : measured;
   EvaluatedBars bars;
   std::vector<SeenPlace> unchecked, held;
+  std::vector<char> inside;
   for (const BarSample& s : own.samples()) held.push_back(s.seen);
   for (std::size_t i = 0; i < points.size(); ++i) {
     if (measured.checked() && checked(points[i])) {
@@ -214,11 +215,15 @@ EvaluatedBars bars_of(const StateSpace& space, std::span<const State> states, st
     bars.outside += seen.outside ? 1 : 0;
     if (!judged.at.empty() && options.judge) {
       const double scale = judged_scale(judged.at[i], made.forces[i]);
-      bars.at.push_back(own.at(points[i], seen.outside, scale, judged.at[i].least_error));
+      bars.at.push_back(own.at(points[i], scale, judged.at[i].least_error));
       continue;
     }
     bars.at.push_back(own.at(made.labels[i], seen.outside, scale_at(space, points[i], made.forces[i])));
     if (!judged.at.empty()) widen(bars.at.back(), judged.at[i].least_error);
+  }
+  if (!judged.at.empty() && options.judge && !measured.checked()) {
+    for (const SeenPlace& seen : unchecked) inside.push_back(seen.outside ? 0 : 1);
+    keep_together(bars.at, inside);
   }
   bars.beyond = count_beyond(held, unchecked);
   bars.measured = std::make_shared<const OfflineBars>(std::move(measured));

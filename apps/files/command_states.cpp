@@ -14,6 +14,7 @@
 #include "geometry/common/output_file.hpp"
 #include "geometry/common/scanner.hpp"
 #include "geometry/mesh/length_unit.hpp"
+#include "geometry/states/named_columns.hpp"
 #include "geometry/states/state_file.hpp"
 #include "geometry/states/state_summary.hpp"
 #include "geometry/states/stiffness_agreement.hpp"
@@ -24,7 +25,7 @@ namespace {
 // ---- import ----------------------------------------------------------------------------------------------
 
 struct ImportArguments {
-  std::string input, output, unit = "m";
+  std::string input, output, unit = "m", columns;
   double spacing = 0;
 };
 
@@ -66,7 +67,9 @@ void refuse_solved(const std::string& output) {
 int run_import(const Globals& globals, const ImportArguments& arguments) {
   if (!(arguments.spacing > 0) || !std::isfinite(arguments.spacing))
     throw InputError("--spacing", fmt::format("{} m, expected a positive number", arguments.spacing));
-  std::vector<State> states = read_states_csv(arguments.input);
+  std::vector<State> states = arguments.columns.empty()
+                                  ? read_states_csv(arguments.input)
+                                  : read_states_csv(arguments.input, named_columns(arguments.columns));
   if (const double metres = unit_of(arguments.unit).value_or(1); metres != 1) take_in(states, metres);
   check_appendable(arguments.output, {arguments.input});
   refuse_solved(arguments.output);
@@ -148,6 +151,10 @@ void add_import(CommandLine& line) {
   sub.option("--spacing", arguments->spacing, "Spacing h that counts as fully populated [m]")
       .required()
       .shows("H");
+  sub.option("--columns", arguments->columns,
+             "Names of the columns of x, y, z, fx, fy and fz, where the file has others; a - before a name "
+             "turns the sign. The force is that of the body on the tip")
+      .shows("X,Y,Z,FX,FY,FZ");
   sub.option("--unit", arguments->unit,
              "Unit of the file's lengths: x, y, z and h are in it, k11 to k33 in N per unit. Default: m")
       .one_of({"m", "cm", "mm", "um"});

@@ -30,6 +30,7 @@
 #include "apps/scene/given_states.hpp"
 #include "apps/scene/scene_contact.hpp"
 #include "apps/scene/scene_mesh_error.hpp"
+#include "apps/session/away_from_states.hpp"
 #include "apps/session/report.hpp"
 #include "apps/session/session_arguments.hpp"
 #include "apps/session/session_folder.hpp"
@@ -277,6 +278,7 @@ int run_session_command(const Globals& globals, const SessionArguments& given,
   files.attempt("the shapes", [&] { shapes.finish_files(run); });
   RunDocuments documents{globals, given, scene, result, view, summarise(result, plan)};
   documents.summary.motion.prediction = predictions.report();
+  documents.summary.motion.away = away_from_states(result, plan);
   const MeshError by_mesh =
       plan.input.foreign ? MeshError{.why = "the states are of another body"} : mesh.get();
   documents.summary.error.mesh = {by_mesh.error, by_mesh.positions, measured_by(by_mesh), by_mesh.low,

@@ -5,6 +5,7 @@
 #include <cmath>
 #include <iterator>
 #include <map>
+#include <set>
 
 #include "geometry/common/csv_columns.hpp"
 #include "geometry/common/csv_rows.hpp"
@@ -12,11 +13,13 @@
 #include "geometry/common/output_file.hpp"
 #include "geometry/common/scanner.hpp"
 #include "geometry/states/jet_columns.hpp"
+#include "geometry/states/named_columns.hpp"
 #include "geometry/states/state_file.hpp"
 
 namespace forefeel {
 namespace {
 
+constexpr std::array<const char*, 6> required_columns{"x", "y", "z", "fx", "fy", "fz"};
 constexpr std::array<const char*, 9> stiffness_columns{"k11", "k12", "k13", "k21", "k22",
                                                        "k23", "k31", "k32", "k33"};
 
@@ -40,6 +43,26 @@ class NamedRows {
     }
     read_header(required);
   }
+  // Only these columns, by the names of required_columns.
+  NamedRows(const std::filesystem::path& file, const NamedColumns& given)
+      : content_(read_text_file(file)), rows_(content_, file.string()) {
+    if (!rows_.next()) throw InputError({.file = rows_.name()}, "holds no header line, expected one");
+    check_separator();
+    const auto cells = rows_.cells();
+    width_ = cells.size();
+    for (std::size_t k = 0; k < given.size(); ++k) {
+      const bool turned = given[k].starts_with('-');
+      const std::string_view name = std::string_view(given[k]).substr(turned ? 1 : 0);
+      const auto called = [&](std::string_view cell) { return trimmed(cell) == name; };
+      const auto found = std::ranges::find_if(cells, called);
+      if (found == cells.end())
+        fail(fmt::format("no column {:.40} of --columns, the header has {:.300}", name,
+                         fmt::join(cells, ",")));
+      if (std::ranges::count_if(cells, called) > 1) fail(fmt::format("column {:.40} is there twice", name));
+      columns_[required_columns[k]] = static_cast<std::size_t>(found - cells.begin());
+      if (turned) turned_.insert(required_columns[k]);
+    }
+  }
 
   bool next() {
     if (!rows_.next()) return false;
@@ -56,7 +79,7 @@ class NamedRows {
     if (!parse_real(text(column), value))
       fail(fmt::format("column {}: '{:.40}' is not a number", column, text(column)));
     if (!std::isfinite(value)) fail(fmt::format("column {}: '{:.40}' is not finite", column, text(column)));
-    return value;
+    return turned_.contains(column) ? -value : value;
   }
   // Empty or nan: unknown.
   double optional(const std::string& column) const {
@@ -76,22 +99,29 @@ class NamedRows {
   const std::string& name() const { return rows_.name(); }
 
  private:
-  void read_header(std::span<const char* const> required) {
+  void check_separator() const {
     const auto cells = rows_.cells();
     if (cells.size() == 1 && cells[0].find_first_of(";\t") != std::string_view::npos)
       fail("columns are not separated by commas, expected a comma-separated file");
+  }
+
+  void read_header(std::span<const char* const> required) {
+    check_separator();
+    const auto cells = rows_.cells();
     width_ = cells.size();
     for (std::size_t i = 0; i < width_; ++i)
       if (!columns_.emplace(std::string(cells[i]), i).second && !cells[i].empty())
         fail(fmt::format("column {:.40} is there twice", cells[i]));
     for (const char* column : required)
       if (!columns_.contains(column))
-        fail(fmt::format("no column {}, expected a header line with {}", column, fmt::join(required, ",")));
+        fail(fmt::format("no column {}, expected a header line with {}{}", column, fmt::join(required, ","),
+                         required.size() == 6 ? " (import --columns takes other names)" : ""));
   }
 
   std::string content_;
   CsvRows rows_;
   std::map<std::string, std::size_t> columns_;
+  std::set<std::string> turned_;  // columns of the other sign
   std::size_t width_ = 0;
 };
 
@@ -130,6 +160,14 @@ SolveStatus read_status(NamedRows& in) {
   if (word == "1" || word == "true") return SolveStatus::converged;
   if (word == "0" || word == "false") return SolveStatus::diverged;
   in.fail(fmt::format("converged '{:.40}', expected 1, 0, true or false", word));
+}
+
+// Squares must not overflow.
+void check_size(const NamedRows& in, const State& state) {
+  if (std::max(state.at.cwiseAbs().maxCoeff(), state.force.cwiseAbs().maxCoeff()) > largest_number ||
+      (state.has_stiffness() && state.stiffness.cwiseAbs().maxCoeff() > largest_number))
+    in.fail(fmt::format("a position, force or stiffness is above {:g} in size, expected SI units",
+                        largest_number));
 }
 
 // Writes text in pieces: a million states as one text would take a gigabyte.
@@ -200,8 +238,7 @@ const CsvColumns<State>& state_columns() {
 }  // namespace
 
 std::vector<State> read_states_csv(const std::filesystem::path& file) {
-  constexpr std::array<const char*, 6> required{"x", "y", "z", "fx", "fy", "fz"};
-  NamedRows in(file, required, false);
+  NamedRows in(file, required_columns, false);
   const auto given =
       std::ranges::count_if(stiffness_columns, [&](const char* column) { return in.has(column); });
   if (given != 0 && given != 9)
@@ -220,11 +257,7 @@ std::vector<State> read_states_csv(const std::filesystem::path& file) {
     else
       state.force = {in.optional("fx"), in.optional("fy"), in.optional("fz")};
     if (given == 9) state.stiffness = read_stiffness(in);
-    // Squares must not overflow.
-    if (std::max(state.at.cwiseAbs().maxCoeff(), state.force.cwiseAbs().maxCoeff()) > largest_number ||
-        (given == 9 && state.has_stiffness() && state.stiffness.cwiseAbs().maxCoeff() > largest_number))
-      in.fail(fmt::format("a position, force or stiffness is above {:g} in size, expected SI units",
-                          largest_number));
+    check_size(in, state);
     if (in.has("h")) {
       state.spacing = in.optional("h");
       if (state.spacing <= 0)
@@ -232,6 +265,40 @@ std::vector<State> read_states_csv(const std::filesystem::path& file) {
     }
     if (in.has("energy")) state.energy = in.optional("energy");
     if (jets) state.jet = read_jet(in);
+    states.push_back(std::move(state));
+  }
+  if (states.empty())
+    throw InputError({.file = in.name()}, "holds no states, expected rows after the header line");
+  return states;
+}
+
+NamedColumns named_columns(std::string_view text) {
+  NamedColumns names;
+  std::set<std::string_view> seen;
+  std::size_t count = 0;
+  for (bool more = true; more; ++count) {
+    const std::size_t end = text.find(',');
+    const std::string_view name = trimmed(text.substr(0, end));
+    if (count < names.size()) names[count] = name;
+    seen.insert(name.substr(name.starts_with('-') ? 1 : 0));
+    more = end != std::string_view::npos;
+    if (more) text.remove_prefix(end + 1);
+  }
+  if (count != names.size() || seen.size() != names.size() || seen.contains(""))
+    throw InputError("--columns", fmt::format("names {} columns, expected six different ones, of "
+                                              "x, y, z, fx, fy and fz",
+                                              seen.size() - seen.count("")));
+  return names;
+}
+
+std::vector<State> read_states_csv(const std::filesystem::path& file, const NamedColumns& columns) {
+  NamedRows in(file, columns);
+  std::vector<State> states;
+  while (in.next()) {
+    State state;
+    state.at = in.vector("x", "y", "z");
+    state.force = in.vector("fx", "fy", "fz");
+    check_size(in, state);
     states.push_back(std::move(state));
   }
   if (states.empty())

@@ -20,6 +20,18 @@ std::string pressed_in(const SessionSummary::Motion& motion) {
       motion.start_reference, motion.start_rendered, end);
 }
 
+// "4.2 mm (median; 11 mm at most)"
+std::string far_from_states(const SessionSummary::AwayFromStates& away) {
+  std::string line =
+      fmt::format("the hand was {:.2g} mm (median; {:.2g} mm at most) from the nearest known place",
+                  1e3 * away.median, 1e3 * away.farthest);
+  if (!std::isfinite(away.bar)) return line + "; too few states for an error bar";
+  line += fmt::format("; the states tell the force there within {:.2g} N (95 %)", away.bar);
+  if (away.bar_at_states > 0)
+    line += fmt::format(", {:.3g} times the error bar at known places", away.bar / away.bar_at_states);
+  return line;
+}
+
 std::string clamped(const SessionSummary::Safety& safety) {
   const std::string limit =
       std::isfinite(safety.force_limit) ? fmt::format(" of {:.3g} N", safety.force_limit) : std::string();
@@ -114,6 +126,7 @@ std::vector<std::string> attention(const SessionSummary& summary) {
   std::vector<std::string> lines;
   const std::optional<StabilityReport>& stability = summary.energy.stability;
   if (stability && !stability->stable) lines.push_back(unstable(*stability, safety));
+  if (std::isfinite(motion.away.median)) lines.push_back(far_from_states(motion.away));
   const SessionSummary::Error& error = summary.error;
   if (error.mesh.above(error.samples.p95)) lines.push_back(coarse(error.mesh, error.samples.p95));
   if (safety.clamped_share > clamped_too_often) lines.push_back(clamped(safety));

@@ -117,12 +117,19 @@ struct SessionSummary {
     // The limit behind `clamped`: the lower one of options and device [N]. Known only if the plan is given.
     double force_limit = unknown;
   };
+  // Of a session whose states are of another body: how far the hand was from them, and the median 95 % error bars of
+  // the force that they tell there and at the states themselves. The caller measures it.
+  struct AwayFromStates {
+    double median = unknown, farthest = unknown;    // [m]
+    double bar = unknown, bar_at_states = unknown;  // [N]
+  };
   // The motion. start_…: force of a tight solve at the first frame, force rendered there, and time of the first sample
   // whose error is below the just noticeable difference [s] (unknown: there is none).
   struct Motion {
     double outside = 0;  // share of the frames outside the box of states
     double start_reference = unknown, start_rendered = unknown, start_within_jnd = unknown;
     bool starts_wrong = false;  // the first frame's error is above the JND, at a reference above error_floor
+    AwayFromStates away = {};
     // Error of each registered predictor on this motion, if the caller measured it (PredictorScores).
     std::vector<PredictorErrors> prediction = {};
   };

@@ -259,6 +259,13 @@ std::vector<Column> later_columns(const SessionSummary& summary) {
       .number("rendered", summary.motion.start_rendered, "N", "|force| rendered in the first frame")
       .number("within_jnd_at", summary.motion.start_within_jnd, "s",
               "time of the first sample within the just noticeable difference");
+  const SessionSummary::AwayFromStates& away = summary.motion.away;
+  Group(columns, "away_from_states")
+      .number("p50", away.median, "m",
+              "median distance of the tip from the nearest state; of states of another body")
+      .number("max", away.farthest, "m", "largest distance")
+      .number("error_bar", away.bar, "N", "median 95 % error bar of the force that the states tell there")
+      .number("error_bar_at_states", away.bar_at_states, "N", "that at the states themselves");
   add_stability(columns, summary);
   add_error_bars(columns, summary.error.bars);
   add_trust(columns, summary.error);

@@ -4,6 +4,7 @@
 #include <fmt/format.h>
 
 #include <catch2/catch.hpp>
+#include <cmath>
 #include <fstream>
 #include <sstream>
 
@@ -177,4 +178,52 @@ TEST_CASE("a foreign session renders the given states alone: nothing is solved, 
   check_refused(shop, session + "--states other.csv --foreign --arrivals arrivals.csv -o run",
                 {"foreign", "mixed"});
   check_refused(shop, session + "--foreign -o run", {"--foreign", "--states"});
+}
+
+// A new user's stroke: f = -100 x along 2 cm, asked along it and 5 mm beside it.
+TEST_CASE("the report of a session on a measured stroke begins with the distance of the hand and its cost",
+          "[states]") {
+  const Workshop shop;
+  shop.write("beam.toml", beam_scene());
+  std::string rows = "pos_x,pos_y,pos_z,force_x,force_y,force_z\n", on = "t,x,y,z\n", beside = on;
+  for (int i = 0; i < 200; ++i) {
+    const double x = -10 + 20 * i / 199.0;  // [mm]
+    const double noise = 0.01 * std::sin(7.7 * i * i);
+    rows += fmt::format("{},0,0,{},{},0\n", x, -0.1 * x + noise, 0.01 * std::cos(3.1 * i * i));
+  }
+  for (int i = 0; i <= 10; ++i) {
+    on += fmt::format("{},{},0,0\n", 0.1 * i, -0.008 + 0.0016 * i);
+    beside += fmt::format("{},{},0.005,0\n", 0.1 * i, -0.008 + 0.0016 * i);
+  }
+  shop.write("stroke.csv", rows);
+  shop.write("on.csv", on);
+  shop.write("beside.csv", beside);
+  REQUIRE(shop.forefeel("import stroke.csv -o stroke.states --unit mm --spacing 0.002 --quiet "
+                        "--columns pos_x,pos_y,pos_z,force_x,force_y,force_z")
+              .code == 0);
+  CHECK(shop.forefeel("classify stroke.states -o map.svg --quiet").code == 0);
+  const auto away = [&](const std::string& motion) {
+    const json summary = run(shop,
+                             "session beam.toml --seconds 1 --quiet --clock virtual --states stroke.states "
+                             "--foreign --device trace:" +
+                                 motion + ".csv -o run-" + motion);
+    CHECK_THAT(summary["attention"][0].get<std::string>(),
+               Catch::StartsWith("the hand was ") && Catch::Contains("from the nearest known place") &&
+                   Catch::Contains("the states tell the force there within") &&
+                   Catch::Contains("times the error bar at known places"));
+    const std::string page = shop.shell("cat run-" + motion + "/report.html").out;
+    CHECK(page.find("the hand was ") < page.find("class=\"tiles\""));
+    return summary["away_from_states"];
+  };
+  const json along = away("on"), off = away("beside");
+  CHECK(along["max"].get<double>() < 1e-4);
+  CHECK(along["error_bar"].get<double>() < 0.05);
+  CHECK(off["p50"].get<double>() == Approx(0.005).epsilon(0.02));
+  CHECK(off["max"].get<double>() < 0.0052);
+  // Across the stroke the force is not known: at least its largest stiffness along it, times the distance.
+  CHECK(off["error_bar"].get<double>() > 0.5);
+  CHECK(off["error_bar"].get<double>() > 20 * off["error_bar_at_states"].get<double>());
+  const json known = run(shop, session + "-o solved");
+  CHECK(known["away_from_states"]["p50"].is_null());
+  CHECK_THAT(known["attention"].dump(), !Catch::Contains("the hand was"));
 }

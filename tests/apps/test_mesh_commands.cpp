@@ -159,6 +159,29 @@ TEST_CASE("states go in and out unchanged", "[states]") {
   CHECK(shop.forefeel("export a.csv -o b.vtu --json").json()["written"] == 2);
 }
 
+TEST_CASE("a recording with names of its own is imported with --columns", "[states]") {
+  const Workshop shop;
+  shop.write("robot.csv",
+             "time,current_pos_x,current_pos_y, current_pos_z,force_x,force_y,force_z,status,time\n"
+             "0,10,-20,0.5,1,2,-3,moving,0\n0.1,12,-20,0.5,1.5,2,-3,moving,0.1\n");
+  const std::string begin = "import robot.csv -o robot.states --spacing 0.002 --unit mm ";
+  const std::string position = "current_pos_x,current_pos_y,current_pos_z";
+  CHECK(shop.forefeel(begin + "--columns " + position + ",force_x,-force_y,force_z --quiet").code == 0);
+  CHECK(shop.forefeel("export robot.states -o robot-si.csv --quiet").code == 0);
+  CHECK(shop.shell("cat robot-si.csv").out ==
+        "x,y,z,fx,fy,fz\n0.01,-0.02,0.0005,1,-2,-3\n0.012,-0.02,0.0005,1.5,-2,-3\n");
+  check_refused(shop, begin, {"robot.csv:1"});
+  check_refused(shop, begin + "--columns " + position, {"--columns", "names 3 columns", "six"});
+  check_refused(shop, begin + "--columns " + position + ",force_x,force_x,force_z",
+                {"--columns", "six different"});
+  check_refused(shop, begin + "--columns " + position + ",force_x,force_y,torque",
+                {"robot.csv:1", "no column torque", "force_z"});
+  check_refused(shop, begin + "--columns time," + position.substr(14) + ",force_x,force_y,force_z",
+                {"column time is there twice"});
+  check_refused(shop, begin + "--columns status," + position.substr(14) + ",force_x,force_y,force_z",
+                {"robot.csv:2", "'moving' is not a number"});
+}
+
 TEST_CASE("import, export and info refuse what they cannot use", "[states]") {
   const Workshop shop;
   shop.write("good.csv", "x,y,z,fx,fy,fz\n0,0,0,0,0,0\n");

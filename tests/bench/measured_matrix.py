@@ -211,6 +211,15 @@ def bars_of(found):
     return np.array([np.inf if b is None else b for b in found.get("bar95", [])], dtype=float)
 
 
+def within(at, points):
+    """Of each point, whether the hull of the rows holds it; all, if the rows span no volume."""
+    from scipy.spatial import Delaunay, QhullError
+    try:
+        return Delaunay(at).find_simplex(points) >= 0
+    except QhullError:
+        return np.full(len(points), True)
+
+
 def p95(errors):
     return float(np.quantile(errors, 0.95))
 
@@ -243,10 +252,11 @@ def judge(program, cell, seed, points, process=True, with_peers=True, keep=""):
         made, bars = np.r_[made, np.array(asked["forces"])], np.r_[bars, bars_of(asked)]
     ours = np.linalg.norm(made[:n] - truth, axis=1)
     off = np.linalg.norm(made[n:] - truth_beside, axis=1)
+    among = bars[:n][within(at, inside)] if len(beside) == 0 and within(at, inside).any() else bars[:n]
     floor = 1e-9 * np.sqrt(np.mean(np.sum(truth**2, axis=1)))
     out = {"cell": cell, "p95": p95(ours), "expected": found["expected_error"]["p95"] if found["expected_error"] else None,
            "held": np.mean(ours <= bars[:n]), "width": float(np.median(bars[:n])) / max(p95(ours), floor),
-           "spread": float(np.max(bars[:n]) / max(np.min(bars[:n]), 1e-300)), "seconds": found["seconds"],
+           "spread": float(np.max(among) / max(np.min(among), 1e-300)), "seconds": found["seconds"],
            "beside": np.mean(off <= bars[n:]) if len(off) else np.nan, "off": p95(off) if len(off) else np.nan,
            "chosen": found["chosen"]}
     if with_peers:

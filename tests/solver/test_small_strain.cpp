@@ -1,12 +1,18 @@
 // Young's modulus and Poisson's ratio mean the same in every law: on ten bodies of a seed the stiffness at rest is that
 // of the linear law, and at a small strain the force.
+#include <fmt/format.h>
+
 #include <Eigen/Geometry>
 #include <catch2/catch.hpp>
 #include <random>
+#include <span>
 
 #include "block_body.hpp"
+#include "geometry/common/error.hpp"
+#include "geometry/states/state_file.hpp"
 #include "solver/body/body_digest.hpp"
 #include "solver/body/law.hpp"
+#include "tests/support/temporary_folder.hpp"
 
 using namespace forefeel;
 
@@ -79,4 +85,31 @@ TEST_CASE("the form of Mooney-Rivlin is part of a body's identity, and of no oth
   CHECK(identity_of(*body).contains("form of the law"));
   body->material.law = Law::linear;
   CHECK_FALSE(identity_of(*body).contains("form of the law"));
+}
+
+// A file of before has no word of the form in its identity, or that of another form.
+TEST_CASE("states of the older form of Mooney-Rivlin are refused, with that word") {
+  const test::TemporaryFolder folder;
+  const BodyIdentity now = identity_of(*block_body(Law::mooney_rivlin));
+  BodyIdentity older = now, other = now;
+  older.erase("form of the law");
+  other["form of the law"] = "mooney-rivlin: lambda + 4 c2 at rest";
+  const auto of = [](const BodyIdentity& identity) {
+    return StateFileHeader{.identity = identity, .spacing = 0.004, .box = {}, .notes = {}};
+  };
+  State state;
+  state.solve.status = SolveStatus::converged;
+  int n = 0;
+  for (const BodyIdentity& of_file : {older, other}) {
+    const auto file = folder.path() / fmt::format("{}.states", n++);
+    StateFile::open_or_create(file, of(of_file)).append(std::span(&state, 1));
+    try {
+      StateFile::open_or_create(file, of(now));
+      FAIL("the file was taken");
+    } catch (const InputError& error) {
+      CHECK_THAT(error.what(), Catch::Contains("form of the law") && Catch::Contains("exact mu and lambda"));
+      CHECK_THAT(error.what(), !Catch::Contains("material (") && !Catch::Contains("mesh ("));
+    }
+  }
+  CHECK(StateFile::open_or_create(folder.path() / "0.states", of(older)).size() == 1);
 }

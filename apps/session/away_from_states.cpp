@@ -1,0 +1,71 @@
+#include "apps/session/away_from_states.hpp"
+
+#include <algorithm>
+#include <cmath>
+#include <span>
+#include <vector>
+
+#include "approx/methods/evaluate.hpp"
+#include "geometry/common/error.hpp"
+#include "geometry/common/quantiles.hpp"
+#include "geometry/coverage/state_space.hpp"
+#include "scheduling/common/session_result.hpp"
+#include "scheduling/session/session_plan.hpp"
+
+namespace forefeel {
+namespace {
+
+constexpr std::size_t most_bars = 100;      // places at which bars are made, each
+constexpr std::size_t most_known = 20'000;  // states; with more the choice of a model takes minutes
+constexpr std::size_t level = 1;            // of bar_levels: 95 %
+
+// Every so many of n, at most `most_bars` of them.
+std::vector<std::size_t> evenly(std::size_t n) {
+  const std::size_t count = std::min(n, most_bars);
+  std::vector<std::size_t> picked;
+  for (std::size_t k = 0; k < count; ++k) picked.push_back(k * n / count);
+  return picked;
+}
+
+double median_bar(std::span<const State> states, std::span<const Vec3> at) {
+  const Evaluation found = evaluate(states, at, {.bars = true});
+  if (!found.bars) return unknown;
+  std::vector<double> widths;
+  for (const auto& bar : found.bars->at) widths.push_back(bar[level]);
+  const double width = median(std::move(widths));
+  return std::isfinite(width) ? width : unknown;
+}
+
+}  // namespace
+
+SessionSummary::AwayFromStates away_from_states(const SessionResult& result, const SessionPlan& plan) {
+  SessionSummary::AwayFromStates away;
+  StateSpace space(plan.input.touched.space);
+  std::vector<State> states;
+  for (const State& state : plan.input.known) {
+    if (!state.usable()) continue;
+    space.insert(state);
+    states.push_back(state);
+  }
+  if (!plan.input.foreign || states.empty() || result.frames.empty()) return away;
+  std::vector<double> distances;
+  std::vector<StateId> nearest;
+  for (const FrameRecord& frame : result.frames) {
+    space.nearest(frame.at, 1, nearest);
+    distances.push_back((space[nearest.front()].at - frame.at).norm());
+  }
+  away.farthest = *std::ranges::max_element(distances);
+  away.median = median(std::move(distances));
+  if (states.size() > most_known) return away;
+  std::vector<Vec3> hand, known;
+  for (const std::size_t i : evenly(result.frames.size())) hand.push_back(result.frames[i].at);
+  for (const std::size_t i : evenly(states.size())) known.push_back(states[i].at);
+  try {
+    away.bar = median_bar(states, hand);
+    away.bar_at_states = median_bar(states, known);
+  } catch (const InputError&) {  // states that no model takes
+  }
+  return away;
+}
+
+}  // namespace forefeel

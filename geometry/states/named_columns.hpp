@@ -1,0 +1,25 @@
+#pragma once
+// States from a table whose columns have other names, such as the recording of a robot.
+
+#include <array>
+#include <filesystem>
+#include <string>
+#include <string_view>
+#include <vector>
+
+#include "geometry/states/state.hpp"
+
+namespace forefeel {
+
+// Columns of a file that hold x, y, z [m] and fx, fy, fz [N], in this order. A '-' before a name turns the sign, as for
+// forces of the tip on the body.
+using NamedColumns = std::array<std::string, 6>;
+
+// "current_x,current_y,current_z,-force_x,-force_y,-force_z"; InputError("--columns", …) unless there are six different
+// names.
+NamedColumns named_columns(std::string_view text);
+
+// Measured states of these columns; the others are ignored. InputError names file and line.
+std::vector<State> read_states_csv(const std::filesystem::path& file, const NamedColumns& columns);
+
+}  // namespace forefeel
