@@ -16,6 +16,7 @@ DeclaredTable forces_output();      // evaluate -o
 DeclaredTable classify_output();    // classify --json
 DeclaredTable coverage_output();    // classify -o with positions
 DeclaredTable left_out_output();    // classify --bars -o NAME.vtu
+DeclaredTable info_scene_output();  // info SCENE --json
 DeclaredTable summary_output();     // summary.json of a session
 
 }  // namespace forefeel
