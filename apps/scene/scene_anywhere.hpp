@@ -15,8 +15,8 @@ namespace forefeel {
 Scene load_scene_with_sites(const std::filesystem::path& file, std::span<const std::string> overrides,
                             const SceneUse& use);
 bool is_anywhere(const Scene& scene);
-// contact.friction, contact.site_spacing and state_space.depth; nullopt without contact.anywhere, and InputError for one
-// of these keys then.
+// contact.friction, contact.site_spacing and state_space.depth; nullopt without contact.anywhere, and InputError for
+// one of these keys then.
 std::optional<AnywhereKeys> read_anywhere(const SceneTable& contact, const SceneTable& state_space);
 // For the identity of a body: a pad without its site.
 std::string anywhere_in_words(const Pad& pad);
