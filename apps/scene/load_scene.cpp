@@ -223,9 +223,10 @@ Scene make_scene(const SceneDocument& document, const fs::path& file, const Scen
   Scene scene;
   scene.touch.anywhere = read_anywhere(sections.contact, space);
   if (scene.touch.anywhere && !sites)
-    throw InputError(
-        sections.contact.where("anywhere"),
-        "is for solve --site, expected nearest = [x, y, z], a place for the pad, with this command");
+    throw InputError(sections.contact.where("anywhere"),
+                     "is for solve --site, generate, evaluate, info and show, expected nearest = [x, y, z], "
+                     "a place for the "
+                     "pad, with this command");
   scene.source.file = file;
   scene.model = read_model(model);
   if (model.has("select") && session.has("select"))

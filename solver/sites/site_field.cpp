@@ -175,6 +175,14 @@ void SiteField::make_jets(const std::function<void(double)>& progress, const std
   sites_ = std::move(kept);
 }
 
+EnergyJet SiteField::jet_of(const FieldSite& site) const {
+  const double c = scale_of(site.stiffness, options_.theta);
+  const JetCoefficients e = c * c * substituted(site.own, root_of(site.stiffness, options_.theta));
+  EnergyJet jet{.order = most_jet_order};
+  for (std::size_t i = 0; i < jet_size; ++i) jet.coefficients[i] = e[static_cast<Eigen::Index>(i)];
+  return jet;
+}
+
 void SiteField::find_near() {
   double edge = 0;
   NodeIndex most = 0;

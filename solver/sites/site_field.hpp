@@ -93,6 +93,7 @@ class SiteField {
 
   SiteModel at(const SurfacePlace& site, bool slopes) const;  // any thread
   std::vector<FieldSite> sites() const { return {sites_.begin(), sites_.end()}; }
+  EnergyJet jet_of(const FieldSite& site) const;  // the jet at rest of one of them, of order 4
   std::size_t size() const { return sites_.size(); }
   const RestSites& rest() const { return *rest_; }
   const SiteFieldOptions& options() const { return options_; }
