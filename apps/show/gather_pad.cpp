@@ -78,7 +78,7 @@ class Splitter {
 }  // namespace
 
 std::string in_words(const ShownPad& pad) {
-  if (pad.anywhere) return fmt::format("stiffness at rest, {:.0f} to {:.0f} N/m", pad.least, pad.peak);
+  if (pad.anywhere) return fmt::format("body at rest, {:.0f} to {:.0f} N/m", pad.least, pad.peak);
   return fmt::format("pad, up to {:.3g} kPa/mm", 1e-6 * pad.peak);
 }
 
@@ -101,14 +101,14 @@ std::optional<ShownPad> shown_pad(const Body& body, const ShownBody& shown) {
 }
 
 std::optional<ShownPad> shown_stiffness(const std::vector<SurfaceStiffness>& map, const ShownBody& shown) {
-  const std::optional<StiffnessRange> range = range_over(map, &SurfaceStiffness::with_pad);
+  const std::optional<StiffnessRange> range = range_over(map, &SurfaceStiffness::alone);
   if (!range) return {};
   ShownPad pad;
   pad.anywhere = true;
   pad.least = range->least, pad.peak = range->greatest;
   std::map<NodeIndex, double> weight;  // by node of the mesh
   const double span = std::max(range->greatest - range->least, 1e-12 * range->greatest);
-  for (const SurfaceStiffness& at : map) weight[at.node] = (at.with_pad - range->least) / span;
+  for (const SurfaceStiffness& at : map) weight[at.node] = (at.alone - range->least) / span;
   for (std::size_t t = 0; t < shown.triangles.size(); ++t) {
     const auto known = [&](NodeIndex own) { return weight.contains(shown.node[own]); };
     if (std::ranges::none_of(shown.triangles[t], known)) continue;
