@@ -20,7 +20,8 @@
 //          sx, sy, sz)                          site of a pad anywhere, on the rest surface [m]; all NULL: none
 //   Unknown values are NULL. application_id is 0x46465331, user_version 1. Older files have no column
 //   checksum; it is added when they are opened for appending. The columns of jets, and
-//   those of sites, are added with the first state that has one. If you edit a row with another tool, set its checksum to NULL.
+//   those of sites, are added with the first state that has one. If you edit a row with another tool, set its checksum
+//   to NULL.
 //
 // Durability: synchronous = FULL. When append() returns, the log is on the device. Appended states survive the end
 // of the process. They survive a power failure if the device keeps what it has confirmed. A transaction is stored
@@ -88,8 +89,8 @@ class StateWriter {
 };
 
 // CSV with a header line that names the columns, in any order: states
-// [sx,sy,sz,]x,y,z,fx,fy,fz[,k11,…,k33][,h][,energy][,e300,…,e005,limit]; points [sx,sy,sz,]x,y,z. Coefficients of jets are there up to a
-// whole degree. Other columns are ignored, except `status` and
+// [sx,sy,sz,]x,y,z,fx,fy,fz[,k11,…,k33][,h][,energy][,e300,…,e005,limit]; points [sx,sy,sz,]x,y,z. Coefficients of
+// jets are there up to a whole degree. Other columns are ignored, except `status` and
 // `converged`, which mark failed solves. Blank lines and lines that begin with # are skipped. InputError
 // names file and line.
 std::vector<State> read_states_csv(const std::filesystem::path& file);
