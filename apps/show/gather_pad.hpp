@@ -12,7 +12,8 @@ namespace forefeel {
 
 // The facets under the pad, split until a side is at most an eighth of the pad's radius. nullopt without a pad.
 std::optional<ShownPad> shown_pad(const Body& body, const ShownBody& shown);
-// The stiffness at rest of the body without the pad, at the nodes of the surface: it shows more than with it. nullopt where all is clamped.
+// The stiffness at rest of the body without the pad, at the nodes of the surface: it shows more than with it. nullopt
+// where all is clamped.
 std::optional<ShownPad> shown_stiffness(const std::vector<SurfaceStiffness>& map, const ShownBody& shown);
 
 }  // namespace forefeel
