@@ -8,7 +8,9 @@ const JsonKeys<ContactNote>& contact_keys() {
       {"kind", "", "pad or rigid", [](const C& c) { return c.pad ? "pad" : "rigid"; }},
       {"radius", "m", "of the pad; null: rigid", &C::radius},
       {"pad", "N/m", "stiffness of the pad as the scene gives it; null: rigid", &C::stiffness},
-      {"area", "m^2", "of the surface that the contact touches at rest", &C::area},
+      {"area", "m^2",
+       "of the surface that the contact touches at rest; null, as what follows: the pad has no place",
+       &C::area},
       {"stiffness", "N/m", "of the pad's springs over the surface; null: rigid", &C::springs},
       {"pulling_share", "1",
        "[inward, oblique]: share of the pad's force that pulls, pressed in by 10 mm and at 45 degrees to it; "

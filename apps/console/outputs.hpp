@@ -6,16 +6,20 @@
 
 namespace forefeel {
 
-DeclaredTable solve_output();       // solve --json
-DeclaredTable mesh_output();        // mesh --json
-DeclaredTable mesh_study_output();  // mesh_study.csv
-DeclaredTable generate_output();    // generate --json
-DeclaredTable placement_output();   // generate --error --json
-DeclaredTable evaluate_output();    // evaluate --json
-DeclaredTable forces_output();      // evaluate -o
-DeclaredTable classify_output();    // classify --json
-DeclaredTable coverage_output();    // classify -o with positions
-DeclaredTable left_out_output();    // classify --bars -o NAME.vtu
-DeclaredTable summary_output();     // summary.json of a session
+DeclaredTable solve_output();           // solve --json
+DeclaredTable mesh_output();            // mesh --json
+DeclaredTable mesh_study_output();      // mesh_study.csv
+DeclaredTable generate_output();        // generate --json
+DeclaredTable generate_sites_output();  // generate --json with contact.anywhere
+DeclaredTable placement_output();       // generate --error --json
+DeclaredTable evaluate_output();        // evaluate --json
+DeclaredTable evaluate_sites_output();  // evaluate --json with sites
+DeclaredTable sited_forces_output();    // evaluate -o with sites
+DeclaredTable forces_output();          // evaluate -o
+DeclaredTable classify_output();        // classify --json
+DeclaredTable coverage_output();        // classify -o with positions
+DeclaredTable left_out_output();        // classify --bars -o NAME.vtu
+DeclaredTable info_scene_output();      // info SCENE --json
+DeclaredTable summary_output();         // summary.json of a session
 
 }  // namespace forefeel

@@ -19,6 +19,7 @@
 #include "apps/console/outputs.hpp"
 #include "apps/console/values.hpp"
 #include "apps/evaluate/evaluate_json.hpp"
+#include "apps/evaluate/evaluate_sites.hpp"
 #include "apps/evaluate/offline_bars.hpp"
 #include "apps/scene/given_states.hpp"
 #include "apps/scene/scene_mesh_error.hpp"
@@ -274,6 +275,8 @@ void tell(const Globals& globals, const EvaluateResult& evaluated, bool with_for
 }
 
 int run_evaluate(const Globals& globals, const EvaluateArguments& arguments) {
+  if (has_site_columns(arguments.points))
+    return evaluate_sites(globals, {arguments.states, arguments.points, arguments.scene, arguments.output});
   warn_of_unused(globals, arguments.model);
   if (!globals.set.empty() && arguments.scene.empty())
     warn(globals, "--set: without effect on evaluate without --scene");
@@ -300,7 +303,10 @@ void add_evaluate(CommandLine& line) {
   Command sub = line.add("evaluate", "Forces approximated from known states at given points");
   sub.runs([arguments](const Globals& globals) { return run_evaluate(globals, *arguments); });
   sub.option("STATES", arguments->states, "State file, or states as CSV").required();
-  sub.option("--points", arguments->points, "CSV of positions x,y,z [m]").required().shows("Q.csv");
+  sub.option("--points", arguments->points,
+             "CSV of positions x,y,z [m]; with contact.anywhere sx,sy,sz,x,y,z")
+      .required()
+      .shows("Q.csv");
   sub.option(
          "--method", arguments->model.method,
          "Approximation. auto chooses kernel, neighbours and ridge by leaving out groups of neighbouring "

@@ -60,7 +60,8 @@ void add_cache(CommandLine& line) {
   sub.reads_no_scene();
   sub.runs([arguments](const Globals& globals) { return run_cache(globals, *arguments); });
   sub.flag("--empty", arguments->empty,
-           "Remove what is kept: meshes of phantoms, tight solves, measured spacings and costs. All of it is "
+           "Remove what is kept: meshes of phantoms, tight solves, fields of sites, measured spacings and "
+           "costs. All of it is "
            "made again when needed. The place is $XDG_CACHE_HOME/forefeel, or else ~/.cache/forefeel");
 }
 

@@ -22,9 +22,10 @@
 #include "apps/console/provenance.hpp"
 #include "apps/generate/generate_error.hpp"
 #include "apps/generate/generate_memory.hpp"
+#include "apps/generate/generate_sites.hpp"
 #include "apps/generate/kept_states.hpp"
 #include "apps/scene/mpi_run.hpp"
-#include "apps/scene/scene.hpp"
+#include "apps/scene/scene_anywhere.hpp"
 #include "geometry/common/error.hpp"
 #include "geometry/common/memory.hpp"
 #include "geometry/common/output_file.hpp"
@@ -42,6 +43,7 @@ namespace {
 struct GenerateArguments {
   std::string scene, output;
   std::optional<double> error;
+  std::string where;  // of a scene with contact.anywhere
   MpiArguments mpi;
 };
 
@@ -212,9 +214,12 @@ Scene checked_scene(const Globals& globals, const GenerateArguments& arguments) 
     throw InputError("--error",
                      fmt::format("{} given, expected a relative error above 0, as 0.01", *arguments.error));
   check_appendable(arguments.output);
-  Scene scene = load_scene(arguments.scene, globals.set, nullptr, {.quiet = globals.quiet});
+  Scene scene = load_scene_with_sites(arguments.scene, globals.set, {.quiet = globals.quiet});
+  if (!is_anywhere(scene) && !arguments.where.empty())
+    throw InputError("--where", "is a part of the surface, expected a scene with contact.anywhere = true");
   for (const std::string& warning : scene.source.warnings) warn(globals, warning);
   if (scene.spacing.chosen) say(globals, in_words(*scene.spacing.chosen));
+  if (is_anywhere(scene)) return scene;
   if (arguments.error)
     check_generate_to_error(scene);
   else if (!holds_lattice_position(scene.space.box, scene.space.spacing))
@@ -241,6 +246,11 @@ bool is_gone(const Globals& globals, const std::string& output) {
 int run_generate(const Globals& globals, const GenerateArguments& arguments, RankPool* ranks) {
   const Scene scene = checked_scene(globals, arguments);
   end_if_interrupted("anything was solved");
+  if (is_anywhere(scene)) {
+    if (ranks)
+      throw InputError("--mpi", "is for a contact with one place, expected threads with contact.anywhere");
+    return generate_sites(globals, scene, {arguments.output, arguments.where, arguments.error});
+  }
   StateFile file = StateFile::open_or_create(arguments.output, header_of(scene));
   const bool held =
       !scene.spacing.chosen || scene.spacing.chosen->holds;  // otherwise the scene has a warning
@@ -322,6 +332,10 @@ void add_generate(CommandLine& line) {
              "Instead of a lattice, solve as few states as keep this relative error:\n"
              "95 % of the box within E, all of it within 2 E")
       .shows("E");
+  sub.option("--where", arguments->where,
+             "With contact.anywhere: the part of the surface, a ball x/y/z/radius [m] or a node group. "
+             "Default: all")
+      .shows("PART");
   add_mpi_options(
       sub, arguments->mpi,
       "All ranks of mpirun -n N forefeel generate --mpi … solve; rank 0 writes. The states are the same");

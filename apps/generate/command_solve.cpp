@@ -19,6 +19,7 @@
 #include "apps/console/outputs.hpp"
 #include "apps/console/values.hpp"
 #include "apps/scene/scene_anywhere.hpp"
+#include "apps/sites/sited_body.hpp"
 #include "geometry/common/error.hpp"
 #include "geometry/common/output_file.hpp"
 #include "geometry/mesh/tet_mesh.hpp"
@@ -314,7 +315,7 @@ Scene read_scene(const Globals& globals, const SolveArguments& arguments, std::o
   if (!site && is_anywhere(scene))
     throw InputError("--site", "missing, expected X,Y,Z, where the pad of contact.anywhere is put");
   if (!site) return scene;
-  sited = put_at(scene, *site);
+  sited = put_at(scene, *site, globals.quiet);
   scene.body = sited->body;
   return scene;
 }

@@ -64,9 +64,11 @@ HelpTopic outputs_topic() {
        {}});
   topic.tables.push_back({"states.csv", "States of a run, of solve, export and import.", declared_states()});
   topic.tables.push_back(declared_shape_table());
-  for (const DeclaredTable& table : {summary_output(), cells_output(), forces_output(), coverage_output(),
-                                     left_out_output(), solve_output(), mesh_output(), generate_output(),
-                                     placement_output(), evaluate_output(), classify_output()})
+  for (const DeclaredTable& table :
+       {summary_output(), info_scene_output(), cells_output(), forces_output(), coverage_output(),
+        left_out_output(), solve_output(), mesh_output(), generate_output(), generate_sites_output(),
+        placement_output(), evaluate_output(), evaluate_sites_output(), sited_forces_output(),
+        classify_output()})
     topic.tables.push_back(table);
   for (const DeclaredTable& table : declared_bench_json()) topic.tables.push_back(table);
   topic.tables.push_back(mesh_study_output());

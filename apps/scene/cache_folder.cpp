@@ -54,7 +54,7 @@ bool is_of_cache(const std::string& name) {
     rest.remove_prefix(
         std::min(rest.size(), rest.find_first_not_of("-abcdefghijklmnopqrstuvwxyz0123456789")));
   for (const std::string_view kept : {".mesh", ".spacing.json", ".mesh-error.json", ".accuracy.json",
-                                      ".costs.csv", ".rest-cost.csv", ".jet.json", ".states"})
+                                      ".costs.csv", ".rest-cost.csv", ".jet.json", ".sites", ".states"})
     if (rest.starts_with(kept)) return true;
   return false;
 }

@@ -9,6 +9,7 @@
 #include "apps/scene/scene_anywhere.hpp"
 #include "apps/scene/scene_body.hpp"
 #include "apps/scene/scene_declared.hpp"
+#include "apps/scene/scene_fine.hpp"
 #include "apps/scene/scene_hand.hpp"
 #include "apps/scene/scene_materials.hpp"
 #include "apps/scene/scene_nodes.hpp"
@@ -19,6 +20,7 @@
 #include "geometry/states/energy_jet.hpp"
 #include "scheduling/workers/generator.hpp"
 #include "solver/body/body_digest.hpp"
+#include "solver/jet/rest_jet.hpp"
 
 namespace forefeel {
 namespace {
@@ -103,18 +105,9 @@ const SceneRows<Scene>& rows_of_space() {
   return rows;
 }
 
-// The cube that holds every displacement of a touch of this depth, in the frame of any site.
-Box box_of_depth(const SceneTable& table) {
-  if (table.has("box"))
-    throw InputError(table.where("box"), "is of one place, expected depth with contact.anywhere");
-  const double depth = table.number("depth", positive()).value_or(usual_depth);
-  return {Vec3::Constant(-depth), Vec3::Constant(depth)};
-}
-
-void read_state_space(const SceneTable& table, const TetMesh& mesh, bool defaults, bool anywhere,
-                      const SceneUse& use, Scene& scene) {
-  if (!anywhere && table.has("depth"))
-    throw InputError(table.where("depth"), "is for contact.anywhere = true, expected box");
+void read_state_space(const SceneTable& table, const TetMesh& mesh, bool defaults, const SceneUse& use,
+                      Scene& scene) {
+  const std::optional<AnywhereKeys>& anywhere = scene.touch.anywhere;
   const bool automatic = scene.spacing.automatic = table.is_text("spacing", "auto");
   if (!defaults && !anywhere) rows_of_space().check_required(table);
   const std::optional<Tolerance>& tolerance = scene.written.tolerance = read_tolerance(table);
@@ -126,8 +119,8 @@ void read_state_space(const SceneTable& table, const TetMesh& mesh, bool default
   else
     scene.space.spacing =
         table.number("spacing", {0, 1e300, true, false, "a number above 0 [m], or \"auto\""}).value_or(0.006);
-  if (anywhere)
-    scene.space.box = box_of_depth(table);
+  if (anywhere)  // the cube that holds every displacement of a touch of this depth, in the frame of any site
+    scene.space.box = {Vec3::Constant(-anywhere->depth), Vec3::Constant(anywhere->depth)};
   else
     scene.space.box = table.has("box") ? *table.box("box") : default_box(mesh, scene.space.spacing);
   check_reach(table, scene.space, longest_side(mesh));
@@ -186,7 +179,15 @@ void take_body(Body body, Scene& scene) {
   scene.body = std::make_shared<const Body>(std::move(body));
 }
 
+// A body whose pad has no place.
+void take_place(std::shared_ptr<const FineBodies> fine, Scene& scene) {
+  scene.identity["contact"] = anywhere_in_words(*scene.body->pad);
+  if (fine) scene.identity["fine"] = fine_body_in_words(fine->first);
+  scene.touch.anywhere->fine = std::move(fine);
+}
+
 void share_body(const Scene& like, Scene& scene) {
+  if (scene.touch.anywhere && like.touch.anywhere) scene.touch.anywhere->fine = like.touch.anywhere->fine;
   scene.inward = like.inward;
   scene.identity = like.identity;
   scene.body = like.body;
@@ -219,12 +220,13 @@ Scene make_scene(const SceneDocument& document, const fs::path& file, const Scen
                    session = table(session_rows());
   BodySections sections{table(body_rows()), root.subs("material", material_rows().names()),
                         table(clamp_rows()), table(contact_rows())};
-  const bool anywhere = is_anywhere(sections.contact);
-  if (anywhere && !sites)
-    throw InputError(
-        sections.contact.where("anywhere"),
-        "is for solve --site, expected nearest = [x, y, z], a place for the pad, with this command");
   Scene scene;
+  scene.touch.anywhere = read_anywhere(sections.contact, space);
+  if (scene.touch.anywhere && !sites)
+    throw InputError(sections.contact.where("anywhere"),
+                     "is for solve --site, generate, evaluate, info and show, expected nearest = [x, y, z], "
+                     "a place for the "
+                     "pad, with this command");
   scene.source.file = file;
   scene.model = read_model(model);
   if (model.has("select") && session.has("select"))
@@ -244,10 +246,10 @@ Scene make_scene(const SceneDocument& document, const fs::path& file, const Scen
     BodyRead read = read_body(sections, file.parent_path(), file.string(), use.quiet, scene.source.warnings);
     scene.source.accuracy = std::move(read.accuracy);
     take_body(std::move(read.body), scene);
+    if (scene.touch.anywhere) take_place(std::move(read.fine), scene);
   }
-  scene.viscosity = read_viscosity(sections.materials);
-  if (anywhere) scene.identity["contact"] = anywhere_in_words(*scene.body->pad);
-  read_state_space(space, scene.body->mesh, sections.body.has("phantom"), anywhere, use, scene);
+  scene.touch.viscosity = read_viscosity(sections.materials);
+  read_state_space(space, scene.body->mesh, sections.body.has("phantom"), use, scene);
   if (scene.model.data == Data::jet && !space.has("jet")) scene.kept.jet = most_jet_order;
   scene.kept.displacements = scene.kept.displacements || scene.shape.rate > 0;
   scene.model.length = scene.space.spacing;

@@ -56,13 +56,31 @@ struct KeptValues {
   int jet = 1;  // order of the force: with 2 to 4 also an energy jet
 };
 
+inline constexpr double usual_depth = 0.025;  // state_space.depth where the scene gives none [m]
+
+struct FineBodies;  // scene_fine.hpp
+
+// What a scene with contact.anywhere = true says beside its pad.
+struct AnywhereKeys {
+  double depth = usual_depth;                   // to which states are placed [m]
+  std::optional<double> friction = {};          // coefficient; nullopt: the tip sticks
+  std::optional<double> site_spacing = {};      // [m]; nullopt: chosen
+  std::shared_ptr<const FineBodies> fine = {};  // their pads stand anywhere; null: no fine body
+};
+
+// How the body answers beside its equilibria at one place.
+struct SceneTouch {
+  Viscosity viscosity = {};              // of all materials
+  std::optional<AnywhereKeys> anywhere;  // with contact.anywhere = true
+};
+
 struct Scene {
   SceneSource source;
   SceneWritten written;
   std::shared_ptr<const Body> body;  // checked: it can be solved
   BodyIdentity identity;             // mesh, material, clamp, contact -> hash
-  Viscosity viscosity = {};          // of all materials
-  Vec3 inward = -Vec3::UnitZ();      // from the contact into the body
+  SceneTouch touch = {};
+  Vec3 inward = -Vec3::UnitZ();  // from the contact into the body
   StateSpaceOptions space;
   SceneSpacing spacing;
   KeptValues kept;

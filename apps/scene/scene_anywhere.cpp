@@ -4,6 +4,7 @@
 
 #include <algorithm>
 
+#include "apps/scene/scene_nodes.hpp"
 #include "solver/body/pad.hpp"
 #include "solver/sites/surface_map.hpp"
 
@@ -15,8 +16,25 @@ constexpr const char* without_place = ", anywhere";
 }  // namespace
 
 bool is_anywhere(const Scene& scene) {
-  const auto contact = scene.identity.find("contact");
-  return contact != scene.identity.end() && contact->second.ends_with(without_place);
+  return scene.touch.anywhere.has_value();
+}
+
+std::optional<AnywhereKeys> read_anywhere(const SceneTable& contact, const SceneTable& state_space) {
+  if (!is_anywhere(contact)) {
+    for (const char* key : {"friction", "site_spacing"})
+      if (contact.has(key))
+        throw InputError(contact.where(key), "is for a pad that moves, expected contact.anywhere = true");
+    if (state_space.has("depth"))
+      throw InputError(state_space.where("depth"), "is for contact.anywhere = true, expected box");
+    return {};
+  }
+  if (state_space.has("box"))
+    throw InputError(state_space.where("box"), "is of one place, expected depth with contact.anywhere");
+  AnywhereKeys keys;
+  keys.depth = state_space.number("depth", positive()).value_or(usual_depth);
+  keys.friction = contact.number("friction", not_negative());
+  keys.site_spacing = contact.number("site_spacing", positive());
+  return keys;
 }
 
 std::string anywhere_in_words(const Pad& pad) {
@@ -31,35 +49,6 @@ Vec3 free_site(const Body& body, const InputPlace& where) {
     throw InputError(where, "all of the surface is clamped, expected a part that can move");
   const auto [a, b, c] = map.corners(static_cast<std::int32_t>(widest - map.facets().begin()));
   return (a + b + c) / 3;
-}
-
-SitedBody put_at(const Scene& scene, const Vec3& wanted) {
-  const SurfaceMap map(*scene.body);
-  const SurfacePlace site = map.nearest(wanted);
-  const auto in_words = [](const Vec3& x) {
-    return fmt::format("({:.6g}, {:.6g}, {:.6g})", x[0], x[1], x[2]);
-  };
-  const double distance = (site.at - wanted).norm();
-  if (!(distance <= longest_side(scene.body->mesh)))
-    throw InputError("--site",
-                     fmt::format("{} is {:.3g} m from the surface, farther than the body is long; expected "
-                                 "a place near it, in metres",
-                                 in_words(wanted), distance));
-  if (map.facet(site).clamped)
-    throw InputError("--site",
-                     fmt::format("{} is on a clamped facet (nearest to {}), expected a place that can move",
-                                 in_words(site.at), in_words(wanted)));
-  auto body = std::make_shared<Body>(*scene.body);
-  body->pad->site = site.at;
-  SitedBody sited{.body = body,
-                  .clamped_share = clamped_share(*body, pad_surface(body->mesh, *body->pad)),
-                  .warnings = check(*body, scene.source.file.string())};
-  if (sited.clamped_share > 0)
-    sited.warnings.push_back(
-        fmt::format("the pad at {} reaches over the clamp: {:.1f} % of its springs pull on clamped "
-                    "nodes",
-                    in_words(site.at), 100 * sited.clamped_share));
-  return sited;
 }
 
 }  // namespace forefeel

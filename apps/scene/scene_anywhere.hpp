@@ -7,29 +7,22 @@
 #include <string>
 
 #include "apps/scene/scene.hpp"
+#include "apps/scene/scene_table.hpp"
 
 namespace forefeel {
-
-inline constexpr double usual_depth = 0.025;  // state_space.depth where the scene gives none [m]
 
 // As load_scene(), which refuses contact.anywhere.
 Scene load_scene_with_sites(const std::filesystem::path& file, std::span<const std::string> overrides,
                             const SceneUse& use);
 bool is_anywhere(const Scene& scene);
+// contact.friction, contact.site_spacing and state_space.depth; nullopt without contact.anywhere, and InputError for
+// one of these keys then.
+std::optional<AnywhereKeys> read_anywhere(const SceneTable& contact, const SceneTable& state_space);
 // For the identity of a body: a pad without its site.
 std::string anywhere_in_words(const Pad& pad);
 
 // A place of the unclamped surface, where the pad of such a scene stands until it is put elsewhere. InputError at
 // `where` if all of the surface is clamped.
 Vec3 free_site(const Body& body, const InputPlace& where);
-
-// The body with its pad at the place of the surface that is nearest to `wanted` [m].
-struct SitedBody {
-  std::shared_ptr<const Body> body;
-  double clamped_share = 0;           // of the springs, carried by clamped nodes
-  std::vector<std::string> warnings;  // of the pad there
-};
-// InputError at --site: the place is on a clamped facet, or farther from the surface than the body is long.
-SitedBody put_at(const Scene& scene, const Vec3& wanted);
 
 }  // namespace forefeel

@@ -329,11 +329,10 @@ BodyRead make_body(const BodySections& sections, const fs::path& folder, const s
   in.materials =
       read_materials(sections.materials, in.is_phantom);  // cheap checks first, before the mesh is made
   rows_of_body().read(sections.body, in.keys);
-  if (is_anywhere(sections.contact))
-    for (const char* key : {"fine", "accuracy"})
-      if (sections.body.has(key) && (key != std::string("fine") || in.keys.fine))
-        throw InputError(sections.body.where(key),
-                         "is for a contact with one place, expected none with contact.anywhere");
+  const bool anywhere = is_anywhere(sections.contact);
+  if (anywhere && in.keys.accuracy)
+    throw InputError(sections.body.where("accuracy"),
+                     "is for a contact with one place, expected none with contact.anywhere");
   BodyRead read;
   if (in.keys.accuracy) {
     read.accuracy = accurate(in, quiet);
@@ -341,7 +340,12 @@ BodyRead make_body(const BodySections& sections, const fs::path& folder, const s
     if (!read.accuracy->reached)
       warnings.push_back(sections.body.where("accuracy").text() + ": " + in_words(*read.accuracy));
   }
-  read.body = complete(in, quiet, warnings);
+  if (!anywhere) {
+    read.body = complete(in, quiet, warnings);
+    return read;
+  }
+  read.body = assemble(in, in.keys, warnings);
+  if (in.keys.fine) read.fine = std::make_shared<const FineBodies>(assemble_fine(in, read.body));
   return read;
 }
 

@@ -19,8 +19,12 @@ struct BodySections {
   std::string text = {};  // of all of them
 };
 
+struct FineBodies;  // scene_fine.hpp
+
 struct BodyRead {
   Body body;
+  std::shared_ptr<const FineBodies> fine =
+      {};                                  // with contact.anywhere: they have no jets before a site is known
   std::optional<AccuracyChoice> accuracy;  // with body.accuracy
 };
 

@@ -29,6 +29,12 @@ std::array<double, 2> pull_of(const Scene& scene) {
 ContactNote contact_note(const Scene& scene) {
   const Body& body = *scene.body;
   ContactNote note;
+  if (scene.touch.anywhere) {
+    note.pad = true;
+    note.radius = body.pad->radius;
+    note.stiffness = body.pad->stiffness;
+    return note;
+  }
   note.area = contact_area(body);
   if (!body.pad) {
     note.nodes = body.contact.size();

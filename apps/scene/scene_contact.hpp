@@ -6,7 +6,7 @@
 
 namespace forefeel {
 
-// Solves two states of a pad.
+// Solves two states of a pad that has a place; of one anywhere, radius and stiffness alone are known.
 ContactNote contact_note(const Scene& scene);
 
 }  // namespace forefeel

@@ -6,6 +6,7 @@
 
 #include "apps/scene/scene_declared.hpp"
 #include "solver/body/pad.hpp"
+#include "solver/sites/site_field.hpp"
 
 namespace forefeel {
 namespace {
@@ -154,7 +155,14 @@ const SceneRows<NodeSet>& rows_of_contact() {
           .standard("none: a rigid patch")
           .flag("anywhere",
                 "true: the pad is put at any place of the surface, in place of nearest; see solve --site",
-                &NodeSet::anywhere);
+                &NodeSet::anywhere)
+          .row({"friction", "1", "",
+                "with anywhere: coefficient of friction, at least 0, of tip and surface; the tip slides "
+                "beyond it"})
+          .standard("none: the tip sticks")
+          .row({"site_spacing", "m", "",
+                "with anywhere: distance of the sites whose jets at rest make the field of forces"})
+          .standard(fmt::format("{}", SiteFieldOptions().spacing));
   return rows;
 }
 

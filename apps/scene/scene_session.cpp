@@ -14,7 +14,7 @@ SessionInput session_input(const Scene& scene) {
                       .displacements = scene.kept.displacements,
                       .jet = scene.kept.jet,
                       .inward = scene.inward,
-                      .viscosity = scene.viscosity},
+                      .viscosity = scene.touch.viscosity},
           .files = {.cache = cache_folder(),
                     .scene = std::filesystem::absolute(scene.source.file).parent_path()}};
 }

@@ -91,6 +91,7 @@ ShowResult make(const Globals& globals, const ShowArguments& arguments) {
 }
 
 nlohmann::ordered_json to_json(const ShowResult& result) {
+  using Json = nlohmann::ordered_json;
   const ShowContent& content = result.content;
   nlohmann::ordered_json out{{"kind", content.kind}, {"files", nlohmann::ordered_json::array()}};
   for (const fs::path& file : result.files) out["files"].push_back(file.string());
@@ -101,14 +102,17 @@ nlohmann::ordered_json to_json(const ShowResult& result) {
     const ShownBody& body = *content.body;
     nlohmann::ordered_json groups = nlohmann::ordered_json::array();
     for (const ShownGroup& group : body.groups) groups.push_back(group.name);
-    out["body"] = {{"nodes", body.nodes.size()},
-                   {"triangles", body.triangles.size()},
-                   {"elements", body.mesh.tets.size()},
-                   {"clamp", std::ranges::count(body.role, Role::clamp)},
-                   {"contact", std::ranges::count(body.role, Role::contact)},
-                   {"pad", body.pad ? number(body.pad->peak) : nlohmann::ordered_json()},
-                   {"groups", groups},
-                   {"regions", nlohmann::ordered_json::array()}};
+    out["body"] = {
+        {"nodes", body.nodes.size()},
+        {"triangles", body.triangles.size()},
+        {"elements", body.mesh.tets.size()},
+        {"clamp", std::ranges::count(body.role, Role::clamp)},
+        {"contact", std::ranges::count(body.role, Role::contact)},
+        {"pad", body.pad && !body.pad->anywhere ? number(body.pad->peak) : Json()},
+        {"stiffness",
+         body.pad && body.pad->anywhere ? Json{number(body.pad->least), number(body.pad->peak)} : Json()},
+        {"groups", groups},
+        {"regions", nlohmann::ordered_json::array()}};
     for (const ShownRegion& region : body.regions.all)
       out["body"]["regions"].push_back({{"name", region.name}, {"volume", region.volume}});
   }

@@ -8,6 +8,7 @@
 #include <utility>
 
 #include "apps/scene/given_states.hpp"
+#include "apps/scene/scene_anywhere.hpp"
 #include "apps/show/gather_body.hpp"
 #include "apps/show/gather_run.hpp"
 #include "apps/show/gather_states.hpp"
@@ -27,10 +28,14 @@ std::string mm(double metres) {
 }
 
 Scene scene_at(const Globals& globals, const std::string& file) {
-  return load_scene(file, globals.set, nullptr, {.quiet = globals.quiet});
+  return load_scene_with_sites(file, globals.set, {.quiet = globals.quiet});
 }
 
-void take_scene(const Scene& scene, ShowContent& content) {
+void take_scene(const Globals& globals, const Scene& scene, ShowContent& content) {
+  if (is_anywhere(scene)) {
+    content.body = shown_anywhere(scene, globals);
+    return;
+  }
   content.body = shown_body(*scene.body);
   content.box = scene.space.box;
   content.spacing = scene.space.spacing;
@@ -40,10 +45,11 @@ ShowContent of_scene(const Globals& globals, const std::string& file) {
   const Scene scene = scene_at(globals, file);
   ShowContent content;
   content.kind = "scene";
-  take_scene(scene, content);
+  take_scene(globals, scene, content);
   content.warnings = scene.source.warnings;
-  content.title = fmt::format("{}: {} elements, spacing {}", fs::path(file).filename().string(),
-                              scene.body->mesh.tets.size(), mm(scene.space.spacing));
+  content.title =
+      fmt::format("{}: {} elements, {}", fs::path(file).filename().string(), scene.body->mesh.tets.size(),
+                  is_anywhere(scene) ? "pressed anywhere" : "spacing " + mm(scene.space.spacing));
   return content;
 }
 
@@ -79,7 +85,7 @@ LabelFrame with_scene(const Globals& globals, const ShowRequest& request, const 
   std::vector<State> all;
   for (const ShownState& s : states) all.push_back(s.state);
   belonging_of(globals, scene, frame.where, identity, all, request.foreign);
-  take_scene(scene, content);
+  take_scene(globals, scene, content);
   for (const std::string& warning : scene.source.warnings) content.warnings.push_back(warning);
   frame.spacing = scene.space.spacing;
   frame.box = scene.space.box;
@@ -118,7 +124,7 @@ ShowContent of_states(const Globals& globals, const ShowRequest& request) {
   if (!request.scene.empty())
     frame = with_scene(globals, request, scene_at(globals, request.scene), identity, states, frame, content);
   else if (const std::optional<Scene> scene = scene_of(own); scene && scene->identity == identity)
-    take_scene(*scene, content);
+    take_scene(globals, *scene, content);
   if (states.empty()) throw InputError({.file = request.what}, "holds no state, expected some to show");
   const double now = 0;
   take_states(globals, frame, std::move(states), {&now, 1}, content);
@@ -146,7 +152,7 @@ ShowContent of_run(const Globals& globals, const ShowRequest& request) {
     frame = with_scene(globals, request, scene_at(globals, request.scene), run.identity, run.states, frame,
                        content);
   } else if (const std::optional<Scene> scene = scene_of(run.made_by)) {
-    take_scene(*scene, content);
+    take_scene(globals, *scene, content);
     frame.box = scene->space.box;
   } else {
     content.warnings.push_back(fmt::format(

@@ -6,6 +6,8 @@
 #include "apps/scene/scene_body.hpp"
 #include "apps/show/gather_pad.hpp"
 #include "apps/show/gather_regions.hpp"
+#include "apps/sites/palpation_map.hpp"
+#include "apps/sites/scene_field.hpp"
 
 namespace forefeel {
 namespace {
@@ -56,7 +58,10 @@ ShownBody shown_body(const TetMesh& mesh) {
   return body;
 }
 
-ShownBody shown_body(const Body& body) {
+namespace {
+
+// With its clamp and contact.
+ShownBody with_roles(const Body& body) {
   ShownBody shown = surface_of(body.mesh);
   take_regions(body, shown);
   const std::vector<NodeIndex> place = places(shown, body.mesh.nodes.size());
@@ -66,6 +71,19 @@ ShownBody shown_body(const Body& body) {
   };
   mark(body.clamp, Role::clamp);
   mark(body.contact, Role::contact);
+  return shown;
+}
+
+}  // namespace
+
+ShownBody shown_anywhere(const Scene& scene, const Globals& globals) {
+  ShownBody shown = with_roles(*scene.body);
+  shown.pad = shown_stiffness(palpation_map(site_field_of(scene, globals)->rest(), *scene.body), shown);
+  return shown;
+}
+
+ShownBody shown_body(const Body& body) {
+  ShownBody shown = with_roles(body);
   shown.pad = shown_pad(body, shown);
   shown.rest = rest_of_contact(body);
   for (Vec3& node : shown.nodes) node -= shown.rest;

@@ -7,7 +7,11 @@
 
 namespace forefeel {
 
+struct Globals;
+
 ShownBody shown_body(const Body& body);
+// Of a scene with contact.anywhere, coloured by its stiffness at rest.
+ShownBody shown_anywhere(const Scene& scene, const Globals& globals);
 ShownBody shown_body(const TetMesh& mesh);
 ShownBody shown_body(const Surface& surface);
 

@@ -1,5 +1,7 @@
 #include "apps/show/gather_pad.hpp"
 
+#include <fmt/format.h>
+
 #include <Eigen/Geometry>
 #include <algorithm>
 #include <array>
@@ -75,6 +77,11 @@ class Splitter {
 
 }  // namespace
 
+std::string in_words(const ShownPad& pad) {
+  if (pad.anywhere) return fmt::format("body at rest, {:.0f} to {:.0f} N/m", pad.least, pad.peak);
+  return fmt::format("pad, up to {:.3g} kPa/mm", 1e-6 * pad.peak);
+}
+
 std::optional<ShownPad> shown_pad(const Body& body, const ShownBody& shown) {
   if (!body.pad) return {};
   std::map<Triangle, std::uint32_t> number;  // of each triangle of the surface, by its nodes in the mesh
@@ -91,6 +98,31 @@ std::optional<ShownPad> shown_pad(const Body& body, const ShownBody& shown) {
     splitter.add({number.at(facet.corners), corners, normal});
   }
   return splitter.take();
+}
+
+std::optional<ShownPad> shown_stiffness(const std::vector<SurfaceStiffness>& map, const ShownBody& shown) {
+  const std::optional<StiffnessRange> range = range_over(map, &SurfaceStiffness::alone);
+  if (!range) return {};
+  ShownPad pad;
+  pad.anywhere = true;
+  pad.least = range->least, pad.peak = range->greatest;
+  std::map<NodeIndex, double> weight;  // by node of the mesh
+  const double span = std::max(range->greatest - range->least, 1e-12 * range->greatest);
+  for (const SurfaceStiffness& at : map) weight[at.node] = (at.alone - range->least) / span;
+  for (std::size_t t = 0; t < shown.triangles.size(); ++t) {
+    const auto known = [&](NodeIndex own) { return weight.contains(shown.node[own]); };
+    if (std::ranges::none_of(shown.triangles[t], known)) continue;
+    Triangle part{};
+    for (std::size_t i = 0; i < 3; ++i) {
+      const NodeIndex own = shown.triangles[t][i];
+      part[i] = static_cast<NodeIndex>(pad.facet.size());
+      pad.facet.push_back(static_cast<std::uint32_t>(t));
+      pad.at.push_back(Vec3::Unit(static_cast<int>(i)));
+      pad.weight.push_back(known(own) ? weight.at(shown.node[own]) : 1);  // a clamped node
+    }
+    pad.triangles.push_back(part);
+  }
+  return pad;
 }
 
 }  // namespace forefeel

@@ -45,14 +45,18 @@ struct ShownRegions {
   ShownInterface inside;
 };
 
-// The springs of a pad over the surface: points, each in a triangle of the body, and triangles between them.
+// What a pad says of the surface: its springs at one place, or, with contact.anywhere, the body's stiffness at rest
+// under it. Points, each in a triangle of the body, and triangles between them.
 struct ShownPad {
-  double peak = 0;                   // of a(y) (solver/body/pad.hpp) [N/m^3]
+  bool anywhere = false;             // stiffness
+  double least = 0, peak = 0;        // of a(y) (solver/body/pad.hpp) [N/m^3]; of the stiffness [N/m]
   std::vector<std::uint32_t> facet;  // #P: number of its triangle of the body
   std::vector<Vec3> at;              // #P: barycentric coordinates in it
-  std::vector<double> weight;        // #P: a(y) / peak, from 0 to 1
+  std::vector<double> weight;        // #P: 0 at the least value, 1 at the peak and beyond
   std::vector<Triangle> triangles;   // of points, outward; those without springs are left out
 };
+
+std::string in_words(const ShownPad& pad);  // for a legend, with its range
 
 // The surface of a body at rest.
 struct ShownBody {

@@ -71,7 +71,9 @@ Json corners_of(const std::vector<Triangle>& triangles) {
 }
 
 Json pad_json(const ShownPad& pad) {
-  return {{"peak", pad.peak},
+  return {{"anywhere", pad.anywhere},
+          {"least", pad.least},
+          {"peak", pad.peak},
           {"facet", packed("u32", pad.facet)},
           {"at", floats(pad.at, [](const Vec3& at) { return at; })},
           {"weight", floats(pad.weight, [](double weight) { return weight; })},

@@ -17,7 +17,7 @@ namespace {
 
 namespace fs = std::filesystem;
 
-// a(y) [N/m^3] at the nodes; where facets at an edge differ, the largest.
+// a(y) [N/m^3], or the stiffness [N/m], at the nodes; where facets at an edge differ, the largest.
 std::vector<double> pad_at_nodes(const ShownBody& body, std::size_t nodes) {
   std::vector<double> density(nodes, 0.0);
   const ShownPad& pad = *body.pad;
@@ -26,7 +26,7 @@ std::vector<double> pad_at_nodes(const ShownBody& body, std::size_t nodes) {
       if (pad.at[p][i] == 1) {
         const NodeIndex corner = body.triangles[pad.facet[p]][static_cast<std::size_t>(i)];
         double& own = density[body.node[corner]];
-        own = std::max(own, pad.weight[p] * pad.peak);
+        own = std::max(own, pad.least + pad.weight[p] * (pad.peak - pad.least));
       }
   return density;
 }
@@ -43,7 +43,8 @@ void write_body(const fs::path& file, const ShownBody& body) {
   grid.begin(points.size(), solid ? body.mesh.tets.size() : body.triangles.size());
   grid.section("PointData");
   grid.array<std::uint8_t>("role", 1, role);
-  if (body.pad) grid.array<double>("pad", 1, pad_at_nodes(body, points.size()));
+  if (body.pad)
+    grid.array<double>(body.pad->anywhere ? "stiffness" : "pad", 1, pad_at_nodes(body, points.size()));
   for (const auto& [name, nodes] : body.mesh.groups) {
     std::vector<std::uint8_t> in(points.size(), 0);
     for (const NodeIndex node : nodes) in[node] = 1;

@@ -70,8 +70,7 @@ void add_body_lines(const ShownBody& body, Legend& legend) {
   if (body.regions.all.size() > most_named_regions)
     legend.words(fmt::format("and {} more regions", body.regions.all.size() - most_named_regions));
   if (has(Role::clamp)) legend.swatch("clamp", "clamp (held)");
-  if (body.pad)
-    legend.ramp(ink("body"), ink("contact"), fmt::format("pad, up to {:.3g} kPa/mm", 1e-6 * body.pad->peak));
+  if (body.pad) legend.ramp(ink("body"), ink("contact"), in_words(*body.pad));
   if (has(Role::contact)) legend.swatch("contact", "contact (moves with the hand)");
 }
 

@@ -45,6 +45,7 @@ struct SolveNote {
 
 struct State {
   Vec3 at = Vec3::Zero();                                    // [m]
+  Vec3 site = Vec3::Constant(unknown);                       // of a pad anywhere, on the rest surface [m]
   Vec3 force = Vec3::Constant(unknown);                      // [N]
   Mat3 stiffness = Mat3::Constant(unknown);                  // [N/m]
   double energy = unknown;                                   // [J]
@@ -57,6 +58,7 @@ struct State {
     return solve.status == SolveStatus::converged || solve.status == SolveStatus::measured;
   }
   bool has_stiffness() const { return stiffness.allFinite(); }
+  bool has_site() const { return site.allFinite(); }
 };
 
 }  // namespace forefeel

@@ -147,6 +147,22 @@ std::shared_ptr<const EnergyJet> read_jet(NamedRows& in) {
   return std::move(read.jet);
 }
 
+bool has_sites(NamedRows& in) {
+  const int found = in.has("sx") + in.has("sy") + in.has("sz");
+  if (found != 0 && found != 3)
+    in.fail(fmt::format("{} of the columns sx, sy, sz, expected all or none", found));
+  return found != 0;
+}
+
+// All three cells empty: the state has no site.
+Vec3 read_site(NamedRows& in) {
+  const Vec3 site(in.optional("sx"), in.optional("sy"), in.optional("sz"));
+  if (site.array().isNaN().all()) return site;
+  if (!site.allFinite() || site.cwiseAbs().maxCoeff() > largest_number)
+    in.fail("the site is not a place, expected three numbers in sx, sy and sz, or none");
+  return site;
+}
+
 SolveStatus read_status(NamedRows& in) {
   if (in.has("status")) {
     const auto status = solve_status(in.text("status"));
@@ -219,6 +235,8 @@ std::string limit_cell(const State& s) {
 
 const CsvColumns<State>& state_columns() {
   static const CsvColumns<State> columns{
+      {"sx,sy,sz", "m", "site of a pad anywhere, in the mesh; where some state has one",
+       [](const State& s) { return s.has_site() ? cells(s.site) : ",,"; }},
       {"x,y,z", "m", "position of the tip, from its rest position",
        [](const State& s) { return cells(s.at); }},
       {"fx,fy,fz", "N", "force of the body on the tip", [](const State& s) { return cells(s.force); }},
@@ -246,7 +264,7 @@ std::vector<State> read_states_csv(const std::filesystem::path& file) {
   if (const std::string missing = missing_jet_column([&](const std::string& name) { return in.has(name); });
       !missing.empty())
     in.fail(missing);
-  const bool jets = in.has(jet_names().front());
+  const bool jets = in.has(jet_names().front()), sites = has_sites(in);
   std::vector<State> states;
   while (in.next()) {
     State state;
@@ -256,6 +274,7 @@ std::vector<State> read_states_csv(const std::filesystem::path& file) {
       state.force = in.vector("fx", "fy", "fz");
     else
       state.force = {in.optional("fx"), in.optional("fy"), in.optional("fz")};
+    if (sites) state.site = read_site(in);
     if (given == 9) state.stiffness = read_stiffness(in);
     check_size(in, state);
     if (in.has("h")) {
@@ -315,6 +334,15 @@ std::vector<Vec3> read_points_csv(const std::filesystem::path& file) {
   return points;
 }
 
+std::vector<SitedPoint> read_sited_points_csv(const std::filesystem::path& file) {
+  constexpr std::array<const char*, 6> required{"sx", "sy", "sz", "x", "y", "z"};
+  NamedRows in(file, required, true);
+  std::vector<SitedPoint> points;
+  while (in.next()) points.push_back({in.vector("sx", "sy", "sz"), in.vector("x", "y", "z")});
+  if (points.empty()) throw InputError({.file = in.name()}, "holds no points, expected rows sx,sy,sz,x,y,z");
+  return points;
+}
+
 std::vector<Declared> declared_states() {
   return declared(state_columns());
 }
@@ -324,7 +352,8 @@ void write_states_csv(const std::filesystem::path& file, std::span<const State> 
     return std::ranges::any_of(states, [&](const State& s) { return s.usable() && has(s); });
   };
   const bool with_jet = some([](const State& s) { return s.jet != nullptr; });
-  const bool has[] = {true,
+  const bool has[] = {some([](const State& s) { return s.has_site(); }),
+                      true,
                       true,
                       some([](const State& s) { return s.has_stiffness(); }),
                       some([](const State& s) { return std::isfinite(s.spacing); }),

@@ -15,11 +15,13 @@
 //          multivalued, iterations, residual, seconds, min_jacobian, parent_x, parent_y, parent_z,
 //          displacements,                       BLOB of #V x 3 doubles [m], NULL unless the scene asks
 //          checksum,                            of all values but id (state_rows.cpp); NULL: not checked
-//          e300, e210, … e005, limit)           the state's energy jet (energy_jet.hpp) and its material limit [m];
+//          e300, e210, … e005, limit,           the state's energy jet (energy_jet.hpp) and its material limit [m];
 //                                               coefficients above the jet's order NULL, limit may be infinite
+//          sx, sy, sz)                          site of a pad anywhere, on the rest surface [m]; all NULL: none
 //   Unknown values are NULL. application_id is 0x46465331, user_version 1. Older files have no column
-//   checksum; it is added when they are opened for appending. The columns of jets are added with the first state
-//   that has one. If you edit a row with another tool, set its checksum to NULL.
+//   checksum; it is added when they are opened for appending. The columns of jets, and
+//   those of sites, are added with the first state that has one. If you edit a row with another tool, set its checksum
+//   to NULL.
 //
 // Durability: synchronous = FULL. When append() returns, the log is on the device. Appended states survive the end
 // of the process. They survive a power failure if the device keeps what it has confirmed. A transaction is stored
@@ -87,8 +89,8 @@ class StateWriter {
 };
 
 // CSV with a header line that names the columns, in any order: states
-// x,y,z,fx,fy,fz[,k11,…,k33][,h][,energy][,e300,…,e005,limit]; points x,y,z. Coefficients of jets are there up to a
-// whole degree. Other columns are ignored, except `status` and
+// [sx,sy,sz,]x,y,z,fx,fy,fz[,k11,…,k33][,h][,energy][,e300,…,e005,limit]; points [sx,sy,sz,]x,y,z. Coefficients of
+// jets are there up to a whole degree. Other columns are ignored, except `status` and
 // `converged`, which mark failed solves. Blank lines and lines that begin with # are skipped. InputError
 // names file and line.
 std::vector<State> read_states_csv(const std::filesystem::path& file);
@@ -96,6 +98,11 @@ std::vector<State> read_states_csv(const std::filesystem::path& file);
 void write_states_csv(const std::filesystem::path& file, std::span<const State> states);
 std::vector<Declared> declared_states();  // all these columns, for `forefeel help`
 std::vector<Vec3> read_points_csv(const std::filesystem::path& file);
+// With sites; InputError if the file has no columns sx,sy,sz.
+struct SitedPoint {
+  Vec3 site, at;
+};
+std::vector<SitedPoint> read_sited_points_csv(const std::filesystem::path& file);
 // For ParaView: one vertex for each state, with force, stiffness, energy, status and the rest as point data.
 void write_states_vtu(const std::filesystem::path& file, std::span<const State> states);
 

@@ -4,7 +4,7 @@
 namespace forefeel {
 
 namespace {
-constexpr int has_displacements = 1, has_jet = 2;  // of the byte in front of both
+constexpr int has_displacements = 1, has_jet = 2, has_site = 4;  // of the byte in front of both
 }
 
 void pack(Packer& message, const State& s) {
@@ -15,7 +15,9 @@ void pack(Packer& message, const State& s) {
     message.add(v);
   message.add(std::int32_t{s.solve.iterations});
   message.add(std::uint8_t{s.solve.multivalued});
-  message.add(static_cast<std::uint8_t>((s.displacements ? has_displacements : 0) | (s.jet ? has_jet : 0)));
+  message.add(static_cast<std::uint8_t>((s.displacements ? has_displacements : 0) | (s.jet ? has_jet : 0) |
+                                        (s.has_site() ? has_site : 0)));
+  if (s.has_site()) message.add(s.site);
   if (s.displacements) message.add(*s.displacements);
   if (!s.jet) return;
   message.add(static_cast<std::uint8_t>(s.jet->order));
@@ -48,7 +50,9 @@ State unpack_state(Unpacker& message) {
   s.solve.iterations = message.number<std::int32_t>();
   s.solve.multivalued = message.number<std::uint8_t>() != 0;
   const int parts = message.number<std::uint8_t>();
-  if ((parts & ~(has_displacements | has_jet)) != 0) throw MalformedMessage("a state has unknown parts");
+  if ((parts & ~(has_displacements | has_jet | has_site)) != 0)
+    throw MalformedMessage("a state has unknown parts");
+  if ((parts & has_site) != 0) s.site = message.vector();
   if ((parts & has_displacements) != 0)
     s.displacements = std::make_shared<const std::vector<double>>(message.values());
   if ((parts & has_jet) != 0) s.jet = unpack_jet(message);

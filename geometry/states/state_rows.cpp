@@ -41,7 +41,8 @@ constexpr const char* columns =
     "iterations, "
     "residual, seconds, min_jacobian, parent_x, parent_y, parent_z, displacements";
 constexpr const char* insert_values = "?,?,?,?,?,?,?,?,?,?,?,?,?,?,?,?,?,?,?,?,?,?,?,?,?,?,?,?";
-constexpr int jet_column = 29;  // of a query: behind these, checksum and id
+constexpr int next_column = 29;  // of a query: behind these, checksum and id; those of sites, those of jets
+constexpr std::array<const char*, 3> site_columns{"sx", "sy", "sz"};
 constexpr std::array<const char*, 6> box_keys{"box_low_x",  "box_low_y",  "box_low_z",
                                               "box_high_x", "box_high_y", "box_high_z"};
 
@@ -49,9 +50,16 @@ std::string quoted_jet_columns() {  // limit is a word of SQL
   return fmt::format("\"{}\"", fmt::join(jet_columns(), "\", \""));
 }
 
-std::shared_ptr<const EnergyJet> read_jet(Statement& row, const std::string& where) {
+Vec3 read_site(Statement& row, const std::string& where) {
+  const Vec3 site(row.real(next_column), row.real(next_column + 1), row.real(next_column + 2));
+  if (site.array().isNaN().all()) return site;
+  if (!site.allFinite() || site.cwiseAbs().maxCoeff() > largest_number)
+    throw InputError({.file = where}, "a state's site is not a place");
+  return site;
+}
+
+std::shared_ptr<const EnergyJet> read_jet(Statement& row, int i, const std::string& where) {
   JetCells cells;
-  int i = jet_column;
   for (double& e : cells.coefficients) e = row.real(i++);
   cells.limit = row.real(i);
   JetOfCells read = jet_of(cells);
@@ -135,10 +143,17 @@ std::int64_t checksum_of(const State& state, std::string_view status) {
     for (std::size_t i = 0; i < terms; ++i) number(state.jet->coefficients[i]);
     number(state.jet->limit);
   }
+  if (state.has_site())
+    for (int k = 0; k < 3; ++k) number(state.site[k]);
   return static_cast<std::int64_t>(sum);
 }
 
-void bind_row(Statement& insert, const State& state, bool jets) {
+// Which columns a table has beside those of every file.
+struct Extra {
+  bool sites = false, jets = false;
+};
+
+void bind_row(Statement& insert, const State& state, Extra extra) {
   int i = 1;
   for (int k = 0; k < 3; ++k) insert.bind(i++, state.at[k]);
   for (int k = 0; k < 3; ++k) insert.bind(i++, state.force[k]);
@@ -158,7 +173,8 @@ void bind_row(Statement& insert, const State& state, bool jets) {
   else
     insert.bind_null(i);
   insert.bind(++i, checksum_of(state, name(outcome(state))));
-  if (!jets) return;
+  for (int k = 0; k < 3 && extra.sites; ++k) insert.bind(++i, state.site[k]);
+  if (!extra.jets) return;
   const JetCells cells = cells_of(state.jet.get());
   for (const double e : cells.coefficients) insert.bind(++i, e);
   insert.bind(++i, cells.limit);
@@ -263,22 +279,43 @@ bool has_jets(sqlite3* database, const std::string& where) {
   return found != 0;
 }
 
+bool has_sites(sqlite3* database, const std::string& where) {
+  Statement rows(database, where,
+                 "SELECT count(*) FROM pragma_table_info('states') WHERE name IN ('sx', 'sy', 'sz')");
+  rows.step();
+  const std::int64_t found = rows.integer(0);
+  if (found != 0 && found != 3)
+    throw InputError({.file = where},
+                     fmt::format("has {} of the 3 columns of sites, expected all or none", found));
+  return found != 0;
+}
+
+std::string names_of_columns(Extra extra) {
+  std::string names;
+  if (extra.sites) names += fmt::format(", {}", fmt::join(site_columns, ", "));
+  if (extra.jets) names += ", " + quoted_jet_columns();
+  return names;
+}
+
 }  // namespace
 
 void insert_states(sqlite3* database, const std::string& where, std::span<const State> states) {
-  const bool jets = std::ranges::any_of(states, [](const State& s) { return s.jet != nullptr; });
-  if (jets && !has_jets(database, where))
-    for (const std::string& column : jet_columns())
+  const Extra extra{std::ranges::any_of(states, &State::has_site),
+                    std::ranges::any_of(states, [](const State& s) { return s.jet != nullptr; })};
+  const auto add = [&](const auto& names) {
+    for (const auto& column : names)
       execute(database, where, fmt::format("ALTER TABLE states ADD COLUMN \"{}\" REAL", column).c_str());
-  std::string names = std::string(columns) + ", checksum", values = insert_values;
-  if (jets) {
-    names += ", " + quoted_jet_columns();
-    for (std::size_t i = 0; i < jet_columns().size(); ++i) values += ",?";
-  }
+  };
+  if (extra.jets && !has_jets(database, where)) add(jet_columns());
+  if (extra.sites && !has_sites(database, where)) add(site_columns);
+  const std::string names = std::string(columns) + ", checksum" + names_of_columns(extra);
+  std::string values = insert_values;
+  for (std::size_t i = 0; i < (extra.sites ? 3 : 0) + (extra.jets ? jet_columns().size() : 0); ++i)
+    values += ",?";
   Statement insert(database, where,
                    fmt::format("INSERT INTO states ({}) VALUES ({})", names, values).c_str());
   for (const State& state : states) {
-    bind_row(insert, state, jets);
+    bind_row(insert, state, extra);
     insert.step(), insert.reset();
   }
 }
@@ -290,10 +327,11 @@ constexpr int status_column = 17, checksum_column = 27, id_column = 28;
 StateRows::StateRows(sqlite3* database, const std::string& where, bool checksums)
     : where_(where),
       limit_(database),
+      sites_(has_sites(database, where)),
       jets_(has_jets(database, where)),
       rows_(database, where,
             fmt::format("SELECT {}, {}, id{} FROM states ORDER BY id", columns,
-                        checksums ? "checksum" : "NULL", jets_ ? ", " + quoted_jet_columns() : "")
+                        checksums ? "checksum" : "NULL", names_of_columns({sites_, jets_}))
                 .c_str()) {}
 
 bool StateRows::next() {
@@ -303,7 +341,8 @@ bool StateRows::next() {
 std::optional<State> StateRows::read() {
   const auto whole_row = [&] {
     State state = read_row(rows_, where_);
-    if (jets_) state.jet = read_jet(rows_, where_);
+    if (sites_) state.site = read_site(rows_, where_);
+    if (jets_) state.jet = read_jet(rows_, next_column + (sites_ ? 3 : 0), where_);
     return state;
   };
   if (rows_.is_null(checksum_column)) return whole_row();  // of an older file

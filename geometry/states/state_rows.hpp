@@ -20,7 +20,7 @@ StateFileHeader read_header(sqlite3* database, const std::string& where);
 void write_header(sqlite3* database, const std::string& where, const StateFileHeader& header);
 
 bool has_checksums(sqlite3* database, const std::string& where);  // older files lack the column
-// Adds the columns of jets when the first state with one comes; call it within a transaction.
+// Adds the columns of jets and of sites when the first state with one comes; call it within a transaction.
 void insert_states(sqlite3* database, const std::string& where, std::span<const State> states);
 
 // All rows, in order of insertion.
@@ -35,7 +35,7 @@ class StateRows {
  private:
   const std::string& where_;
   StepLimit limit_;
-  bool jets_;  // whether the table has their columns
+  bool sites_, jets_;  // whether the table has their columns
   sqlite::Statement rows_;
 };
 

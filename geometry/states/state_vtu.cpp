@@ -30,6 +30,7 @@ void write_states_vtu(const std::filesystem::path& file, std::span<const State> 
   out.section("PointData", force ? "Vectors=\"force\"" : "");
   known("force", 3, [](const State& s, int k) { return s.force[k]; });
   known("stiffness", 9, [](const State& s, int k) { return s.stiffness(k / 3, k % 3); });
+  known("site", 3, [](const State& s, int k) { return s.site[k]; });
   known("energy", 1, [](const State& s, int) { return s.energy; });
   known("spacing", 1, [](const State& s, int) { return s.spacing; });
   known("residual", 1, [](const State& s, int) { return s.solve.residual; });

@@ -127,6 +127,17 @@ struct RestSites::Impl {
         }
   }
 
+  bool take(std::span<const double> known) {
+    std::size_t size = 0;
+    for (const std::vector<double>& column : compliance) size += column.size();
+    if (known.size() != size) return false;
+    for (std::vector<double>& column : compliance) {
+      std::ranges::copy(known.first(column.size()), column.begin());
+      known = known.subspan(column.size());
+    }
+    return true;
+  }
+
   Local at(const SurfacePlace& site, bool slopes) const {
     Local here;
     here.pad = pad->at(site, slopes);
@@ -163,9 +174,10 @@ Mat3 SiteRest::body_stiffness() const {
   return (stiffness.inverse() - Mat3::Identity() / springs).inverse();
 }
 
-RestSites::RestSites(std::shared_ptr<const Body> body, int threads) {
+RestSites::RestSites(std::shared_ptr<const Body> body, int threads, std::span<const double> compliance) {
   if (!body->pad) throw InputError("pad", "missing, expected a body with a pad");
   impl_ = std::make_unique<Impl>(std::move(body));
+  if (!compliance.empty() && impl_->take(compliance)) return;
   static_cast<void>(impl_->factor());  // throws here, not in a thread
 #pragma omp parallel num_threads(threads)
   {
@@ -186,6 +198,12 @@ const SurfaceMap& RestSites::map() const {
 }
 const MovingPad& RestSites::pad() const {
   return *impl_->pad;
+}
+std::vector<double> RestSites::compliance() const {
+  std::vector<double> list;
+  for (const std::vector<double>& column : impl_->compliance)
+    list.insert(list.end(), column.begin(), column.end());
+  return list;
 }
 
 SiteRest RestSites::at(const SurfacePlace& site, bool slopes) const {

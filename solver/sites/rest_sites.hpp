@@ -8,6 +8,8 @@
 // so a site costs a dense system of its pad's nodes, and its jet at rest three solves in lanes and no factor.
 
 #include <memory>
+#include <span>
+#include <vector>
 
 #include "solver/body/fine_jet.hpp"
 #include "solver/sites/moving_pad.hpp"
@@ -30,14 +32,16 @@ struct SiteRest {
 class RestSites {
  public:
   // body.pad gives radius and stiffness; its site and the fine body do not count. The compliance is computed here, by
-  // up to `threads` threads. InputError without a pad, and if the body is not stable at rest.
-  RestSites(std::shared_ptr<const Body> body, int threads);
+  // up to `threads` threads, unless it is given: compliance() of the same body. One of another length is computed anew.
+  // InputError without a pad, and if the body is not stable at rest.
+  RestSites(std::shared_ptr<const Body> body, int threads, std::span<const double> compliance = {});
   ~RestSites();
 
   const Body& body() const;
   const SurfaceMap& map() const;
   const MovingPad& pad() const;
   SiteRest at(const SurfacePlace& site, bool slopes) const;
+  std::vector<double> compliance() const;  // in one list, to be kept
 
  private:
   friend class SiteJets;

@@ -125,10 +125,22 @@ SiteField::SiteField(std::shared_ptr<const RestSites> sites, const SiteFieldOpti
     : rest_(std::move(sites)), options_(options), length_(normal_length * rest_->pad().radius()) {
   for (const SurfacePlace& place :
        cover(rest_->map(), rest_->pad(), options.first, {.spacing = options.spacing}))
-    sites_.push_back({.place = place});
+    sites_.emplace_back().place = place;
   make_jets(progress, stop);
+  connect();
+}
+
+SiteField::SiteField(std::shared_ptr<const RestSites> sites, const SiteFieldOptions& options,
+                     const std::vector<FieldSite>& known)
+    : rest_(std::move(sites)), options_(options), length_(normal_length * rest_->pad().radius()) {
+  for (const FieldSite& site : known) static_cast<FieldSite&>(sites_.emplace_back()) = site;
+  connect();
+}
+
+void SiteField::connect() {
+  for (Site& site : sites_) site.axes = axes_across(site.normal);
   find_near();
-#pragma omp parallel for schedule(dynamic) num_threads(options.threads)
+#pragma omp parallel for schedule(dynamic) num_threads(options_.threads)
   for (std::size_t i = 0; i < sites_.size(); ++i) follow_neighbours(i);
 }
 
@@ -145,7 +157,6 @@ void SiteField::make_jets(const std::function<void(double)>& progress, const std
       const RestJet jet = jets.at(site.place);
       site.stiffness = jet.stiffness;
       site.normal = rest_->pad().normal(site.place);
-      site.axes = axes_across(site.normal);
       const double c = scale_of(site.stiffness, options_.theta);
       site.own =
           substituted(coefficients_of(jet.jet), root_of(site.stiffness, options_.theta).inverse()) / (c * c);
@@ -162,6 +173,14 @@ void SiteField::make_jets(const std::function<void(double)>& progress, const std
   for (std::size_t i = 0; i < sites_.size(); ++i)
     if (made[i] != 0) kept.push_back(std::move(sites_[i]));
   sites_ = std::move(kept);
+}
+
+EnergyJet SiteField::jet_of(const FieldSite& site) const {
+  const double c = scale_of(site.stiffness, options_.theta);
+  const JetCoefficients e = c * c * substituted(site.own, root_of(site.stiffness, options_.theta));
+  EnergyJet jet{.order = most_jet_order};
+  for (std::size_t i = 0; i < jet_size; ++i) jet.coefficients[i] = e[static_cast<Eigen::Index>(i)];
+  return jet;
 }
 
 void SiteField::find_near() {

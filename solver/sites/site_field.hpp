@@ -73,13 +73,27 @@ class SiteModel {
   bool slopes_ = false;
 };
 
+// What solves give for one site of a field.
+struct FieldSite {
+  SurfacePlace place;
+  Vec3 normal = Vec3::Zero();                     // mean normal under the pad
+  Mat3 stiffness = Mat3::Zero();                  // K_i [N/m]
+  JetCoefficients own = JetCoefficients::Zero();  // N_i at s_i
+};
+
 class SiteField {
  public:
   // Makes the field; `progress` (0 to 1) is called by one thread at a time. Stops early, with fewer sites, if asked.
   SiteField(std::shared_ptr<const RestSites> sites, const SiteFieldOptions& options,
             const std::function<void(double)>& progress = {}, const std::stop_token& stop = {});
 
+  // The same field again, from sites() of one with these options: nothing is solved.
+  SiteField(std::shared_ptr<const RestSites> sites, const SiteFieldOptions& options,
+            const std::vector<FieldSite>& known);
+
   SiteModel at(const SurfacePlace& site, bool slopes) const;  // any thread
+  std::vector<FieldSite> sites() const { return {sites_.begin(), sites_.end()}; }
+  EnergyJet jet_of(const FieldSite& site) const;  // the jet at rest of one of them, of order 4
   std::size_t size() const { return sites_.size(); }
   const RestSites& rest() const { return *rest_; }
   const SiteFieldOptions& options() const { return options_; }
@@ -87,19 +101,16 @@ class SiteField {
   const Mat3& stiffness(std::size_t i) const { return sites_[i].stiffness; }
 
  private:
-  struct Site {
-    SurfacePlace place;
-    Vec3 normal = Vec3::Zero();
-    Mat3 stiffness = Mat3::Zero();
-    JetCoefficients own = JetCoefficients::Zero();  // N_i at s_i
-    Mat3 axes = Mat3::Identity();                   // rows: two directions across the normal, and the normal
-    JetSlopes slopes = JetSlopes::Zero();           // by p, q, p^2, p q, q^2 of the place over spacing
+  struct Site : FieldSite {
+    Mat3 axes = Mat3::Identity();          // rows: two directions across the normal, and the normal
+    JetSlopes slopes = JetSlopes::Zero();  // by p, q, p^2, p q, q^2 of the place over spacing
   };
   struct Near {
     std::int32_t site = 0;
     double way = 0;  // along the surface [m]
   };
   void make_jets(const std::function<void(double)>& progress, const std::stop_token& stop);
+  void connect();
   void find_near();
   void follow_neighbours(std::size_t i);
   double squared_delta(const Site& site, const Vec3& at, const Vec3& normal) const;

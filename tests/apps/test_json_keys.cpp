@@ -125,6 +125,13 @@ TEST_CASE("help lists the keys of solve, mesh, generate, evaluate and classify -
            "labels[].voxel_volume", "labels[].parts", "labels[].touches_border"});
   compare("generate.json", {run("generate beam.toml -o l.states")},
           {"ranks.solving", "ranks.lost", "spacing_auto", "spacing_auto.KEY"});
+  shop.write("any.toml",
+             "[body]\nphantom = \"beam\"\nelements = 240\n[material]\nlaw = \"linear\"\nyoung = 5000.0\n"
+             "poisson = 0.3\n[contact]\nanywhere = true\npad = 400.0\nradius = 0.012\n");
+  shop.write("sq.csv", "sx,sy,sz,x,y,z\n0.07,0.008,0.021,0,0,-0.001\n");
+  const std::string depth = " --set state_space.depth=0.002";
+  compare("generate_sites.json", {run("generate any.toml -o s.states" + depth)});
+  compare("evaluate_sites.json", {run("evaluate s.states --scene any.toml --points sq.csv" + depth)});
   compare("generate_error.json", {run("generate beam.toml -o e.states --error 0.1")});
   shop.write("q.csv", "x,y,z\n0.001,0.001,0\n0.002,0,0.001\n");
   std::string measured = "x,y,z,fx,fy,fz\n";

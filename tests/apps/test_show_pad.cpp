@@ -198,3 +198,34 @@ TEST_CASE("the still and the .vtu of a body under a pad show its springs", "[sho
   CHECK(most > 0.3 * peak);
   CHECK(most <= Approx(peak));
 }
+
+TEST_CASE("a scene with contact.anywhere is coloured by its stiffness at rest", "[show]") {
+  const Workshop shop;
+  shop.write("any.toml",
+             "[body]\nphantom = \"beam\"\nelements = 240\n[material]\nlaw = \"linear\"\nyoung = 5000.0\n"
+             "poisson = 0.3\n[contact]\nanywhere = true\npad = 400.0\nradius = 0.012\n");
+  json report;
+  if (!made(shop, "any.toml", "any.html", report)) return;
+  const json info = shop.forefeel("info any.toml --json").json();
+  CHECK(report["box"].is_null());
+  CHECK(report["body"]["pad"].is_null());
+  CHECK(report["body"]["stiffness"][0].get<double>() ==
+        Approx(info["field"]["body_stiffness"][0].get<double>()));
+  CHECK(report["body"]["stiffness"][1].get<double>() ==
+        Approx(info["field"]["body_stiffness"][2].get<double>()));
+  const json body = ShownPage(shop.path() / "any.html").data["body"];
+  CHECK(body["pad"]["anywhere"] == true);
+  const Shown shown = pad_of(body);
+  REQUIRE(shown.weight.size() == shown.place.size());
+  double near = 0, far = 1;
+  for (std::size_t i = 0; i < shown.place.size(); ++i) {
+    CHECK(shown.weight[i] >= 0);
+    CHECK(shown.weight[i] <= 1);
+    if (shown.place[i].x() < 0.02) near = std::max(near, double(shown.weight[i]));
+    if (shown.place[i].x() > 0.08) far = std::min(far, double(shown.weight[i]));
+  }
+  CHECK(near == 1);  // beside the clamp
+  CHECK(far < 0.05);
+  CHECK(shop.forefeel("show any.toml -o any.vtu").code == 0);
+  CHECK(shop.shell("grep -q 'Name=\"stiffness\"' any.vtu").code == 0);
+}

@@ -3,6 +3,7 @@
 #include <string>
 
 #include "apps/scene/scene_anywhere.hpp"
+#include "apps/sites/sited_body.hpp"
 #include "solver/equilibrium/solver.hpp"
 #include "tests/support/executable.hpp"
 
@@ -56,7 +57,7 @@ TEST_CASE("sites that cannot be are refused, and a pad that reaches over the cla
   check_refused(shop, "solve beam.toml --site=nan,0,0 --at=0,0,-0.001", {"--site"});
   check_refused(shop, "solve beam.toml --site=0.06,0,0.02 --at=0,0,0 -o out.csv", {"-o", "--json"});
   check_refused(shop, "solve plain.toml --site=0.06,0,0.02 --at=0,0,0", {"--site", "contact.anywhere"});
-  check_refused(shop, "generate beam.toml -o out.csv", {"beam.toml:", "contact.anywhere", "solve --site"});
+  check_refused(shop, "bench solver beam.toml", {"beam.toml:", "contact.anywhere", "solve --site"});
   const Workshop::Outcome run =
       shop.forefeel("solve beam.toml --site=0.008,0.01,0.02 --at=0,0,-0.002 --json");
   CHECK(run.code == 0);
@@ -74,9 +75,14 @@ TEST_CASE("keys that say nothing beside contact.anywhere are refused") {
   refused("node = 3\n", {"contact.node"});
   refused("[state_space]\nbox = [[0, 0, 0], [0.004, 0, 0]]\n", {"state_space.box", "depth"});
   refused("[state_space]\ndepth = -0.01\n", {"state_space.depth", "above 0"});
+  refused("friction = -0.1\n", {"contact.friction", "at least 0"});
+  refused("site_spacing = 0\n", {"contact.site_spacing", "above 0"});
   shop.write("beam.toml", beam + "[contact]\nanywhere = true\n");
   check_refused(shop, "solve beam.toml --site=0.06,0,0.02 --at=0,0,0", {"contact.pad: missing", "anywhere"});
   shop.write("plain.toml", beam_scene());
   check_refused(shop, "solve plain.toml --at=0,0,0 --set state_space.depth=0.01",
                 {"state_space.depth", "contact.anywhere"});
+  for (const std::string key : {"friction", "site_spacing"})
+    check_refused(shop, "solve plain.toml --at=0,0,0 --set contact." + key + "=0.01",
+                  {"contact." + key, "contact.anywhere"});
 }

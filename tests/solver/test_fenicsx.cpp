@@ -140,11 +140,13 @@ TEST_CASE("FEniCSx: forces under a pad within 1e-10, linear and quadratic elemen
 TEST_CASE("FEniCSx: forces under a pad at any site of the surface within 1e-8, neo-Hookean and linear") {
   if (!test::has_python_module("dolfinx")) return test::skip("python3-dolfinx is not installed");
   std::vector<std::shared_ptr<Body>> bodies;
-  // Faces, edges, a corner and places over the clamp of the block of 0.1 x 0.04 x 0.04 m.
-  const std::vector<Vec3> sites{Vec3(0.03, 0.02, 0.04),  Vec3(0.081, 0.013, 0.04), Vec3(0.05, 0, 0.017),
-                                Vec3(0.06, 0.04, 0.026), Vec3(0.1, 0.02, 0.02),    Vec3(0.07, 0.04, 0.04),
-                                Vec3(0.1, 0.031, 0.04),  Vec3(0.1, 0.04, 0.04),    Vec3(0.012, 0.02, 0.04),
-                                Vec3(0.009, 0.033, 0)};
+  // Twenty: faces, edges, a corner and places over the clamp of the block of 0.1 x 0.04 x 0.04 m.
+  const std::vector<Vec3> sites{
+      Vec3(0.03, 0.02, 0.04),   Vec3(0.081, 0.013, 0.04), Vec3(0.05, 0, 0.017),    Vec3(0.06, 0.04, 0.026),
+      Vec3(0.1, 0.02, 0.02),    Vec3(0.07, 0.04, 0.04),   Vec3(0.1, 0.031, 0.04),  Vec3(0.1, 0.04, 0.04),
+      Vec3(0.012, 0.02, 0.04),  Vec3(0.009, 0.033, 0),    Vec3(0.044, 0.007, 0),   Vec3(0.063, 0.031, 0.04),
+      Vec3(0.038, 0, 0.036),    Vec3(0.09, 0, 0.004),     Vec3(0.1, 0.012, 0.028), Vec3(0.1, 0, 0.009),
+      Vec3(0.052, 0.04, 0.012), Vec3(0.024, 0.04, 0.039), Vec3(0.074, 0.022, 0),   Vec3(0.1, 0.038, 0.002)};
   for (const Law law : {Law::neo_hookean, Law::linear})
     for (const Vec3& site : sites) {
       bodies.push_back(padded_block(law));

@@ -187,8 +187,9 @@ function makePanel() {
   toggle('edges', 'edges of its surface', null, !scene.states && !scene.run);
   toggle('clamp', 'clamp (held)', 'clamp', true);
   const pad = scene.body && scene.body.pad;
-  toggle('contact', pad ? 'pad (springs to the hand), up to ' + digits(1e-6 * pad.peak, 3) + ' kPa/mm'
-                        : 'contact (moves with the hand)', 'contact', true);
+  toggle('contact', !pad ? 'contact (moves with the hand)'
+         : pad.anywhere ? 'stiffness of the body at rest, ' + digits(pad.least, 3) + ' to ' + digits(pad.peak, 3) + ' N/m'
+         : 'pad (springs to the hand), up to ' + digits(1e-6 * pad.peak, 3) + ' kPa/mm', 'contact', true);
   const sides = scene.box ? scene.box.low.map((v, i) => digits(scene.box.high[i] - v, 3)) : [];
   toggle('box', 'box ' + sides.join(' × ') + ' mm', null, true);
   toggle('states', scene.states ? scene.states.label.length + ' states' : '', null, true);

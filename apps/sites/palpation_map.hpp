@@ -1,0 +1,32 @@
+#pragma once
+// The stiffness at rest over the surface of a body, along the normal under the pad: n . K(s) n, and that of the body
+// without the pad in series, n . (K^-1 - I / t)^-1 n. A lump shows in it before anything is pressed.
+
+#include <optional>
+#include <vector>
+
+#include "solver/sites/rest_sites.hpp"
+
+namespace forefeel {
+
+// At one node of a body's surface.
+struct SurfaceStiffness {
+  NodeIndex node = 0;
+  double area = 0;      // of the free surface, a third of each facet of the node [m^2]
+  double with_pad = 0;  // [N/m]
+  double alone = 0;     // of the body alone under the pad [N/m]
+};
+
+// At the free nodes of the surface of `body`, at the places of the surface of `rest` that are nearest: it may be that
+// of a fine body. threads 0: all cores. Ascending by node. Places where the mean normal vanishes are left out.
+std::vector<SurfaceStiffness> palpation_map(const RestSites& rest, const Body& body, int threads = 0);
+
+// Over the area.
+struct StiffnessRange {
+  double least = 0, median = 0, greatest = 0;  // [N/m]
+};
+// nullopt: of an empty map.
+std::optional<StiffnessRange> range_over(const std::vector<SurfaceStiffness>& map,
+                                         double SurfaceStiffness::*which);
+
+}  // namespace forefeel

@@ -1,0 +1,143 @@
+#include "apps/sites/scene_field.hpp"
+
+#include <omp.h>
+
+#include <chrono>
+#include <cstdint>
+#include <filesystem>
+#include <fstream>
+#include <optional>
+#include <sstream>
+#include <string_view>
+
+#include "apps/console/console.hpp"
+#include "apps/scene/cache_folder.hpp"
+#include "apps/scene/scene_fine.hpp"
+#include "geometry/common/output_file.hpp"
+#include "geometry/common/packer.hpp"
+#include "geometry/common/sha256.hpp"
+#include "solver/kernels/revision.hpp"
+
+namespace forefeel {
+namespace {
+
+namespace fs = std::filesystem;
+
+constexpr std::string_view field_magic = "forefeel sites 1\n";
+constexpr std::size_t field_digest = 64;  // hexadecimal digits at the end
+
+fs::path file_of_field(const Scene& scene, double spacing) {
+  const fs::path folder = cache_folder();
+  if (folder.empty()) return {};
+  Sha256 hash;
+  hash.add(field_magic).add(solver_revision()).add(spacing);
+  for (const auto& [key, value] : scene.identity) hash.add(key + "=" + value + "\n");
+  return folder / (hash.hex().substr(0, 32) + ".sites");
+}
+
+struct KeptField {
+  std::vector<double> compliance;
+  std::vector<FieldSite> sites;
+};
+
+template <class Matrix>
+void pack(Packer& out, const Matrix& matrix) {
+  for (Eigen::Index i = 0; i < matrix.size(); ++i) out.add(matrix.data()[i]);
+}
+template <class Matrix>
+void unpack(Unpacker& in, Matrix& matrix) {
+  for (Eigen::Index i = 0; i < matrix.size(); ++i) matrix.data()[i] = in.number<double>();
+}
+
+std::string bytes_of(const KeptField& kept) {
+  Packer out;
+  out.add_raw(field_magic);
+  out.add(kept.compliance);
+  out.add(std::uint64_t{kept.sites.size()});
+  for (const FieldSite& site : kept.sites) {
+    out.add(site.place.facet);
+    for (const auto* part : {&site.place.at, &site.normal}) pack(out, *part);
+    pack(out, site.stiffness);
+    pack(out, site.own);
+  }
+  const Bytes packed = out.take();
+  std::string bytes(packed.begin(), packed.end());
+  return bytes + Sha256().add(bytes).hex();
+}
+
+std::optional<KeptField> field_of_bytes(std::string_view bytes) {
+  if (bytes.size() < field_magic.size() + field_digest || !bytes.starts_with(field_magic)) return {};
+  const std::string_view sum = bytes.substr(bytes.size() - field_digest);
+  bytes.remove_suffix(field_digest);
+  if (Sha256().add(bytes).hex() != sum) return {};
+  bytes.remove_prefix(field_magic.size());
+  KeptField kept;
+  try {
+    Unpacker in(Bytes(bytes.begin(), bytes.end()));
+    kept.compliance = in.values<double>();
+    for (auto left = in.number<std::uint64_t>(); left > 0; --left) {
+      FieldSite& site = kept.sites.emplace_back();
+      site.place.facet = in.number<std::int32_t>();
+      for (auto* part : {&site.place.at, &site.normal}) unpack(in, *part);
+      unpack(in, site.stiffness);
+      unpack(in, site.own);
+    }
+    if (in.left() > 0) return {};
+  } catch (const MalformedMessage&) {
+    return {};
+  }
+  return kept;
+}
+
+std::optional<KeptField> read_field(const fs::path& file) {
+  std::ifstream in(file, std::ios::binary);
+  if (file.empty() || !in) return {};
+  std::ostringstream bytes;
+  bytes << in.rdbuf();
+  std::optional<KeptField> kept = field_of_bytes(bytes.view());
+  if (!kept) warn({}, file.string() + ": has a wrong checksum: it is computed anew");
+  return kept;
+}
+
+void keep_field(const fs::path& file, const SiteField& field) {
+  if (file.empty()) return;
+  try {
+    write_whole(file, bytes_of({field.rest().compliance(), field.sites()}));
+  } catch (const std::exception&) {  // for example a full disk; it is computed again next time
+  }
+}
+
+}  // namespace
+
+FieldFound find_field(const Scene& scene, const Globals& globals, const std::stop_token& stop) {
+  const auto start = std::chrono::steady_clock::now();
+  SiteFieldOptions options;
+  options.threads = globals.threads > 0 ? globals.threads : omp_get_max_threads();
+  options.spacing = scene.touch.anywhere->site_spacing.value_or(options.spacing);
+  const std::shared_ptr<const FineBodies>& fine = scene.touch.anywhere->fine;
+  const auto body = fine ? std::shared_ptr<const Body>(fine, &fine->first) : scene.body;
+  const fs::path file = file_of_field(scene, options.spacing);
+  FieldFound found;
+  if (const std::optional<KeptField> kept = read_field(file)) {
+    const auto rest = std::make_shared<const RestSites>(body, options.threads, kept->compliance);
+    found.field = std::make_shared<const SiteField>(rest, options, kept->sites);
+    found.kept = true;
+  } else {
+    Progress progress(globals, "Field at rest");
+    progress.show("compliance of the surface");
+    const auto rest = std::make_shared<const RestSites>(body, options.threads);
+    progress.phase("Field at rest, jets");
+    found.field = std::make_shared<const SiteField>(
+        rest, options, [&](double share) { progress.show(share, "sites"); }, stop);
+    if (!stop.stop_requested()) keep_field(file, *found.field);
+  }
+  found.seconds = seconds_since(start);
+  return found;
+}
+
+std::shared_ptr<const SiteField> site_field_of(const Scene& scene, const Globals& globals,
+                                               const std::stop_token& stop) {
+  return find_field(scene, globals, stop).field;
+}
+
+}  // namespace forefeel

@@ -1,0 +1,95 @@
+// generate, export, import and evaluate with sites: scenes with contact.anywhere.
+#include <catch2/catch.hpp>
+#include <cmath>
+#include <string>
+
+#include "geometry/states/energy_jet.hpp"
+#include "geometry/states/state_file.hpp"
+#include "tests/support/executable.hpp"
+
+using namespace forefeel;
+using test::check_refused;
+using test::Workshop;
+
+namespace {
+
+// The beam of 10 x 2 x 2 cm, clamped at x = 0. law: linear, or another.
+std::string beam(const std::string& law) {
+  return "[body]\nphantom = \"beam\"\nelements = 240\n[material]\nlaw = \"" + law +
+         "\"\nyoung = 5000.0\npoisson = 0.3\n[contact]\nanywhere = true\npad = 400.0\nradius = 0.012\n"
+         "[state_space]\ndepth = 0.004\n";
+}
+
+}  // namespace
+
+TEST_CASE("generate makes the field and measures it; of a linear body it is exact") {
+  const Workshop shop;
+  for (const std::string law : {"linear", "neo-hookean"}) {
+    shop.write(law + ".toml", beam(law));
+    const Workshop::Outcome run =
+        shop.forefeel("generate " + law + ".toml -o " + law + ".states --json --error 0.02");
+    INFO(run.err);
+    REQUIRE(run.code == 0);
+    const nlohmann::json said = run.json();
+    CHECK(said["states"] == 100);
+    CHECK(said["solved"] == 100);
+    CHECK(said["failed"] == 0);
+    const auto p95 = said["error"]["p95"].get<double>();
+    CHECK(p95 < (law == "linear" ? 1e-6 : 0.02));
+    CHECK(p95 > 0);
+    const std::vector<State> states = load_states(shop.path() / (law + ".states")).states;
+    CHECK(states.size() == said["sites"].get<std::size_t>() + 100);
+    for (const State& state : states) {
+      CHECK(state.has_site());
+      if (!state.at.isZero()) continue;
+      CHECK(state.has_stiffness());
+      REQUIRE(state.jet);
+      if (law == "linear") CHECK(std::abs(state.jet->coefficients[0]) < 1e-6 * state.stiffness.norm());
+    }
+    const nlohmann::json again =
+        shop.forefeel("generate " + law + ".toml -o " + law + ".states --json").json();
+    CHECK(again["solved"] == 0);
+    CHECK(again["states"] == 100);
+    CHECK(again["field_kept"] == true);
+    CHECK(again["error"]["p95"].get<double>() == p95);
+  }
+  const Workshop::Outcome refused =
+      shop.forefeel("generate neo-hookean.toml -o neo-hookean.states --error 1e-7 --json");
+  CHECK(refused.code == 1);
+  CHECK_THAT(refused.err, Catch::Contains("--error 1e-07"));
+}
+
+TEST_CASE("evaluate answers at sites; export and import keep them") {
+  const Workshop shop;
+  shop.write("beam.toml", beam("neo-hookean"));
+  REQUIRE(shop.forefeel("generate beam.toml -o b.states --where 0.08/0.01/0.02/0.02").code == 0);
+  for (const State& state : load_states(shop.path() / "b.states").states)
+    if (!state.at.isZero()) CHECK((state.site - Vec3(0.08, 0.01, 0.02)).norm() <= 0.02);
+  shop.write("q.csv", "sx,sy,sz,x,y,z\n0.07,0.008,0.021,0.0005,0.001,-0.003\n");
+  const Workshop::Outcome run = shop.forefeel("evaluate b.states --scene beam.toml --points q.csv --json");
+  INFO(run.err);
+  REQUIRE(run.code == 0);
+  const nlohmann::json found = run.json();
+  CHECK(found["states"] == 100);
+  CHECK(found["error"]["p95"].get<double>() < 0.01);
+  const nlohmann::json solved =
+      shop.forefeel("solve beam.toml --site=0.07,0.008,0.021 --at=0.0005,0.001,-0.003 --json").json();
+  double difference = 0, size = 0;
+  for (std::size_t k = 0; k < 3; ++k) {
+    const auto force = solved["states"][0]["force"][k].get<double>();
+    difference += std::pow(force - found["forces"][0]["force"][k].get<double>(), 2), size += force * force;
+  }
+  CHECK(difference < 1e-4 * size);
+  CHECK(shop.forefeel("evaluate b.states --scene beam.toml --points q.csv -o f.csv").code == 0);
+  REQUIRE(shop.forefeel("export b.states -o b.csv").code == 0);
+  REQUIRE(shop.forefeel("import b.csv -o c.states --spacing 0.01").code == 0);
+  CHECK(load_states(shop.path() / "c.states").states.size() ==
+        load_states(shop.path() / "b.states").states.size());
+  CHECK(shop.forefeel("evaluate c.states --scene beam.toml --points q.csv --json").json()["error"] ==
+        found["error"]);
+  check_refused(shop, "evaluate b.states --points q.csv", {"--scene", "contact.anywhere"});
+  check_refused(shop, "evaluate b.states --scene beam.toml --points q.csv --set material.young=6000",
+                {"b.states", "material"});
+  check_refused(shop, "generate beam.toml -o d.states --where 0.08/0.01/0.02", {"--where", "x/y/z/radius"});
+  check_refused(shop, "generate beam.toml -o d.states --where 0.0/0.01/0.01/0.001", {"--where", "no part"});
+}
