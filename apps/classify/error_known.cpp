@@ -5,7 +5,7 @@
 #include <algorithm>
 
 #include "apps/evaluate/offline_bars.hpp"
-#include "apps/scene/scene_tolerance.hpp"
+#include "apps/scene/scene_spacing.hpp"
 #include "geometry/common/error.hpp"
 #include "scheduling/motion/halton.hpp"
 

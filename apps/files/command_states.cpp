@@ -9,7 +9,7 @@
 #include "apps/console/commands.hpp"
 #include "apps/console/console.hpp"
 #include "apps/console/json.hpp"
-#include "apps/scene/spacing_check.hpp"
+#include "apps/console/spacing_check.hpp"
 #include "geometry/common/error.hpp"
 #include "geometry/common/output_file.hpp"
 #include "geometry/common/scanner.hpp"

@@ -9,9 +9,9 @@
 #include "apps/console/document_keys.hpp"
 #include "apps/console/json.hpp"
 #include "apps/console/outputs.hpp"
+#include "apps/scene/palpation_map.hpp"
 #include "apps/scene/scene_anywhere.hpp"
 #include "apps/scene/scene_contact.hpp"
-#include "apps/sites/field_note.hpp"
 #include "solver/body/fine_jet.hpp"
 
 namespace forefeel {

@@ -19,7 +19,6 @@
 #include "apps/console/outputs.hpp"
 #include "apps/console/values.hpp"
 #include "apps/scene/scene_anywhere.hpp"
-#include "apps/sites/sited_body.hpp"
 #include "geometry/common/error.hpp"
 #include "geometry/common/output_file.hpp"
 #include "geometry/mesh/tet_mesh.hpp"

@@ -15,10 +15,10 @@
 #include "apps/console/outputs.hpp"
 #include "apps/console/provenance.hpp"
 #include "apps/generate/kept_states.hpp"
+#include "apps/scene/field_check.hpp"
 #include "apps/scene/scene_anywhere.hpp"
+#include "apps/scene/scene_field.hpp"
 #include "apps/scene/scene_fine.hpp"
-#include "apps/sites/field_check.hpp"
-#include "apps/sites/scene_field.hpp"
 #include "geometry/common/error.hpp"
 #include "geometry/states/state_file.hpp"
 

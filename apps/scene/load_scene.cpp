@@ -5,6 +5,7 @@
 #include <algorithm>
 #include <cmath>
 
+#include "apps/console/spacing_check.hpp"
 #include "apps/scene/cache_folder.hpp"
 #include "apps/scene/scene_anywhere.hpp"
 #include "apps/scene/scene_body.hpp"
@@ -13,9 +14,8 @@
 #include "apps/scene/scene_hand.hpp"
 #include "apps/scene/scene_materials.hpp"
 #include "apps/scene/scene_nodes.hpp"
-#include "apps/scene/scene_tolerance.hpp"
+#include "apps/scene/scene_spacing.hpp"
 #include "apps/scene/session_rows.hpp"
-#include "apps/scene/spacing_check.hpp"
 #include "geometry/common/sha256.hpp"
 #include "geometry/states/energy_jet.hpp"
 #include "scheduling/workers/generator.hpp"

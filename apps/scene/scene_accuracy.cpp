@@ -13,7 +13,6 @@
 #include "apps/console/interrupt.hpp"
 #include "apps/console/json.hpp"
 #include "apps/scene/cache_folder.hpp"
-#include "apps/scene/kept_json.hpp"
 #include "geometry/common/error.hpp"
 #include "geometry/common/sha256.hpp"
 #include "solver/body/contact_stiffness.hpp"

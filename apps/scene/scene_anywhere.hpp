@@ -5,6 +5,7 @@
 #include <memory>
 #include <span>
 #include <string>
+#include <vector>
 
 #include "apps/scene/scene.hpp"
 #include "apps/scene/scene_table.hpp"
@@ -24,5 +25,18 @@ std::string anywhere_in_words(const Pad& pad);
 // A place of the unclamped surface, where the pad of such a scene stands until it is put elsewhere. InputError at
 // `where` if all of the surface is clamped.
 Vec3 free_site(const Body& body, const InputPlace& where);
+
+// ---- The body of a scene with contact.anywhere = true, with its pad at one place.
+
+// The body with its pad at the place of the surface that is nearest to `wanted` [m]; corrected by the fine body's jet
+// there, if the scene has one.
+struct SitedBody {
+  std::shared_ptr<const Body> body;
+  double clamped_share = 0;           // of the springs, carried by clamped nodes
+  std::vector<std::string> warnings;  // of the pad there
+};
+// InputError at --site: the place is on a clamped facet, or farther from the surface than the body is long. quiet: no
+// progress line.
+SitedBody put_at(const Scene& scene, const Vec3& wanted, bool quiet = true);
 
 }  // namespace forefeel

@@ -14,7 +14,6 @@
 
 #include "apps/console/console.hpp"
 #include "apps/scene/cache_folder.hpp"
-#include "apps/scene/kept_json.hpp"
 #include "geometry/common/sha256.hpp"
 #include "solver/body/body_digest.hpp"
 #include "solver/body/refined_body.hpp"

@@ -2,9 +2,13 @@
 // `spacing = "auto"` of a scene (scheduling/placement/auto_spacing.hpp), computed once per body, box, model
 // and tolerance and kept in the cache folder.
 
+#include <filesystem>
 #include <nlohmann/json_fwd.hpp>
+#include <optional>
+#include <span>
 #include <string>
 
+#include "geometry/common/tolerance.hpp"
 #include "geometry/states/state_file.hpp"
 #include "scheduling/placement/auto_spacing.hpp"
 
@@ -27,5 +31,15 @@ SpacingChoice automatic_spacing(const std::shared_ptr<const Body>& body, const B
 
 std::string in_words(const SpacingChoice& choice);
 nlohmann::ordered_json to_json(const SpacingChoice& choice);
+
+// ---- Reads state_space.tolerance of a scene: a share of the force (0.07) or a force in newtons ("0.07 N").
+
+class SceneTable;
+
+// From the table [state_space]; nullopt if the key is missing. InputError for a value that is not a tolerance above 0.
+std::optional<Tolerance> read_tolerance(const SceneTable& state_space);
+// From a scene file with its overrides. Reads no other key.
+std::optional<Tolerance> written_tolerance(const std::filesystem::path& file,
+                                           std::span<const std::string> overrides);
 
 }  // namespace forefeel

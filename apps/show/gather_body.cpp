@@ -3,11 +3,11 @@
 #include <algorithm>
 #include <utility>
 
+#include "apps/scene/palpation_map.hpp"
 #include "apps/scene/scene_body.hpp"
+#include "apps/scene/scene_field.hpp"
 #include "apps/show/gather_pad.hpp"
 #include "apps/show/gather_regions.hpp"
-#include "apps/sites/palpation_map.hpp"
-#include "apps/sites/scene_field.hpp"
 
 namespace forefeel {
 namespace {

@@ -4,8 +4,8 @@
 #include <optional>
 #include <vector>
 
+#include "apps/scene/palpation_map.hpp"
 #include "apps/show/show_content.hpp"
-#include "apps/sites/palpation_map.hpp"
 #include "solver/body/body.hpp"
 
 namespace forefeel {

@@ -5,11 +5,10 @@
 
 #include "apps/console/console.hpp"
 #include "apps/scene/cache_folder.hpp"
+#include "apps/scene/palpation_map.hpp"
 #include "apps/scene/scene_anywhere.hpp"
+#include "apps/scene/scene_field.hpp"
 #include "apps/scene/scene_fine.hpp"
-#include "apps/sites/palpation_map.hpp"
-#include "apps/sites/scene_field.hpp"
-#include "apps/sites/sited_body.hpp"
 #include "solver/body/fine_jet.hpp"
 #include "solver/equilibrium/solver.hpp"
 #include "tests/support/executable.hpp"

@@ -3,7 +3,6 @@
 #include <string>
 
 #include "apps/scene/scene_anywhere.hpp"
-#include "apps/sites/sited_body.hpp"
 #include "solver/equilibrium/solver.hpp"
 #include "tests/support/executable.hpp"
 

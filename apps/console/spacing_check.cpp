@@ -1,4 +1,4 @@
-#include "apps/scene/spacing_check.hpp"
+#include "apps/console/spacing_check.hpp"
 
 #include <fmt/format.h>
 

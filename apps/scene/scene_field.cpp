@@ -1,4 +1,4 @@
-#include "apps/sites/scene_field.hpp"
+#include "apps/scene/scene_field.hpp"
 
 #include <omp.h>
 

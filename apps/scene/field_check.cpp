@@ -1,4 +1,4 @@
-#include "apps/sites/field_check.hpp"
+#include "apps/scene/field_check.hpp"
 
 #include <fmt/format.h>
 
