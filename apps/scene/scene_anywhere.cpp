@@ -3,6 +3,7 @@
 #include <fmt/format.h>
 
 #include <algorithm>
+#include <utility>
 
 #include "apps/scene/scene_fine.hpp"
 #include "apps/scene/scene_nodes.hpp"
@@ -17,8 +18,12 @@ constexpr const char* without_place = ", anywhere";
 std::shared_ptr<const FineJet> fine_jet_at(const Scene& scene, const Body& body, bool quiet) {
   FineBodies fine = *scene.touch.anywhere->fine;
   fine.first.pad->site = nearest_site(fine.first.mesh, body.pad->site);
-  if (fine.second) fine.second->pad->site = nearest_site(fine.second->mesh, body.pad->site);
-  return fine_jet_of(body, fine, {.file = scene.source.file.string(), .key = "body.fine"}, quiet);
+  fine.make = [make = fine.make, site = body.pad->site](std::size_t elements) {
+    Body other = make(elements);
+    other.pad->site = nearest_site(other.mesh, site);
+    return other;
+  };
+  return fine_jet_of(body, std::move(fine), {.file = scene.source.file.string(), .key = "body.fine"}, quiet);
 }
 
 }  // namespace
