@@ -2,13 +2,14 @@
 
 #include <algorithm>
 #include <cmath>
+#include <iterator>
+#include <limits>
 #include <span>
 #include <vector>
 
 #include "approx/methods/evaluate.hpp"
 #include "geometry/common/error.hpp"
 #include "geometry/common/quantiles.hpp"
-#include "geometry/coverage/state_space.hpp"
 #include "scheduling/common/session_result.hpp"
 #include "scheduling/session/session_plan.hpp"
 
@@ -16,6 +17,7 @@ namespace forefeel {
 namespace {
 
 constexpr std::size_t most_bars = 100;      // places at which bars are made, each
+constexpr std::size_t most_frames = 5000;   // whose distances are taken
 constexpr std::size_t most_known = 20'000;  // states; with more the choice of a model takes minutes
 constexpr std::size_t level = 1;            // of bar_levels: 95 %
 
@@ -40,19 +42,15 @@ double median_bar(std::span<const State> states, std::span<const Vec3> at) {
 
 SessionSummary::AwayFromStates away_from_states(const SessionResult& result, const SessionPlan& plan) {
   SessionSummary::AwayFromStates away;
-  StateSpace space(plan.input.touched.space);
   std::vector<State> states;
-  for (const State& state : plan.input.known) {
-    if (!state.usable()) continue;
-    space.insert(state);
-    states.push_back(state);
-  }
+  std::ranges::copy_if(plan.input.known, std::back_inserter(states), &State::usable);
   if (!plan.input.foreign || states.empty() || result.frames.empty()) return away;
   std::vector<double> distances;
-  std::vector<StateId> nearest;
-  for (const FrameRecord& frame : result.frames) {
-    space.nearest(frame.at, 1, nearest);
-    distances.push_back((space[nearest.front()].at - frame.at).norm());
+  const std::size_t stride = 1 + result.frames.size() / most_frames;
+  for (std::size_t i = 0; i < result.frames.size(); i += stride) {
+    double least = std::numeric_limits<double>::infinity();
+    for (const State& state : states) least = std::min(least, (state.at - result.frames[i].at).squaredNorm());
+    distances.push_back(std::sqrt(least));
   }
   away.farthest = *std::ranges::max_element(distances);
   away.median = median(std::move(distances));
