@@ -16,10 +16,10 @@
 namespace forefeel {
 namespace {
 
-constexpr std::size_t most_bars = 100;      // places at which bars are made, each
-constexpr std::size_t most_frames = 5000;   // whose distances are taken
-constexpr std::size_t most_known = 20'000;  // states; with more the choice of a model takes minutes
-constexpr std::size_t level = 1;            // of bar_levels: 95 %
+constexpr std::size_t most_bars = 100;       // places at which bars are made, each
+constexpr std::size_t most_compared = 5000;  // whose distances are taken
+constexpr std::size_t most_known = 20'000;   // states; with more the choice of a model takes minutes
+constexpr std::size_t level = 1;             // of bar_levels: 95 %
 
 // Every so many of n, at most `most_bars` of them.
 std::vector<std::size_t> evenly(std::size_t n) {
@@ -46,7 +46,7 @@ SessionSummary::AwayFromStates away_from_states(const SessionResult& result, con
   std::ranges::copy_if(plan.input.known, std::back_inserter(states), &State::usable);
   if (!plan.input.foreign || states.empty() || result.frames.empty()) return away;
   std::vector<double> distances;
-  const std::size_t stride = 1 + result.frames.size() / most_frames;
+  const std::size_t stride = 1 + result.frames.size() / most_compared;
   for (std::size_t i = 0; i < result.frames.size(); i += stride) {
     double least = std::numeric_limits<double>::infinity();
     for (const State& state : states) least = std::min(least, (state.at - result.frames[i].at).squaredNorm());
