@@ -169,6 +169,11 @@ SolveResult solve(const Globals& globals, const SolveArguments& arguments, const
                      .jet = jet};
   if (!arguments.discretisation_error) return result;
   result.discretisation_errors = discretisation_errors(scene, result.outcomes);
+  for (std::size_t i = 0; i < result.outcomes.size(); ++i) {
+    SolveOutcome& outcome = result.outcomes[i];
+    std::string why = why_no_error(*scene.body, outcome.state, result.discretisation_errors[i]);
+    if (!why.empty()) outcome.warnings.push_back(std::move(why));
+  }
   return result;
 }
 

@@ -165,4 +165,15 @@ std::vector<ForceError> mesh_errors(const Body& body, std::span<const State> sta
   return errors;
 }
 
+std::string why_no_error(const Body& body, const State& state, const ForceError& error) {
+  if (std::isfinite(error.error) || !state.usable() || !(state.at.norm() > 0)) return {};
+  if (!body.fine) return "no discretisation error: the finer body has no equilibrium here";
+  const double reach = FineJet::trusted_share * body.fine->radius();
+  if (state.at.norm() > reach)
+    return fmt::format("no discretisation error: the fine body corrects forces to {:.3g} mm from rest only",
+                       1e3 * reach);
+  return body.fine->solved() ? "no discretisation error: the quadratic body has no equilibrium here"
+                             : "no discretisation error: no finer body than the fine one can be made";
+}
+
 }  // namespace forefeel

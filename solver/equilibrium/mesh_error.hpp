@@ -63,4 +63,7 @@ MeshError mesh_error(const std::shared_ptr<const Body>& body, std::span<const Ve
 // where a fine jet claims nothing.
 std::vector<ForceError> mesh_errors(const Body& body, std::span<const State> states, double spacing);
 
+// One line for a state that is solved, away from rest and without an error; empty otherwise.
+std::string why_no_error(const Body& body, const State& state, const ForceError& error);
+
 }  // namespace forefeel

@@ -119,3 +119,46 @@ TEST_CASE("a kept value that was altered is measured again") {
   CHECK(run_json(shop, "cache --empty")["foreign"] == 0);
   CHECK(kept(shop).empty());
 }
+
+TEST_CASE(
+    "beside a fine body the error has an interval that holds a solved one, and beyond its reach a reason") {
+  const Workshop shop;
+  shop.write("ball.toml", R"([body]
+phantom = "ball"
+elements = 500
+fine = { elements = 300 }
+[material]
+law = "neo-hookean"
+young = 5000.0
+poisson = 0.4
+[clamp]
+group = "clamp"
+[contact]
+pad = 1000.0
+[state_space]
+spacing = 0.01
+box = [[-0.02, -0.02, -0.02], [0.02, 0.02, 0.02]]
+)");
+  const auto solved = [&](const std::string& more) {
+    return run_json(shop, "solve ball.toml" + more)["states"];
+  };
+  const std::string at = " --at=0.006,0,-0.012";
+  const json states = solved(at + " --at=0,0,-0.045 --discretisation-error");
+  // a mesh that is neither the fine body's nor the one it is compared with
+  const json truth =
+      solved(at + " --set body.element=quadratic --set body.fine=false --set body.elements=3500")[0];
+  double difference = 0, norm = 0;
+  for (int i = 0; i < 3; ++i) {
+    const double f = states[0]["force"][i], g = truth["force"][i];
+    difference += (f - g) * (f - g);
+    norm += g * g;
+  }
+  const double error = std::sqrt(difference / norm);
+  CHECK(states[0]["discretisation_interval"][0].get<double>() <= error);
+  CHECK(error <= states[0]["discretisation_interval"][1].get<double>());
+  CHECK(states[0]["discretisation_error"].get<double>() == Approx(error).epsilon(0.5));
+  CHECK(states[0]["warnings"].empty());
+  CHECK(states[1]["discretisation_error"].is_null());
+  REQUIRE(states[1]["warnings"].size() == 1);
+  CHECK_THAT(states[1]["warnings"][0].get<std::string>(), Catch::Contains("from rest only"));
+}
