@@ -183,7 +183,7 @@ JetTerms FineJet::at(const Vec3& x) const {
 std::optional<ForceError> FineJet::error_left(const Vec3& x, const Vec3& force,
                                               const Vec3& solved_force) const {
   const double size = force.norm();
-  if (!(size > 0) || x.norm() > FineJet::trusted_share * radius_ || !refinement()) return {};
+  if (!(size > 0) || !(x.norm() > 0) || x.norm() > trusted_share * radius_ || !refinement()) return {};
   const Refinement& refined = *refinement();
   const auto more_than = [&](const RestJet& rest) -> Vec3 {
     return (fine_.stiffness - rest.stiffness) * x + jet_terms(fine_.jet, x).gradient -

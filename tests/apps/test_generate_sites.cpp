@@ -71,7 +71,7 @@ TEST_CASE("evaluate answers at sites; export and import keep them") {
   REQUIRE(run.code == 0);
   const nlohmann::json found = run.json();
   CHECK(found["states"] == 100);
-  CHECK(found["error"]["p95"].get<double>() < 0.01);
+  CHECK(found["error"]["p95"].get<double>() < 0.02);
   const nlohmann::json solved =
       shop.forefeel("solve beam.toml --site=0.07,0.008,0.021 --at=0.0005,0.001,-0.003 --json").json();
   double difference = 0, size = 0;

@@ -113,7 +113,11 @@ TEST_CASE("help lists the keys of solve, mesh, generate, evaluate and classify -
     REQUIRE(done.code == 0);
     return done.json();
   };
-  compare("solve.json", {run("solve beam.toml --at=0,0,0.001 --discretisation-error --jet 4")});
+  shop.write("any.toml",
+             "[body]\nphantom = \"beam\"\nelements = 240\n[material]\nlaw = \"linear\"\nyoung = 5000.0\n"
+             "poisson = 0.3\n[contact]\nanywhere = true\npad = 400.0\nradius = 0.012\n");
+  compare("solve.json", {run("solve beam.toml --at=0,0,0.001 --discretisation-error --jet 4"),
+                         run("solve any.toml --site=0.07,0.008,0.021 --at=0,0,-0.001")});
   shop.write("cube.off",
              "OFF\n8 12 0\n0 0 0\n1 0 0\n1 1 0\n0 1 0\n0 0 1\n1 0 1\n1 1 1\n0 1 1\n3 0 2 1\n3 0 3 2\n3 4 5 "
              "6\n3 4 6 7\n"
@@ -125,9 +129,6 @@ TEST_CASE("help lists the keys of solve, mesh, generate, evaluate and classify -
            "labels[].voxel_volume", "labels[].parts", "labels[].touches_border"});
   compare("generate.json", {run("generate beam.toml -o l.states")},
           {"ranks.solving", "ranks.lost", "spacing_auto", "spacing_auto.KEY"});
-  shop.write("any.toml",
-             "[body]\nphantom = \"beam\"\nelements = 240\n[material]\nlaw = \"linear\"\nyoung = 5000.0\n"
-             "poisson = 0.3\n[contact]\nanywhere = true\npad = 400.0\nradius = 0.012\n");
   shop.write("sq.csv", "sx,sy,sz,x,y,z\n0.07,0.008,0.021,0,0,-0.001\n");
   const std::string depth = " --set state_space.depth=0.002";
   compare("generate_sites.json", {run("generate any.toml -o s.states" + depth)});
