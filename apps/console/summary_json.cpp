@@ -31,8 +31,7 @@ const JsonKeys<SessionSummary>& extra_keys() {
        [](const S&) {
          return json_numbers({0.90, 0.95, 0.99});
        }},
-      {"discretisation_interval", "1",
-       "[low, high]: an interval that holds discretisation_error; high null: not known",
+      {"discretisation_interval", "1", "[low, high]: an interval that holds the true error; null: not known",
        [](const S& s) {
          return json_numbers({s.error.mesh.low, s.error.mesh.high});
        }},

@@ -257,7 +257,7 @@ const JsonKeys<SolveResult>& solve_keys() {
        "with --discretisation-error: what the mesh itself gets wrong, relative; null: not measured",
        [](const S& s) { return s.mesh ? std::optional(s.mesh->error) : std::nullopt; }},
       {"discretisation_interval", "1",
-       "with --discretisation-error: [low, high], an interval that holds it; high null: not known",
+       "with --discretisation-error: [low, high], an interval that holds the true error; null: not known",
        [](const S& s) {
          return s.mesh ? std::optional(json_numbers({s.mesh->low, s.mesh->high})) : std::nullopt;
        }}};

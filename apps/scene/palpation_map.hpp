@@ -6,7 +6,6 @@
 #include <vector>
 
 #include "apps/console/document_keys.hpp"
-#include "apps/scene/palpation_map.hpp"
 #include "apps/scene/scene_field.hpp"
 #include "solver/sites/rest_sites.hpp"
 
@@ -32,8 +31,7 @@ struct StiffnessRange {
 std::optional<StiffnessRange> range_over(const std::vector<SurfaceStiffness>& map,
                                          double SurfaceStiffness::*which);
 
-// ---- The field of a scene with contact.anywhere, in figures: what `info SCENE` and summaries say of it.
-
+// What `info SCENE` and summaries say of the field of a scene with contact.anywhere.
 struct FieldNote {
   std::size_t sites = 0;
   double spacing = 0;                             // of the sites [m]

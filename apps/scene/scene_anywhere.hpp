@@ -26,8 +26,6 @@ std::string anywhere_in_words(const Pad& pad);
 // `where` if all of the surface is clamped.
 Vec3 free_site(const Body& body, const InputPlace& where);
 
-// ---- The body of a scene with contact.anywhere = true, with its pad at one place.
-
 // The body with its pad at the place of the surface that is nearest to `wanted` [m]; corrected by the fine body's jet
 // there, if the scene has one.
 struct SitedBody {

@@ -104,7 +104,7 @@ MeshError scene_mesh_error(const Scene& scene, const fs::path& folder, std::stop
 std::string measured_by(const MeshError& e) {
   if (e.positions == 0) return "not measured: " + e.why;
   const char* const what = e.method == MeshErrorMethod::rest   ? "displacements by the rest stiffness of"
-                           : e.method == MeshErrorMethod::fine ? "positions between"
+                           : e.method == MeshErrorMethod::fine ? "positions by"
                                                                : "equilibria of";
   return fmt::format("{} {} {}", e.positions, what, e.finer);
 }
@@ -125,7 +125,7 @@ const JsonKeys<MeshError>& mesh_error_keys() {
   static const JsonKeys<MeshError> keys{
       {"discretisation_error", "1", "what the mesh itself gets wrong, relative; null: not measured",
        &MeshError::error},
-      {"discretisation_interval", "1", "[low, high]: an interval that holds it; high null: not known",
+      {"discretisation_interval", "1", "[low, high]: an interval that holds the true error; null: not known",
        [](const MeshError& e) {
          return json_numbers({e.low, e.high});
        }},

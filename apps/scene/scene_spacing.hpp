@@ -1,6 +1,7 @@
 #pragma once
 // `spacing = "auto"` of a scene (scheduling/placement/auto_spacing.hpp), computed once per body, box, model
-// and tolerance and kept in the cache folder.
+// and tolerance and kept in the cache folder; and state_space.tolerance, a share of the force (0.07) or a force in
+// newtons ("0.07 N").
 
 #include <filesystem>
 #include <nlohmann/json_fwd.hpp>
@@ -31,8 +32,6 @@ SpacingChoice automatic_spacing(const std::shared_ptr<const Body>& body, const B
 
 std::string in_words(const SpacingChoice& choice);
 nlohmann::ordered_json to_json(const SpacingChoice& choice);
-
-// ---- Reads state_space.tolerance of a scene: a share of the force (0.07) or a force in newtons ("0.07 N").
 
 class SceneTable;
 

@@ -65,7 +65,8 @@ void by_fine_jet(Solver& solver, Solver& quadratic, std::span<const Vec3> positi
 
 MeshError fine_mesh_error(const std::shared_ptr<const Body>& body, std::span<const Vec3> positions,
                           const MeshErrorOptions& options) {
-  MeshError found{.method = MeshErrorMethod::fine, .finer = "two fine bodies"};
+  MeshError found{.method = MeshErrorMethod::fine,
+                  .finer = "a finer body and a quadratic one that is solved"};
   const std::shared_ptr<const Body> quadratic = body->fine->solved();
   if (quadratic) {
     Solver solver(body), other(quadratic);
