@@ -23,7 +23,8 @@ CacheContent cache_content(const std::filesystem::path& folder);
 // Removes the files of the cache but for those in use. Counts what was removed, and what was in use.
 CacheContent empty_cache(const std::filesystem::path& folder);
 
-// A result that the cache folder keeps as JSON, with a checksum. Nothing where the file is missing, incomplete or altered, or the path is empty: the result is then computed again.
+// A result that the cache folder keeps as JSON, with a checksum. Nothing where the file is missing, incomplete or
+// altered, or the path is empty: the result is then computed again.
 std::optional<nlohmann::ordered_json> read_kept(const std::filesystem::path& file);
 // Keeps nothing where the path is empty or the file cannot be written.
 void keep(const std::filesystem::path& file, nlohmann::ordered_json result);
