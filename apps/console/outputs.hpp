@@ -21,5 +21,6 @@ DeclaredTable coverage_output();        // classify -o with positions
 DeclaredTable left_out_output();        // classify --bars -o NAME.vtu
 DeclaredTable info_scene_output();      // info SCENE --json
 DeclaredTable summary_output();         // summary.json of a session
+DeclaredTable touch_summary_output();   // the same with contact.anywhere
 
 }  // namespace forefeel

@@ -14,16 +14,12 @@
 #include "solver/equilibrium/solver.hpp"
 
 namespace forefeel {
-namespace {
-
 bool holds(const SurfacePart& part, const SurfaceMap& map, const SurfacePlace& place) {
   if (part.ball && !((place.at - part.ball->first).norm() <= part.ball->second)) return false;
   return part.nodes.empty() || std::ranges::all_of(map.facet(place).corners, [&](NodeIndex node) {
            return std::ranges::binary_search(part.nodes, node);
          });
 }
-
-}  // namespace
 
 SurfacePart surface_part(const std::string& text, const Body& body, const std::string& where) {
   SurfacePart part;

@@ -22,6 +22,7 @@ struct SurfacePart {
 };
 // "x/y/z/radius", or the name of a node group of the body; empty: all. InputError at `where`.
 SurfacePart surface_part(const std::string& text, const Body& body, const std::string& where);
+bool holds(const SurfacePart& part, const SurfaceMap& map, const SurfacePlace& place);
 
 // A displacement at a site; both in the axes of the mesh [m].
 struct SitedPlace {

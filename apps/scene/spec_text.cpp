@@ -21,10 +21,13 @@ namespace {
 
 std::vector<Declared> path_settings() {
   const PathMotion motion;
-  return {{"speed", "m/s", fmt::format("{}", usual_speed), "speed along the path"},
-          {"amplitude", "m", "fits the box", "distance of the path's farthest point from rest"},
-          {"tremor", "m", fmt::format("{}", motion.tremor), "RMS per axis of a tremor of 8 to 12 Hz"},
-          {"noise", "m", fmt::format("{}", motion.noise), "RMS per axis of white noise"}};
+  return {
+      {"speed", "m/s", fmt::format("{}", usual_speed), "speed along the path"},
+      {"amplitude", "m", "fits the box", "distance of the path's farthest point from rest"},
+      {"tremor", "m", fmt::format("{}", motion.tremor), "RMS per axis of a tremor of 8 to 12 Hz"},
+      {"noise", "m", fmt::format("{}", motion.noise), "RMS per axis of white noise"},
+      {"depth", "m", "0.6 of state_space.depth", "with contact.anywhere: into the body"},
+      {"where", "", "all", "with contact.anywhere: part of the surface, x/y/z/radius [m] or a node group"}};
 }
 
 std::vector<Declared> trait_settings() {
@@ -55,6 +58,10 @@ std::vector<Declared> trace_settings() {
   return {
       {"scale", "1", fmt::format("{}", TraceMotion{}.scale), "factor of the positions in the file"},
       {"offset", "m", "0/0/0", "X/Y/Z, added to the scaled positions"},
+      {"register", "m", "none",
+       "X/Y/Z, with contact.anywhere: the first sample is put on the surface nearest to this, the motion's z "
+       "axis "
+       "along the normal there"},
       {"columns", "", "t/x/y/z",
        "names of the header, or numbers of columns counted from 1; - for a coordinate that is zero; x/y/z "
        "beside a rate"},
@@ -152,6 +159,8 @@ PathMotion take_path(const std::string& name, Parts& parts) {
   motion.amplitude = parts.take_number("amplitude", 1e-6).value_or(motion.amplitude);
   motion.tremor = parts.take_number("tremor", 0).value_or(motion.tremor);
   motion.noise = parts.take_number("noise", 0).value_or(motion.noise);
+  motion.depth = parts.take_number("depth", 1e-6);
+  motion.where = parts.take("where").value_or("");
   check(DeviceSpec(motion, *parts.where.value));
   return motion;
 }
@@ -208,7 +217,7 @@ HandMotion hand_of(Parts parts) {
   return motion;
 }
 
-Vec3 offset_from(const InputPlace& where, std::string text) {
+Vec3 point_from(const InputPlace& where, const char* key, std::string text) {
   std::ranges::replace(text, '/', ' ');
   Vec3 offset;
   const char* at = text.data();
@@ -217,7 +226,7 @@ Vec3 offset_from(const InputPlace& where, std::string text) {
     while (at != end && *at == ' ') ++at;
     const auto [next, error] = std::from_chars(at, end, offset[i]);
     if (error != std::errc{} || !std::isfinite(offset[i]) || (i == 2 && next != end))
-      throw InputError(where, "offset is not X/Y/Z, expected three finite numbers [m]");
+      throw InputError(where, fmt::format("{} is not X/Y/Z, expected three finite numbers [m]", key));
     at = next;
   }
   return offset;
@@ -245,7 +254,8 @@ void take_format(Parts& parts, TraceFormat& format) {
 TraceMotion trace_of(Parts parts) {
   TraceMotion motion{.file = parts.name};
   motion.scale = parts.take_number("scale", -1e9).value_or(motion.scale);
-  if (const auto offset = parts.take("offset")) motion.offset = offset_from(parts.where, *offset);
+  if (const auto offset = parts.take("offset")) motion.offset = point_from(parts.where, "offset", *offset);
+  if (const auto place = parts.take("register")) motion.placed = point_from(parts.where, "register", *place);
   take_format(parts, motion.format);
   parts.reject_rest();
   check(DeviceSpec(motion, *parts.where.value));

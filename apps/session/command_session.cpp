@@ -28,6 +28,7 @@
 #include "apps/console/summary_json.hpp"
 #include "apps/console/tolerance_json.hpp"
 #include "apps/scene/given_states.hpp"
+#include "apps/scene/scene_anywhere.hpp"
 #include "apps/scene/scene_contact.hpp"
 #include "apps/scene/scene_mesh_error.hpp"
 #include "apps/session/away_from_states.hpp"
@@ -36,6 +37,7 @@
 #include "apps/session/session_folder.hpp"
 #include "apps/session/session_shapes.hpp"
 #include "apps/session/session_states.hpp"
+#include "apps/session/touch_command.hpp"
 #include "geometry/common/error.hpp"
 #include "geometry/common/output_file.hpp"
 #include "scheduling/motion/prediction_score.hpp"
@@ -237,7 +239,8 @@ int ended(const Globals& globals, const SessionSummary& summary, int code) {
 int run_session_command(const Globals& globals, const SessionArguments& given,
                         const std::shared_ptr<RankPool>& ranks) {
   take_figures(given.figures);
-  const Scene scene = load_scene(given.scene, globals.set, nullptr, {.quiet = globals.quiet});
+  const Scene scene = load_scene_with_sites(given.scene, globals.set, {.quiet = globals.quiet});
+  if (is_anywhere(scene)) return run_touch_command(globals, given, scene);
   const ShapeOptions shape = shape_options(scene, given);
   SessionPlan plan = planned_run(globals, given, scene, ranks, shape.rate > 0);
   const SessionOptions& options = plan.options;

@@ -22,7 +22,9 @@ T one_of(const std::string& given, const char* option, std::initializer_list<T> 
   throw InputError(option, fmt::format("is '{}', expected {}", given, names));
 }
 
-SessionOptions options_of(const Scene& scene, const SessionArguments& given, const Globals& globals) {
+}  // namespace
+
+SessionOptions session_options_of(const Globals& globals, const SessionArguments& given, const Scene& scene) {
   SessionOptions options = scene.session;
   options.model.fit = scene.model;
   if (given.motion.clock) {
@@ -56,6 +58,8 @@ SessionOptions options_of(const Scene& scene, const SessionArguments& given, con
   if (globals.seed != 0) options.seed = globals.seed;
   return options;
 }
+
+namespace {
 
 // Options that choose what is solved, by which workers and when.
 std::vector<std::string> scheduling_options(const SessionArguments& given) {
@@ -138,7 +142,7 @@ void warn_of_replay(const Globals& globals, const Scene& scene, const SessionArg
 SessionPlan plan_of(const Globals& globals, const SessionArguments& given, const Scene& scene,
                     const std::shared_ptr<RankPool>& ranks, bool displacements) {
   try {
-    SessionOptions options = options_of(scene, given, globals);
+    SessionOptions options = session_options_of(globals, given, scene);
     warn_of_solving(globals, scene, given);
     if (ranks) join(ranks, given, options);
     SessionInput input = session_input(scene);

@@ -45,6 +45,9 @@ struct SessionArguments {
   MpiArguments mpi;
 };
 
+// The options of the scene, with those of the command line in their place.
+SessionOptions session_options_of(const Globals& globals, const SessionArguments& given, const Scene& scene);
+
 // Makes and checks the plan. An InputError names the place that gave the value. ranks: null unless ranks of an MPI run
 // are the workers. displacements: states must hold them, whatever the scene says.
 SessionPlan plan_of(const Globals& globals, const SessionArguments& given, const Scene& scene,

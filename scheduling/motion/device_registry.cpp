@@ -5,10 +5,13 @@
 
 #include <fmt/format.h>
 
+#include <Eigen/Geometry>
+
 #include "scheduling/common/registry.hpp"
 #include "scheduling/motion/drawn_hand.hpp"
 #include "scheduling/motion/hand_device.hpp"
 #include "scheduling/motion/path_device.hpp"
+#include "scheduling/motion/touch_surface.hpp"
 #include "scheduling/motion/trace.hpp"
 
 namespace forefeel {
@@ -19,6 +22,16 @@ Registry<DeviceFactory>& registry() {
   return devices;
 }
 
+// The first sample onto the surface, the z axis along the normal there.
+void place_on_surface(const Vec3& wanted, const FactoryContext& context, Trace& trace) {
+  if (context.surface == nullptr)
+    throw InputError("device", "register needs a surface, expected it with contact.anywhere only");
+  const SurfacePoint place = context.surface->nearest(wanted);
+  const Mat3 turn = Eigen::Quaterniond::FromTwoVectors(Vec3::UnitZ(), place.normal).toRotationMatrix();
+  const Vec3 first = trace.positions.front();
+  for (Vec3& p : trace.positions) p = place.at + turn * (p - first);
+}
+
 std::unique_ptr<Device> make(const PathMotion& motion, const FactoryContext& context) {
   return make_path_device(motion, context);
 }
@@ -26,6 +39,7 @@ std::unique_ptr<Device> make(const PathMotion& motion, const FactoryContext& con
 std::unique_ptr<Device> make(const TraceMotion& motion, const FactoryContext& context) {
   Trace trace = read_trace(found_from(context.folder, motion.file), motion.format);
   for (Vec3& p : trace.positions) p = motion.scale * p + motion.offset;
+  if (motion.placed) place_on_surface(*motion.placed, context, trace);
   return make_trace_device(std::move(trace));
 }
 

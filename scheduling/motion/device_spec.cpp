@@ -20,7 +20,8 @@ std::string setting(const char* key, double value) {
 std::string settings_of(const PathMotion& motion) {
   return (motion.speed ? fmt::format(",speed={}", *motion.speed) : "") +
          setting("amplitude", motion.amplitude) + setting("tremor", motion.tremor) +
-         setting("noise", motion.noise);
+         setting("noise", motion.noise) + (motion.depth ? fmt::format(",depth={}", *motion.depth) : "") +
+         (motion.where.empty() ? "" : ",where=" + motion.where);
 }
 
 std::string text_of(const PathMotion& motion) {
@@ -41,9 +42,13 @@ std::string text_of(const TraceFormat& format) {
 }
 std::string text_of(const TraceMotion& motion) {
   const Vec3& o = motion.offset;
-  return fmt::format("trace:{}{}{}{}", motion.file.string(), text_of(motion.format),
+  const auto point = [](const char* key, const Vec3& p) {
+    return fmt::format(",{}={}/{}/{}", key, p[0], p[1], p[2]);
+  };
+  return fmt::format("trace:{}{}{}{}{}", motion.file.string(), text_of(motion.format),
                      motion.scale == 1 ? "" : fmt::format(",scale={}", motion.scale),
-                     o.isZero(0) ? "" : fmt::format(",offset={}/{}/{}", o[0], o[1], o[2]));
+                     o.isZero(0) ? "" : point("offset", o),
+                     motion.placed ? point("register", *motion.placed) : "");
 }
 std::string changed(const char* key, double value, double usual) {
   return value == usual ? "" : fmt::format(",{}={}", key, value);
@@ -77,6 +82,8 @@ void check_motion(const InputPlace& where, const PathMotion& motion) {
   if (motion.amplitude != 0) expect_from(where, "amplitude", motion.amplitude, 1e-6);
   expect_from(where, "tremor", motion.tremor, 0);
   expect_from(where, "noise", motion.noise, 0);
+  if (motion.depth)
+    expect_from(where, "depth", *motion.depth, 1e-6), expect_to(where, "depth", *motion.depth, 1);
   expect_to(where, "speed", speed, 1000);
   expect_to(where, "amplitude", motion.amplitude, 10);
   expect_to(where, "tremor", motion.tremor, 1);

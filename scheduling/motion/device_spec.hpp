@@ -34,6 +34,9 @@ struct PathMotion {
   double amplitude = 0;  // distance of the farthest point from rest [m], at most 10; 0: fits the box
   double tremor = 0;     // RMS per axis, 8 to 12 Hz [m], at most 1
   double noise = 0;      // RMS per axis, white [m], at most 1
+  // On a body that may be touched anywhere (surface_shapes.hpp):
+  std::optional<double> depth = {};  // [m]; unset: 0.6 of the depth of the states
+  std::string where = {};            // part of the surface: x/y/z/radius or a node group; empty: all
 };
 
 // A recorded motion, samples of a file: position = scale * sample + offset (trace.hpp, trace_file.hpp).
@@ -42,6 +45,9 @@ struct TraceMotion {
   double scale = 1;
   Vec3 offset = Vec3::Zero();  // [m]
   TraceFormat format = {};     // where in the file the samples are
+  // On a body that may be touched anywhere: the first sample lies at the place of the surface nearest to this [m], and
+  // the motion's z axis along the normal there.
+  std::optional<Vec3> placed = {};
 };
 
 // Properties that differ between hands, besides the stiffness of the grip (hand_device.hpp).

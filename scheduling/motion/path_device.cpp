@@ -4,9 +4,11 @@
 #include <cmath>
 #include <limits>
 
+#include "geometry/common/error.hpp"
 #include "scheduling/motion/device.hpp"
 #include "scheduling/motion/path_shapes.hpp"
 #include "scheduling/motion/random.hpp"
+#include "scheduling/motion/surface_shapes.hpp"
 
 namespace forefeel {
 namespace {
@@ -140,7 +142,13 @@ void scale_to(double amplitude, PathShape& shape) {
 }  // namespace
 
 std::unique_ptr<Device> make_path_device(const PathMotion& motion, const FactoryContext& context) {
-  PathShape shape = path_shape(motion.path, context);
+  if (context.surface == nullptr && (motion.depth || !motion.where.empty()))
+    throw InputError("device", "depth and where are of paths on a surface, expected contact.anywhere");
+  if (context.surface != nullptr && motion.amplitude > 0)
+    throw InputError("device",
+                     "amplitude is of paths around one place, expected depth with contact.anywhere");
+  PathShape shape = context.surface ? surface_shape(motion, *context.surface, context.seed)
+                                    : path_shape(motion.path, context);
   if (motion.amplitude > 0) scale_to(motion.amplitude, shape);
   return std::make_unique<PathDevice>(shape, motion.speed.value_or(usual_speed),
                                       Disturbance(motion.tremor, motion.noise, context.seed));

@@ -1,54 +1,33 @@
 #include "scheduling/touch/touch.hpp"
 
-#include <Eigen/Geometry>
-#include <cmath>
-
 namespace forefeel {
 namespace {
 
 // The touch of a tip that has just come in; none through a clamped facet.
-std::optional<SurfacePlace> begin(const SurfaceMap& map, const Touch& before, const Vec3& tip) {
+std::optional<SurfacePlace> begin(const TouchField& field, const Touch& before, const Vec3& tip) {
   std::optional<SurfacePlace> place;
-  if (before.known) place = crossing(map, before.tip, tip);
-  if (!place) place = map.nearest(tip);
-  if (map.facet(*place).clamped) return {};
+  if (before.known) place = field.grid().crossing(before.tip, tip);
+  if (!place) place = field.map().nearest(tip);
+  if (field.map().facet(*place).clamped) return {};
   return place;
 }
 
 }  // namespace
-
-std::optional<SurfacePlace> crossing(const SurfaceMap& map, const Vec3& outside, const Vec3& inside) {
-  constexpr double rim = 1e-9;  // of barycentric coordinates, so that no way slips between two facets
-  std::optional<SurfacePlace> first;
-  double least = 1 + rim;
-  for (std::size_t f = 0; f < map.facets().size(); ++f) {
-    const Vec3& n = map.facets()[f].normal;
-    const auto [a, b, c] = map.corners(static_cast<std::int32_t>(f));
-    const double from = n.dot(outside - a), to = n.dot(inside - a);
-    if (!(from >= 0 && to < 0)) continue;
-    const double t = from / (from - to);
-    if (t >= least) continue;
-    const SurfacePlace place{static_cast<std::int32_t>(f), outside + t * (inside - outside)};
-    if (map.barycentric(place).minCoeff() < -rim) continue;
-    least = t, first = place;
-  }
-  return first;
-}
 
 TouchFrame touch(const TouchField& field, const Touch& before, const Vec3& tip,
                  std::optional<double> friction) {
   TouchFrame frame;
   Touch& now = frame.touch;
   now = before;
-  now.tip = tip, now.known = true, now.inside = field.map().inside(tip);
+  now.tip = tip, now.known = true, now.inside = field.grid().inside(tip);
   if (before.kind == TouchKind::none) {
     if (!now.inside || (before.known && before.inside)) return frame;
-    frame.began = begin(field.map(), before, tip);
+    frame.began = begin(field, before, tip);
     if (!frame.began) return frame;
     now.site = *frame.began, now.kind = TouchKind::stick;
   }
   if (!now.inside) {
-    const std::optional<SurfacePlace> way_out = crossing(field.map(), tip, before.tip);
+    const std::optional<SurfacePlace> way_out = field.grid().crossing(tip, before.tip);
     frame.left = way_out ? way_out->at : tip;
     frame.lost = field.at(now.site, *frame.left - now.site.at).at.energy;
     now.kind = TouchKind::none;
@@ -72,6 +51,8 @@ TouchFrame touch(const TouchField& field, const Touch& before, const Vec3& tip,
   }
   frame.force = terms.at.force;
   frame.energy = terms.at.energy;
+  frame.normal = terms.normal;
+  frame.drive = drive(field, now.site, terms);
   return frame;
 }
 

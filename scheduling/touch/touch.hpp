@@ -26,6 +26,8 @@ struct Touch {
 struct TouchFrame {
   Touch touch;                        // after the tip has moved
   Vec3 force = Vec3::Zero();          // of the body on the tip [N]
+  Vec3 normal = Vec3::Zero();         // mean normal under the pad
+  Vec3 drive = Vec3::Zero();          // g of slip.hpp [N]
   double energy = 0;                  // stored [J]
   double lost = 0;                    // by sliding, and at the end of a touch [J]
   std::optional<SurfacePlace> began;  // the place where a touch began
@@ -35,8 +37,5 @@ struct TouchFrame {
 // friction: mu >= 0; none: the site sticks.
 TouchFrame touch(const TouchField& field, const Touch& before, const Vec3& tip,
                  std::optional<double> friction);
-
-// Where the way from outside to inside crosses the surface first; none if it does not.
-std::optional<SurfacePlace> crossing(const SurfaceMap& map, const Vec3& outside, const Vec3& inside);
 
 }  // namespace forefeel

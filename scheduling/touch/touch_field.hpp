@@ -1,11 +1,18 @@
 #pragma once
 // What a touch needs to know of a body: energy and its derivatives at (s, x), the normal under the pad, the surface.
+//
+// Beyond R = `farthest` from the site, where no state is, E goes on in a straight line: with r = |x|, n = x / r, y = R n
+//   E(x) = E(y) - (r - R) n . f(y),   f(x) = f(y) - (r - R) R / r (K(y) n - n (n . K(y) n))
+// so the force along x is held, and E stays a potential.
 
 #include <memory>
 
 #include "solver/sites/site_field.hpp"
+#include "solver/sites/surface_grid.hpp"
 
 namespace forefeel {
+
+class DeepStates;  // solver/sites/deep_states.hpp
 
 struct TouchTerms {
   SiteTerms at;                // E, f, K and dE/ds
@@ -17,17 +24,33 @@ class TouchField {
   virtual ~TouchField() = default;
   virtual TouchTerms at(const SurfacePlace& site, const Vec3& x) const = 0;
   virtual const SurfaceMap& map() const = 0;
+  virtual const SurfaceGrid& grid() const = 0;
 };
+
+// R for states to this depth [m]: half as far again as the farthest of them.
+double farthest_of(double depth);
 
 // A SiteField. Keeps the model of the last site, so that a touch that sticks costs a polynomial; for one thread.
 class FieldOfSites : public TouchField {
  public:
-  explicit FieldOfSites(std::shared_ptr<const SiteField> field);
+  // farthest: R [m].
+  FieldOfSites(std::shared_ptr<const SiteField> field, std::shared_ptr<const SurfaceGrid> grid,
+               double farthest);
   TouchTerms at(const SurfacePlace& site, const Vec3& x) const override;
+  double estimate(const SurfacePlace& site, const Vec3& x) const;  // of the error of the force [N]
+  void use(const DeepStates* deep) {
+    deep_ = deep;
+  }  // states that correct the field; null: none. It stays alive.
   const SurfaceMap& map() const override;
+  const SurfaceGrid& grid() const override { return *grid_; }
 
  private:
+  const SiteModel& model(const SurfacePlace& site) const;
+
   std::shared_ptr<const SiteField> field_;
+  std::shared_ptr<const SurfaceGrid> grid_;
+  double farthest_;
+  const DeepStates* deep_ = nullptr;
   mutable SurfacePlace last_;
   mutable SiteModel model_;
 };

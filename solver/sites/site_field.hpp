@@ -96,6 +96,7 @@ class SiteField {
   EnergyJet jet_of(const FieldSite& site) const;  // the jet at rest of one of them, of order 4
   std::size_t size() const { return sites_.size(); }
   const RestSites& rest() const { return *rest_; }
+  const std::shared_ptr<const RestSites>& rest_shared() const { return rest_; }
   const SiteFieldOptions& options() const { return options_; }
   const SurfacePlace& place(std::size_t i) const { return sites_[i].place; }
   const Mat3& stiffness(std::size_t i) const { return sites_[i].stiffness; }

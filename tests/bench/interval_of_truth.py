@@ -18,7 +18,7 @@ BODIES = {  # phantom, law, Poisson's ratio, place of the pad
     "ball": ("ball", "neo-hookean", 0.45, ""),
     "slab": ("slab", "neo-hookean", 0.45, ""),
     "beam": ("beam", "neo-hookean", 0.45, ""),
-    "organ": (None, "neo-hookean", 0.45, "nearest = [0.0, 0.0, 1.0]"),
+    "organ": (None, "neo-hookean", 0.45, "nearest = [-0.1184, 0.1261, 0.0672]"),
     "stiff in volume": ("liver", "neo-hookean", 0.49, ""),
     "mooney": ("slab", "mooney-rivlin", 0.4, "nearest = [0.05, 0.03, 0.04]"),
     "other lobe": ("liver", "stable-neo-hookean", 0.4, "nearest = [-0.05, 0.0, 0.1]"),
@@ -29,7 +29,7 @@ FARTHEST, NEAREST = 0.024, 0.004  # [m]
 def scene(folder, name, element, elements, fine, surface):
     phantom, law, poisson, place = BODIES[name]
     body = f'phantom = "{phantom}"' if phantom else f'mesh = "{surface}"\nlength = 0.22'
-    clamp = 'clamp.group = "clamp"' if phantom else 'clamp.below = { axis = "z", share = 0.15 }'
+    clamp = 'clamp.group = "clamp"' if phantom else 'clamp.below = { axis = "z", share = 0.3 }'
     path = f"{folder}/{element}{elements}.toml"
     with open(path, "w") as out:
         out.write(f"""{clamp}

@@ -19,8 +19,9 @@ const FieldOfSites& liver() {
     body->material = {Law::neo_hookean, 5000, 0.4};
     body->clamp = body->mesh.groups.at("clamp");
     body->pad = Pad{};
-    return FieldOfSites(std::make_shared<const SiteField>(std::make_shared<const RestSites>(body, 2),
-                                                          SiteFieldOptions{.spacing = 0.02, .threads = 2}));
+    const auto sites = std::make_shared<const SiteField>(std::make_shared<const RestSites>(body, 2),
+                                                         SiteFieldOptions{.spacing = 0.02, .threads = 2});
+    return FieldOfSites(sites, std::make_shared<const SurfaceGrid>(sites->rest().map()), 0.06);
   }();
   return field;
 }

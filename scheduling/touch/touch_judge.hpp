@@ -1,0 +1,25 @@
+#pragma once
+// After a touch session, with exactly the states known in each frame:
+//   label  of every frame in touch: that of x among the states whose sites lie within `site_spacing` of the site and
+//          whose normals are within 60 degrees, turned into its frame; jets at rest are states at x = 0. Made anew
+//          where the site has moved by a quarter of that, or states became known
+//   error  at sampled frames, |F - f| / max(|f|, f0), f of a tight solve at (s, x); of a viscous body before its filter
+// Samples: every reference_step of the tip's way in touch, and the first frame in each cell of tip and site.
+
+#include <functional>
+
+#include "scheduling/judge/judging_options.hpp"
+#include "scheduling/touch/touch_session.hpp"
+
+namespace forefeel {
+
+struct TouchJudging {
+  JudgingOptions judging;
+  StopOptions stop;
+  int threads = 1;
+  std::function<void(const TouchProgress&)> progress;
+};
+
+void judge(const TouchSessionInput& input, const TouchJudging& how, TouchSessionResult& result);
+
+}  // namespace forefeel

@@ -1,0 +1,105 @@
+#include "scheduling/touch/touch_loop.hpp"
+
+#include <algorithm>
+#include <cmath>
+
+namespace forefeel {
+
+std::string_view name(TouchKind kind) {
+  return kind == TouchKind::none ? "none" : kind == TouchKind::stick ? "stick" : "slip";
+}
+
+namespace {
+
+std::size_t spare_frames(const RenderOptions& render) {
+  const double needed = render.safety.force_limit / (render.safety.slew_limit * render.frame);
+  return static_cast<std::size_t>(std::min(std::ceil(1.25 * needed), 1e3));
+}
+
+}  // namespace
+
+TouchLoop::TouchLoop(Device& device, FieldOfSites& field, TouchLink& link, const TouchLoopOptions& options,
+                     std::size_t frames)
+    : field_(field),
+      link_(link),
+      options_(options),
+      tip_(device, options.render.frame, options.render.switching.jump_speed),
+      frames_(frames),
+      switch_(options.render.switching),
+      safety_(options.render.safety, options.render.frame),
+      ramp_(std::min(spare_frames(options.render), frames)),
+      log_(frames + 2 * spare_frames(options.render)) {}
+
+Vec3 TouchLoop::rendered(const TouchFrame& frame, const TouchModel* came, double dt,
+                         TouchFrameRecord& record) {
+  const bool touching = frame.touch.kind != TouchKind::none;
+  if (!touching || frame.began) {
+    switch_ = ForceSwitch(options_.render.switching);
+    if (!options_.render.viscosity.empty()) filter_.emplace(options_.render.viscosity);
+    last_elastic_.setZero();
+  }
+  if (!touching) {
+    if (came) model_ = came, field_.use(came->deep.get());
+    return Vec3::Zero();
+  }
+  const Vec3 x = frame.touch.tip - frame.touch.site.at;
+  Vec3 now = frame.force;
+  if (came) {  // the touch was found with the model so far
+    model_ = came;
+    field_.use(came->deep.get());
+    now = field_.at(frame.touch.site, x).at.force;
+  }
+  const ForceSwitch::Frame step =
+      switch_.step(frame.force, now, came != nullptr, (frame.touch.tip - last_tip_).norm());
+  record.step.took_model = step.took_model;
+  record.step.delta = step.change, record.step.change = step.change.norm(), record.step.bound = step.bound;
+  record.step.undamped_jump = step.undamped_jump;
+  record.step.motion_change = (step.force - last_elastic_ - step.change).norm();
+  last_elastic_ = step.force;
+  record.force.undamped = step.undamped, record.force.elastic = step.force;
+  return filter_ ? filter_->step(step.force, dt) : step.force;
+}
+
+void TouchLoop::note_source(const TouchFrame& frame, TouchFrameRecord& record) {
+  if (model_ != nullptr) record.source.model = model_->serial, record.source.known = model_->known;
+  if (frame.touch.kind == TouchKind::none) return;
+  const Vec3 x = frame.touch.tip - frame.touch.site.at;
+  record.source.estimate = field_.estimate(frame.touch.site, x);
+  record.source.trusted =
+      record.source.estimate <= options_.tolerance * std::max(frame.force.norm(), options_.floor);
+  record.normal = frame.normal;
+  const double push = frame.force.dot(frame.normal);
+  record.source.slope = push > 0 ? frame.drive.norm() / push : unknown;
+}
+
+void TouchLoop::frame(std::size_t k, double now) {
+  const HipSample& tip = tip_.read(k, sent_);
+  const TouchModel* came = link_.models.take().value_or(nullptr);
+  TouchFrameRecord record;
+  record.t = tip.t, record.tip = tip.at;
+  const TouchFrame frame = touch(field_, touch_, tip.at, options_.friction);
+  touch_ = frame.touch;
+  record.touch = touch_.kind, record.site = touch_.site;
+  record.energy = frame.energy, record.lost = frame.lost;
+  const double dt = done_ > 0 ? tip.t - last_t_ : options_.render.frame;
+  record.force.rendered = rendered(frame, came, dt, record);
+  note_source(frame, record);
+  const SafetyMoment moment{.t = tip.t,
+                            .age = now - link_.planner_beat.load(std::memory_order_relaxed),
+                            .ending = ending_ || k + ramp_ >= frames_};
+  record.force.sent = sent_ = safety_.apply(record.force.rendered, tip.at, moment);
+  link_.seen.publish({.tip = tip, .touching = touch_.kind != TouchKind::none, .site = touch_.site});
+  last_tip_ = tip.at, last_t_ = tip.t;
+  if (done_ < log_.size()) log_[done_++] = record;
+}
+
+void TouchLoop::note_timing(double cost_us, double lateness_us) noexcept {
+  if (done_ > 0) log_[done_ - 1].timing = {cost_us, lateness_us};
+}
+
+std::vector<TouchFrameRecord> TouchLoop::take_log() {
+  log_.resize(done_);
+  return std::move(log_);
+}
+
+}  // namespace forefeel

@@ -1,0 +1,68 @@
+#pragma once
+// One frame of the haptic loop where a body is touched anywhere, the same under both clocks:
+//   device -> tip -> touch (site, slip) -> newest model at (s, x) -> switch -> relaxation -> safety -> device (+ log)
+// A viscous law's memory belongs to the touch: it begins anew with the next one. Outside the body the force is zero at
+// once; the slew limit of the safety rules bounds what a hand feels of a touch that ends under force.
+
+#include <optional>
+
+#include "approx/switch/force_switch.hpp"
+#include "approx/switch/relaxation.hpp"
+#include "scheduling/render/render_options.hpp"
+#include "scheduling/render/safety.hpp"
+#include "scheduling/render/tip_reader.hpp"
+#include "scheduling/touch/touch_link.hpp"
+#include "scheduling/touch/touch_records.hpp"
+
+namespace forefeel {
+
+struct TouchLoopOptions {
+  RenderOptions render;
+  std::optional<double> friction;  // coefficient; nullopt: the tip sticks
+  double tolerance = 0.07;         // of a trusted force [1]
+  double floor = 0.05;             // f0: below it errors are relative to it [N]
+};
+
+class TouchLoop {
+ public:
+  // field: of this loop alone. All outlive the loop.
+  TouchLoop(Device& device, FieldOfSites& field, TouchLink& link, const TouchLoopOptions& options,
+            std::size_t frames);
+
+  // now: wall time since the session's start [s]; under the virtual clock the frame's time.
+  void frame(std::size_t k, double now);
+  void end() noexcept { ending_ = true; }  // the force goes to zero from the next frame on
+  bool finished() const noexcept {
+    return sent_.isZero(0) && (ending_ || tip_.next() >= frames_) && tip_.next() > 0;
+  }
+  void note_timing(double cost_us, double lateness_us) noexcept;
+
+  std::vector<TouchFrameRecord> take_log();  // of the frames done so far
+  const Safety& safety() const { return safety_; }
+  const DeviceFaults& faults() const { return tip_.faults(); }
+  const HipSample& tip() const { return tip_.tip(); }
+  const Touch& touched() const { return touch_; }
+
+ private:
+  Vec3 rendered(const TouchFrame& frame, const TouchModel* came, double dt, TouchFrameRecord& record);
+  void note_source(const TouchFrame& frame, TouchFrameRecord& record);
+
+  FieldOfSites& field_;
+  TouchLink& link_;
+  TouchLoopOptions options_;
+  TipReader tip_;
+  std::size_t frames_;
+  bool ending_ = false;
+  Touch touch_;
+  const TouchModel* model_ = nullptr;
+  ForceSwitch switch_;
+  std::optional<RelaxationFilter> filter_;
+  Safety safety_;
+  Vec3 sent_ = Vec3::Zero(), last_elastic_ = Vec3::Zero(), last_tip_ = Vec3::Zero();
+  double last_t_ = 0;
+  std::size_t ramp_ = 0;  // frames of the ramp at the end
+  std::vector<TouchFrameRecord> log_;
+  std::size_t done_ = 0;
+};
+
+}  // namespace forefeel

@@ -1,0 +1,249 @@
+#include "scheduling/touch/touch_planner.hpp"
+
+#include <algorithm>
+#include <cmath>
+#include <limits>
+
+#include "geometry/common/quantiles.hpp"
+
+namespace forefeel {
+namespace {
+
+constexpr std::size_t most_starts = 64;
+constexpr double jets_apart = 0.25;  // of site_spacing
+constexpr int predictions = 8;
+
+}  // namespace
+
+TouchPlanner::TouchPlanner(TouchTask task, TouchPlannerParts parts, std::vector<State> known)
+    : task_(std::move(task)),
+      parts_(std::move(parts)),
+      field_(task_.field, task_.grid, farthest_of(task_.depth)),
+      tips_(task_.tips) {
+  for (std::size_t i = 0; i < task_.field->size(); ++i) {
+    jets_.push_back(task_.field->place(i));
+    State at_rest;
+    at_rest.at = task_.field->place(i).at;
+    tips_.insert(std::move(at_rest));
+  }
+  for (const State& state : known) learn(state);
+  models_.push_back(std::make_unique<TouchModel>(TouchModel{.serial = 1, .known = 0, .deep = {}}));
+  model();
+}
+
+void TouchPlanner::learn(const State& state) {
+  if (!state.usable() || !state.has_site()) return;
+  State tip;
+  tip.at = state.site + state.at;
+  tip.solve.status = state.solve.status;
+  tips_.insert(std::move(tip));
+  known_.push_back(state);
+}
+
+void TouchPlanner::observe(const TouchSeen& seen, double now) {
+  seen_ = seen;
+  parts_.predictor->observe(seen.tip);
+  (void)now;
+}
+
+void TouchPlanner::predict(double) {
+  const double solve = times_.empty() ? parts_.solve_seconds : median(times_);
+  const double longest = std::clamp(0.3 + 4 * solve, 0.3, 3.0);
+  predicted_.clear();
+  for (int i = 0; i <= predictions; ++i) {
+    Prediction p = parts_.predictor->predict(longest * i / predictions);
+    p.horizon = longest * i / predictions;
+    if (!p.at.allFinite()) p.at = seen_.tip.at;
+    if (!(p.deviation >= 0)) p.deviation = 0;
+    predicted_.push_back(p);
+  }
+}
+
+// Where the tip will press. Without friction a touch keeps its site; with it, the site is taken to follow the tip.
+std::vector<TouchPlanner::Visit> TouchPlanner::visits() const {
+  std::vector<Visit> visits;
+  std::optional<SurfacePlace> site;
+  if (seen_.touching) site = seen_.site;
+  Vec3 before = seen_.tip.at;
+  for (const Prediction& p : predicted_) {
+    const bool inside = task_.grid->inside(p.at);
+    if (!inside) {
+      site.reset();
+    } else if (!site) {
+      site = task_.grid->crossing(before, p.at);
+      if (!site) site = task_.field->rest().map().nearest(p.at);
+    } else if (task_.friction) {
+      const SurfacePlace under = task_.field->rest().map().nearest(p.at);
+      const Vec3 x = p.at - site->at;
+      // A site is dragged where the tip leans over by more than the cone allows.
+      if ((under.at - site->at).norm() > *task_.friction * x.norm()) site = under;
+    }
+    if (site && !task_.field->rest().map().facet(*site).clamped) visits.push_back({*site, p.at - site->at});
+    before = p.at;
+  }
+  return visits;
+}
+
+bool TouchPlanner::near_jet(const SurfacePlace& site) const {
+  const double apart = jets_apart * task_.field->options().spacing;
+  return std::ranges::any_of(
+      jets_, [&](const SurfacePlace& jet) { return (jet.at - site.at).squaredNorm() < apart * apart; });
+}
+
+std::optional<SurfacePlace> TouchPlanner::missing_jet(const std::vector<Visit>& visits) const {
+  for (const Visit& visit : visits)
+    if (!near_jet(visit.site)) return visit.site;
+  return {};
+}
+
+TouchPlanner::Key TouchPlanner::key_of(const SurfacePlace& site, const Vec3& tip) const {
+  Key key;
+  for (Eigen::Index i = 0; i < 3; ++i) {
+    key[static_cast<std::size_t>(i)] = static_cast<std::int32_t>(std::lround(tip[i] / task_.tips.spacing));
+    key[static_cast<std::size_t>(i) + 3] =
+        static_cast<std::int32_t>(std::lround(2 * site.at[i] / task_.field->options().spacing));
+  }
+  return key;
+}
+
+// 0 <= -x . n <= depth, and |x_t| at most half of it.
+bool TouchPlanner::in_region(const Visit& visit, const Vec3& normal) const {
+  const double deep = -visit.x.dot(normal);
+  return deep >= 0 && deep <= task_.depth && (visit.x + deep * normal).norm() <= 0.5 * task_.depth;
+}
+
+std::vector<TouchPlanner::Wanted> TouchPlanner::candidates(const std::vector<Visit>& visits, double now) {
+  const double h = task_.tips.spacing;
+  std::map<Key, Wanted> found;
+  for (const Visit& visit : visits) {
+    const Vec3 middle = (visit.site.at + visit.x) / h;
+    for (int ix = -1; ix <= 1; ++ix)
+      for (int iy = -1; iy <= 1; ++iy)
+        for (int iz = -1; iz <= 1; ++iz) {
+          const Vec3 tip = h * (middle.array().round().matrix() + Vec3(ix, iy, iz));
+          const Key key = key_of(visit.site, tip);
+          if (gone_.contains(key) || found.contains(key)) continue;
+          const Visit at{visit.site, tip - visit.site.at};
+          const TouchTerms terms = field_.at(at.site, at.x);
+          if (!in_region(at, terms.normal)) continue;
+          const double allowed = task_.tolerance * std::max(terms.at.force.norm(), task_.floor);
+          if (!(field_.estimate(at.site, at.x) > allowed)) continue;
+          Wanted wanted{.site = at.site, .x = at.x, .candidate = {.at = tip}};
+          wanted.candidate.requested = asked_.emplace(key, now).first->second;
+          wanted.candidate.order = static_cast<std::uint32_t>(found.size());
+          std::vector<StateId> nearest;
+          tips_.nearest(tip, 1, nearest);
+          wanted.candidate.delta = nearest.empty() ? std::numeric_limits<double>::infinity()
+                                                   : (tips_[nearest.front()].at - tip).norm();
+          if (parts_.policy->reads_regions()) wanted.candidate.region = tips_.region_label(tip);
+          found.emplace(key, wanted);
+        }
+  }
+  std::vector<Wanted> all;
+  for (auto& [key, wanted] : found) all.push_back(std::move(wanted));
+  return all;
+}
+
+PlannerView TouchPlanner::view(double now) const {
+  return {.space = tips_,
+          .now = now,
+          .hip = seen_.tip,
+          .predicted = predicted_,
+          .solve_seconds = times_.empty() ? parts_.solve_seconds : median(times_),
+          .workers = parts_.workers,
+          .pending = pending_,
+          .surprises = {},
+          .estimate = {}};
+}
+
+std::shared_ptr<const Equilibrium> TouchPlanner::start_near(const SurfacePlace& site, const Vec3& x) const {
+  // A neighbour's solution, where it is nearer than rest. The pad moves with the site, so ways over the surface count
+  // as ways of the tip.
+  double least = x.norm();
+  std::shared_ptr<const Equilibrium> best;
+  for (const Start& start : starts_) {
+    const double way = (start.equilibrium->at - x).norm() + (start.site.at - site.at).norm();
+    if (way < least) least = way, best = start.equilibrium;
+  }
+  return best;
+}
+
+TouchJob TouchPlanner::dispatch(const SurfacePlace& site, const Vec3& x, double priority, int worker,
+                                double now) {
+  const auto id = static_cast<std::uint32_t>(dispatches_.size());
+  dispatches_.push_back(
+      {.id = id, .site = site.at, .x = x, .priority = priority, .requested = now, .worker = worker});
+  places_.push_back(site);
+  if (x.isZero(0))
+    jets_.push_back(site);
+  else
+    gone_.emplace(key_of(site, site.at + x), true), pending_.push_back(site.at + x);
+  return {.id = id, .site = site, .x = x, .start = start_near(site, x)};
+}
+
+std::vector<TouchJob> TouchPlanner::plan(const std::vector<int>& idle, double now) {
+  std::vector<TouchJob> jobs;
+  if (idle.empty()) return jobs;
+  predict(now);
+  const std::vector<Visit> pressed = visits();
+  std::size_t next = 0;
+  while (next < idle.size()) {
+    const std::optional<SurfacePlace> site = missing_jet(pressed);
+    if (!site) break;
+    jobs.push_back(dispatch(*site, Vec3::Zero(), std::numeric_limits<double>::infinity(), idle[next++], now));
+  }
+  if (next == idle.size() || pressed.empty()) return jobs;
+  std::vector<Wanted> open = candidates(pressed, now);
+  if (open.empty()) return jobs;
+  parts_.policy->look(view(now));
+  while (next < idle.size() && !open.empty() && !parts_.policy->is_content()) {
+    std::vector<Candidate> list;
+    for (const Wanted& wanted : open) list.push_back(wanted.candidate);
+    std::vector<double> priority(list.size());
+    parts_.policy->prioritise(list, view(now), priority);
+    std::size_t best = 0;
+    for (std::size_t i = 1; i < list.size(); ++i)
+      if (priority[i] > priority[best]) best = i;
+    jobs.push_back(dispatch(open[best].site, open[best].x, priority[best], idle[next++], now));
+    open.erase(open.begin() + static_cast<std::ptrdiff_t>(best));
+    parts_.policy->pend(view(now));
+  }
+  return jobs;
+}
+
+bool TouchPlanner::receive(std::uint32_t id, TouchSolved solved, double started, double finished,
+                           double now) {
+  TouchDispatch& record = dispatches_[id];
+  record.started = started, record.finished = finished, record.known = now;
+  const SurfacePlace& place = places_[id];
+  if (const auto at = std::ranges::find(pending_, Vec3(record.site + record.x)); at != pending_.end())
+    pending_.erase(at);
+  if (solved.state.solve.status == SolveStatus::cancelled) {
+    record.status = DispatchStatus::preempted;
+    gone_.erase(key_of(place, place.at + record.x));
+    return false;
+  }
+  if (!record.x.isZero(0)) times_.push_back(finished - started);
+  if (!solved.state.usable()) {
+    record.status = DispatchStatus::failed;
+    ++failed_count_;
+    return false;
+  }
+  record.status = DispatchStatus::solved;
+  if (solved.equilibrium) {
+    starts_.push_back({place, solved.equilibrium});
+    if (starts_.size() > most_starts) starts_.erase(starts_.begin());
+  }
+  learn(solved.state);
+  return true;
+}
+
+const TouchModel* TouchPlanner::model() {
+  if (models_.back()->known == known_.size()) return models_.back().get();
+  models_.push_back(std::make_unique<TouchModel>(TouchModel{
+      .serial = models_.back()->serial + 1, .known = static_cast<std::uint32_t>(known_.size()), .deep = {}}));
+  field_.use(models_.back()->deep.get());
+  return models_.back().get();
+}
+
+}  // namespace forefeel

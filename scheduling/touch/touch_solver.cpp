@@ -1,0 +1,62 @@
+#include "scheduling/touch/touch_solver.hpp"
+
+#include <chrono>
+#include <utility>
+
+#include "geometry/states/energy_jet.hpp"
+
+namespace forefeel {
+
+TouchSolver::TouchSolver(std::shared_ptr<const RestSites> sites, double step)
+    : sites_(std::move(sites)), step_(step) {}
+TouchSolver::~TouchSolver() = default;
+TouchSolver::TouchSolver(TouchSolver&&) noexcept = default;
+
+Solver& TouchSolver::at(const SurfacePlace& site) {
+  if (!solver_ || last_.facet != site.facet || last_.at != site.at) {
+    Body there = sites_->body();
+    there.fine.reset();  // of the sites' body, which is the one that is answered for
+    there.pad->site = site.at;
+    solver_ = std::make_unique<Solver>(std::move(there));
+    last_ = site;
+  }
+  return *solver_;
+}
+
+TouchSolved TouchSolver::solve(const TouchJob& job, const std::stop_token& stop) {
+  TouchSolved solved;
+  if (job.x.isZero(0)) {
+    const auto start = std::chrono::steady_clock::now();
+    if (!jets_) jets_ = std::make_unique<SiteJets>(*sites_);
+    const RestJet jet = jets_->at(job.site);
+    State& state = solved.state;
+    state.force.setZero();
+    state.energy = 0;
+    state.stiffness = jet.stiffness;
+    state.jet = std::make_shared<const EnergyJet>(jet.jet);
+    state.solve.status = SolveStatus::converged;
+    state.solve.seconds = std::chrono::duration<double>(std::chrono::steady_clock::now() - start).count();
+    state.site = job.site.at;
+    return solved;
+  }
+  Solver& solver = at(job.site);
+  SolveOptions options;
+  options.tolerance = 1e-9;  // a jet's terms need an equilibrium
+  options.jet = most_jet_order;
+  SolveOutcome outcome = solver.from(job.start ? *job.start : *solver.rest(), job.x, options, stop);
+  if (!outcome.state.usable() && !stop.stop_requested())
+    outcome = solver.reference(job.x, step_, {.jet = most_jet_order});
+  if (!outcome.state.usable() && stop.stop_requested()) outcome.state.solve.status = SolveStatus::cancelled;
+  solved.state = std::move(outcome.state);
+  solved.state.site = job.site.at;
+  solved.equilibrium = std::move(outcome.equilibrium);
+  return solved;
+}
+
+State TouchSolver::reference(const SurfacePlace& site, const Vec3& x) {
+  State state = at(site).reference(x, step_).state;
+  state.site = site.at;
+  return state;
+}
+
+}  // namespace forefeel

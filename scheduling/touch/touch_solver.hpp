@@ -1,0 +1,44 @@
+#pragma once
+// Solves states (s, x) of a body that is touched anywhere; one object per thread. x = 0 asks for the jet at rest. A
+// solver of the last site is kept, so states of one site share its discretisation.
+
+#include <memory>
+#include <stop_token>
+
+#include "solver/equilibrium/solver.hpp"
+#include "solver/sites/rest_sites.hpp"
+
+namespace forefeel {
+
+struct TouchJob {
+  std::uint32_t id = 0;
+  SurfacePlace site;
+  Vec3 x = Vec3::Zero();                          // [m]
+  std::shared_ptr<const Equilibrium> start = {};  // of a state near (s, x); null: rest
+};
+
+struct TouchSolved {
+  State state;  // with its site, and a jet of order 4
+  std::shared_ptr<const Equilibrium> equilibrium = {};
+};
+
+class TouchSolver {
+ public:
+  TouchSolver(std::shared_ptr<const RestSites> sites, double step);  // of continuation [m]
+  ~TouchSolver();
+  TouchSolver(TouchSolver&&) noexcept;
+
+  TouchSolved solve(const TouchJob& job, const std::stop_token& stop = {});
+  State reference(const SurfacePlace& site, const Vec3& x);  // tight, from rest
+
+ private:
+  Solver& at(const SurfacePlace& site);
+
+  std::shared_ptr<const RestSites> sites_;
+  double step_;
+  SurfacePlace last_;
+  std::unique_ptr<Solver> solver_;
+  std::unique_ptr<SiteJets> jets_;
+};
+
+}  // namespace forefeel
