@@ -71,8 +71,7 @@ std::vector<SitedPlace> random_places(const RestSites& sites, const SurfacePart&
 }
 
 FieldForce field_force(const SiteModel& model, const Vec3& x) {
-  const Vec3 fourth = model.at(x, 5).force, third = model.at(x, 4).force, second = model.at(x, 3).force;
-  return {fourth, std::sqrt((fourth - third).squaredNorm() + 0.25 * (third - second).squaredNorm() + 1e-12)};
+  return {model.at(x).force, model.estimate(x)};
 }
 
 void solve_places(const RestSites& sites, std::span<const SitedPlace> places, double step, int threads,

@@ -7,31 +7,13 @@
 #include <cmath>
 
 #include "solver/sites/site_cover.hpp"
+#include "solver/sites/site_turns.hpp"
 
 namespace forefeel {
 namespace {
 
 constexpr double softening = 0.01;     // of the weights, in q
 constexpr double ways_over_reach = 2;  // from where on the way along the surface counts as much longer
-
-Mat3 cross_matrix(const Vec3& v) {
-  Mat3 m;
-  m << 0, -v.z(), v.y(), v.z(), 0, -v.x(), -v.y(), v.x(), 0;
-  return m;
-}
-
-// The least turn that takes n to m, both of length 1, not opposite.
-Mat3 least_turn(const Vec3& n, const Vec3& m) {
-  const Mat3 v = cross_matrix(n.cross(m));
-  return Mat3::Identity() + v + v * v / (1 + n.dot(m));
-}
-
-// Its derivative where n changes by dn.
-Mat3 least_turn_by(const Vec3& n, const Vec3& m, const Vec3& dn) {
-  const Mat3 v = cross_matrix(n.cross(m)), dv = cross_matrix(dn.cross(m));
-  const double c = 1 + n.dot(m);
-  return dv + (dv * v + v * dv) / c - v * v * (dn.dot(m) / (c * c));
-}
 
 double scale_of(const Mat3& stiffness, double theta) {
   return std::pow(stiffness.determinant(), theta / 6);
@@ -53,16 +35,6 @@ using Basis = Eigen::Matrix<double, 5, 1>;
 
 Basis basis_at(double p, double q) {
   return Basis{p, q, p * p, p * q, q * q};
-}
-
-// 1 to 0 over [0, 1], with a continuous second derivative.
-double fade(double t) {
-  t = std::clamp(t, 0.0, 1.0);
-  return 1 - t * t * t * (10 + t * (6 * t - 15));
-}
-double fade_slope(double t) {
-  t = std::clamp(t, 0.0, 1.0);
-  return -30 * t * t * (1 - t) * (1 - t);
 }
 
 }  // namespace
@@ -116,6 +88,38 @@ SiteTerms SiteModel::at(const Vec3& x, int degree) const {
           share * sum.gradient.dot((part.turn_by[k] * root_ + part.turn * root_by_[k]) * x);
   }
   return terms;
+}
+
+JetCoefficients SiteModel::polynomial() const {
+  JetCoefficients sum = JetCoefficients::Zero();
+  for (const Part& part : parts_)
+    sum += scale_ * part.weight * substituted(part.coefficients, part.turn * root_);
+  return sum;
+}
+
+double SiteModel::estimate(const Vec3& x) const {
+  Vec3 fourth = Vec3::Zero(), fifth = Vec3::Zero();  // the degrees' parts of -f
+  for (const Part& part : parts_) {
+    const Mat3 to_part = part.turn * root_;
+    const JetMonomials at = jet_monomials(to_part * x);
+    const Mat3 back = scale_ * part.weight * to_part.transpose();
+    fourth += back * (at.gradient.middleRows<15>(10).transpose() * part.coefficients.segment<15>(10));
+    fifth += back * (at.gradient.bottomRows<21>().transpose() * part.coefficients.tail<21>());
+  }
+  return std::sqrt(fifth.squaredNorm() + 0.25 * fourth.squaredNorm() + 1e-12);
+}
+
+double SiteModel::spread(const Vec3& x) const {
+  Vec3 mean = Vec3::Zero();
+  double square = 0;
+  for (const Part& part : parts_) {
+    const Mat3 to_part = part.turn * root_;
+    const JetMonomials at = jet_monomials(to_part * x);
+    const Vec3 force = scale_ * to_part.transpose() * (at.gradient.transpose() * part.coefficients);
+    mean += part.weight * force;
+    square += part.weight * force.squaredNorm();
+  }
+  return std::sqrt(std::max(0.0, square - mean.squaredNorm()));
 }
 
 // ---- the field
@@ -237,12 +241,9 @@ void SiteField::follow_neighbours(std::size_t i) {
 
 void SiteField::add_parts(const SurfacePlace& place, const SiteRest& rest, SiteModel& model) const {
   const Triangle& corner = rest_->map().facet(place).corners;
-  const auto [a, b, c] = rest_->map().corners(place.facet);
-  const Vec3 share = rest_->map().barycentric(place), n = rest_->map().facet(place).normal;
-  const double twice = n.dot((b - a).cross(c - a));
-  // Gradients of the barycentric coordinates: over the way along the surface, interpolated from the corners.
-  const std::array<Vec3, 3> by{Vec3(n.cross(c - b) / twice), Vec3(n.cross(a - c) / twice),
-                               Vec3(n.cross(b - a) / twice)};
+  const Vec3 share = rest_->map().barycentric(place);
+  // Over the way along the surface, interpolated from the corners.
+  const std::array<Vec3, 3> by = barycentric_slopes(rest_->map(), place.facet);
   const double reach = options_.reach * options_.spacing;
   double sum = 0;
   Vec3 sum_by = Vec3::Zero();

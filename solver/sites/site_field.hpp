@@ -49,7 +49,18 @@ class SiteModel {
  public:
   // degree: of E that is counted, 2 to 5. slopes must have been asked for, for by_site.
   SiteTerms at(const Vec3& x, int degree = 5) const;
+  // Of the force's error at x, from the last two degrees of the jets [N].
+  double estimate(const Vec3& x) const;
+  // How far the neighbours' own forces are from their mean, root mean square by weight [N].
+  double spread(const Vec3& x) const;
+  // E = 1/2 x^T K x + the sum of these coefficients and the monomials of x; K is that of rest().
+  JetCoefficients polynomial() const;
   const SiteRest& rest() const { return rest_; }
+  const Mat3& root() const { return root_; }                       // B
+  const std::array<Mat3, 3>& root_by() const { return root_by_; }  // by the coordinates of s
+  double scale() const { return scale_; }                          // c^2
+  const Vec3& scale_by() const { return scale_by_; }
+  bool has_slopes() const { return slopes_; }
   std::size_t neighbours() const { return parts_.size(); }
 
  private:

@@ -1,0 +1,212 @@
+// Solved states and jets of single places as corrections of the energy of sites: exact where they were made, with exact
+// derivatives, without jumps, nothing for a linear body.
+#include <Eigen/Geometry>
+#include <catch2/catch.hpp>
+#include <cmath>
+
+#include "pad_body.hpp"
+#include "solver/equilibrium/solver.hpp"
+#include "solver/sites/deep_states.hpp"
+
+namespace forefeel {
+namespace {
+
+struct Deep {
+  std::shared_ptr<const SiteField> field;
+  std::vector<State> states;  // solved
+  std::vector<State> rests;   // jets at rest of their sites
+};
+
+Vec3 deeply(const SiteField& field, const SurfacePlace& place, double depth, double aside) {
+  const Vec3 n = field.rest().pad().normal(place);
+  return depth * (-n + aside * n.unitOrthogonal());
+}
+
+State solved_at(const SiteField& field, const SurfacePlace& place, const Vec3& x, int jet = 1) {
+  Body there = field.rest().body();
+  there.pad->site = place.at;
+  State state = Solver(std::move(there)).reference(x, 0.006, {.jet = jet}).state;
+  state.site = place.at;
+  return state;
+}
+
+State rest_at(SiteJets& jets, const SurfacePlace& place) {
+  const RestJet made = jets.at(place);
+  State state;
+  state.site = place.at;
+  state.force.setZero();
+  state.energy = 0;
+  state.stiffness = made.stiffness;
+  state.jet = std::make_shared<const EnergyJet>(made.jet);
+  state.solve.status = SolveStatus::converged;
+  return state;
+}
+
+Deep deep_of(Law law, int jet = 1, int count = 4) {
+  const auto body = padded_phantom("liver", 600, phantom_tip("liver"), law);
+  const auto rest = std::make_shared<const RestSites>(body, 2);
+  Deep deep{.field = std::make_shared<const SiteField>(rest, SiteFieldOptions{.spacing = 0.02}),
+            .states = {},
+            .rests = {}};
+  SiteJets jets(*rest);
+  const SurfacePlace first = rest->map().nearest(phantom_tip("liver"));
+  for (int i = 0; i < count; ++i) {
+    const Vec3 way = 0.004 * i * rest->map().facet(first).normal.unitOrthogonal();
+    const SurfacePlace place = rest->map().walk(first, way).end;
+    deep.states.push_back(
+        solved_at(*deep.field, place, deeply(*deep.field, place, 0.018 + 0.001 * i, 0.1 * i), jet));
+    deep.rests.push_back(rest_at(jets, place));
+  }
+  return deep;
+}
+
+std::shared_ptr<const DeepStates> all_of(const Deep& deep) {
+  return DeepStates(deep.field).with(deep.rests)->with(deep.states);
+}
+
+double relative(const Vec3& force, const Vec3& right) {
+  return (force - right).norm() / right.norm();
+}
+
+}  // namespace
+
+TEST_CASE("At a state the force, the stiffness and the energy are its own") {
+  for (const int jet : {1, 4}) {
+    const Deep deep = deep_of(Law::neo_hookean, jet);
+    const auto set = all_of(deep);
+    REQUIRE(set->size() == 8);
+    for (const State& state : deep.states) {
+      const SurfacePlace place = deep.field->rest().map().nearest(state.site);
+      const SiteModel model = deep.field->at(place, false);
+      const SiteTerms at = set->at(model, place, state.at);
+      CHECK(relative(at.force, state.force) < 1e-9);
+      CHECK((at.stiffness - state.stiffness).norm() < 1e-8 * state.stiffness.norm());
+      CHECK(std::abs(at.energy - state.energy) < 1e-9 * state.energy);
+      CHECK(relative(model.at(state.at).force, state.force) > 1e-4);
+      CHECK(set->estimated_error(model, place, state.at) < 0.01 * model.estimate(state.at));
+      CHECK(set->trusted(model, place, state.at, 1e-3, 0.01));
+    }
+  }
+}
+
+TEST_CASE("At the site of a jet at rest the energy is the jet's") {
+  const Deep deep = deep_of(Law::neo_hookean);
+  const auto set = DeepStates(deep.field).with(deep.rests);
+  for (const State& state : deep.rests) {
+    const SurfacePlace place = deep.field->rest().map().nearest(state.site);
+    const Vec3 x = deeply(*deep.field, place, 0.01, 0.2);
+    const Vec3 own = -(state.stiffness * x + jet_terms(*state.jet, x).gradient);
+    CHECK(relative(set->at(deep.field->at(place, false), place, x).force, own) < 1e-9);
+  }
+}
+
+TEST_CASE("With corrections force, stiffness and the derivative by the site are those of the energy") {
+  const Deep deep = deep_of(Law::neo_hookean);
+  const auto set = all_of(deep);
+  const std::vector<double> gains{1, 0.5, 1, 1, 0.3, 1, 1, 0.7};
+  const SurfaceMap& map = deep.field->rest().map();
+  for (int i = 0; i < 8; ++i) {
+    const State& near = deep.states[static_cast<std::size_t>(i % 4)];
+    const Vec3 aside = 0.002 * (1 + i) * map.facet(map.nearest(near.site)).normal.unitOrthogonal();
+    const SurfacePlace place = map.walk(map.nearest(near.site), aside).end;
+    const SiteModel model = deep.field->at(place, true);
+    const Vec3 x = near.at + 0.003 * near.at.unitOrthogonal();
+    const SiteTerms at = set->at(model, place, x, gains);
+    CHECK((at.force - model.at(x).force).norm() > 1e-6 * at.force.norm());
+    const double h = 1e-6;
+    for (int k = 0; k < 3; ++k) {
+      const SiteTerms up = set->at(model, place, x + h * Vec3::Unit(k), gains),
+                      down = set->at(model, place, x - h * Vec3::Unit(k), gains);
+      CHECK(std::abs(at.force[k] + (up.energy - down.energy) / (2 * h)) < 1e-6 * at.force.norm());
+      CHECK((at.stiffness.col(k) + (up.force - down.force) / (2 * h)).norm() < 1e-5 * at.stiffness.norm());
+    }
+    CHECK((at.stiffness - at.stiffness.transpose()).norm() < 1e-12 * at.stiffness.norm());
+    const auto [a, b, c] = map.corners(place.facet);
+    for (const Vec3& side : {Vec3(b - a), Vec3(c - a)}) {
+      const Vec3 way = side.normalized();
+      SurfacePlace up = place, down = place;
+      up.at += h * way, down.at -= h * way;
+      const double slope = (set->at(deep.field->at(up, false), up, x, gains).energy -
+                            set->at(deep.field->at(down, false), down, x, gains).energy) /
+                           (2 * h);
+      CHECK(std::abs(at.by_site.dot(way) - slope) < 1e-5 * at.force.norm());
+    }
+  }
+}
+
+TEST_CASE("Corrections have no jump over facets, edges and the ends of states") {
+  const Deep deep = deep_of(Law::neo_hookean);
+  const auto set = all_of(deep);
+  const SurfaceMap& map = deep.field->rest().map();
+  const auto correction = [&](const SurfacePlace& place, const Vec3& x) {
+    const SiteModel model = deep.field->at(place, false);
+    return Vec3(set->at(model, place, x).force - model.at(x).force);
+  };
+  const State& first = deep.states.front();
+  const double scale = first.force.norm();
+  const SurfacePlace start = map.nearest(first.site);
+  for (int direction = 0; direction < 6; ++direction) {
+    const Vec3 n = map.facet(start).normal, e = n.unitOrthogonal();
+    const Vec3 way = std::cos(direction) * e + std::sin(direction) * n.cross(e);
+    Vec3 before = correction(start, first.at);
+    double most = 0;
+    for (int i = 1; i <= 60; ++i) {  // 30 mm, so past the last state; then 1 um on from each of the places
+      const SurfacePlace place = map.walk(start, 0.0005 * i * way).end;
+      if (map.facet(place).clamped) break;
+      const Vec3 here = correction(place, first.at),
+                 next = correction(map.walk(start, (0.0005 * i + 1e-6) * way).end, first.at);
+      most = std::max(most, (here - before).norm());
+      CHECK((next - here).norm() < 1e-4 * scale);
+      before = here;
+    }
+    CHECK(most < 0.1 * scale);
+  }
+  CHECK(correction(start, 1e-9 * first.at).norm() < 1e-12 * scale);
+  CHECK(correction(start, Vec3::Zero()).norm() == 0);
+}
+
+TEST_CASE("Nothing changes for a linear body") {
+  const Deep deep = deep_of(Law::linear);
+  const auto set = all_of(deep);
+  const State& state = deep.states.front();
+  const SurfacePlace place =
+      deep.field->rest()
+          .map()
+          .walk(deep.field->rest().map().nearest(state.site), Vec3(0.002, 0.001, 0.001))
+          .end;
+  const SiteModel model = deep.field->at(place, false);
+  const Vec3 x = state.at + Vec3(0.002, -0.001, 0.001);
+  CHECK(relative(set->at(model, place, x).force, model.at(x).force) < 1e-6);
+}
+
+TEST_CASE("Between states the error falls, and a gain of 0 is a state that is not there") {
+  const Deep deep = deep_of(Law::neo_hookean);
+  const auto set = all_of(deep);
+  const SurfaceMap& map = deep.field->rest().map();
+  double before = 0, after = 0;
+  for (const State& near : deep.states) {
+    const SurfacePlace place =
+        map.walk(map.nearest(near.site), 0.002 * map.facet(map.nearest(near.site)).normal.unitOrthogonal())
+            .end;
+    const Vec3 x = 0.95 * near.at + 0.001 * near.at.unitOrthogonal();
+    const State right = solved_at(*deep.field, place, x);
+    const SiteModel model = deep.field->at(place, false);
+    before += relative(model.at(x).force, right.force);
+    after += relative(set->at(model, place, x).force, right.force);
+    const std::vector<double> none(8, 0.0);
+    CHECK((set->at(model, place, x, none).force - model.at(x).force).norm() == 0);
+  }
+  CHECK(after < 0.4 * before);
+}
+
+TEST_CASE("States that cannot serve are left out") {
+  const Deep deep = deep_of(Law::neo_hookean, 1, 1);
+  State failed = deep.states[0], measured = deep.states[0], lost = deep.states[0];
+  failed.solve.status = SolveStatus::diverged;
+  measured.energy = unknown;
+  lost.site.setConstant(unknown);
+  const std::vector<State> list{failed, measured, lost};
+  CHECK(DeepStates(deep.field).with(list)->size() == 0);
+}
+
+}  // namespace forefeel
