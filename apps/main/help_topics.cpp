@@ -19,7 +19,6 @@
 #include "scheduling/record/run_files.hpp"
 #include "scheduling/record/shape_files.hpp"
 #include "scheduling/study/cell_result.hpp"
-#include "scheduling/touch/touch_files.hpp"
 #include "scheduling/workers/generator.hpp"
 
 namespace forefeel {
@@ -58,7 +57,7 @@ HelpTopic outputs_topic() {
   HelpTopic topic{
       "outputs", "The files of a run, of a study, and of single commands. Unknown values are empty, or null.",
       declared_run_files()};
-  for (const DeclaredTable& table : declared_touch_files()) topic.tables.push_back(table);
+  for (const DeclaredTable& table : touch_outputs()) topic.tables.push_back(table);
   topic.tables.push_back(
       {"session.inputs",
        "All that came into a run, in binary: states, times, positions. forefeel replay RUN "
@@ -67,10 +66,10 @@ HelpTopic outputs_topic() {
   topic.tables.push_back({"states.csv", "States of a run, of solve, export and import.", declared_states()});
   topic.tables.push_back(declared_shape_table());
   for (const DeclaredTable& table :
-       {summary_output(), touch_summary_output(), info_scene_output(), cells_output(), forces_output(),
-        coverage_output(), left_out_output(), solve_output(), mesh_output(), generate_output(),
-        generate_sites_output(), placement_output(), evaluate_output(), evaluate_sites_output(),
-        sited_forces_output(), classify_output()})
+       {summary_output(), info_scene_output(), cells_output(), forces_output(), coverage_output(),
+        left_out_output(), solve_output(), mesh_output(), generate_output(), generate_sites_output(),
+        placement_output(), evaluate_output(), evaluate_sites_output(), sited_forces_output(),
+        classify_output()})
     topic.tables.push_back(table);
   for (const DeclaredTable& table : declared_bench_json()) topic.tables.push_back(table);
   topic.tables.push_back(mesh_study_output());

@@ -11,7 +11,7 @@
 
 #include "apps/scene/scene.hpp"
 #include "geometry/states/state.hpp"
-#include "solver/sites/site_field.hpp"
+#include "solver/jet/site_field.hpp"
 
 namespace forefeel {
 

@@ -7,7 +7,7 @@
 
 #include "apps/console/document_keys.hpp"
 #include "apps/scene/scene_field.hpp"
-#include "solver/sites/rest_sites.hpp"
+#include "solver/jet/rest_sites.hpp"
 
 namespace forefeel {
 

@@ -8,7 +8,7 @@
 #include "apps/scene/scene_fine.hpp"
 #include "apps/scene/scene_nodes.hpp"
 #include "solver/body/pad.hpp"
-#include "solver/sites/surface_map.hpp"
+#include "solver/jet/surface_map.hpp"
 
 namespace forefeel {
 namespace {

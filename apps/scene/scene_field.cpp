@@ -23,16 +23,17 @@ namespace {
 
 namespace fs = std::filesystem;
 
-constexpr std::string_view field_magic = "forefeel sites 1\n";
+constexpr std::string_view field_magic = "forefeel sites 1\n", patches_magic = "forefeel patches 1\n";
 constexpr std::size_t field_digest = 64;  // hexadecimal digits at the end
 
-fs::path file_of_field(const Scene& scene, double spacing) {
+// magic: of the file's kind; ending: of its name.
+fs::path file_of_field(const Scene& scene, double spacing, std::string_view magic, const char* ending) {
   const fs::path folder = cache_folder();
   if (folder.empty()) return {};
   Sha256 hash;
-  hash.add(field_magic).add(solver_revision()).add(spacing);
+  hash.add(magic).add(solver_revision()).add(spacing);
   for (const auto& [key, value] : scene.identity) hash.add(key + "=" + value + "\n");
-  return folder / (hash.hex().substr(0, 32) + ".sites");
+  return folder / (hash.hex().substr(0, 32) + ending);
 }
 
 struct KeptField {
@@ -49,6 +50,22 @@ void unpack(Unpacker& in, Matrix& matrix) {
   for (Eigen::Index i = 0; i < matrix.size(); ++i) matrix.data()[i] = in.number<double>();
 }
 
+// With their checksum.
+std::string signed_bytes(Packer& out) {
+  const Bytes packed = out.take();
+  std::string bytes(packed.begin(), packed.end());
+  return bytes + Sha256().add(bytes).hex();
+}
+
+// Without magic and checksum; none where these are wrong.
+std::optional<std::string_view> checked_bytes(std::string_view bytes, std::string_view magic) {
+  if (bytes.size() < magic.size() + field_digest || !bytes.starts_with(magic)) return {};
+  const std::string_view sum = bytes.substr(bytes.size() - field_digest);
+  bytes.remove_suffix(field_digest);
+  if (Sha256().add(bytes).hex() != sum) return {};
+  return bytes.substr(magic.size());
+}
+
 std::string bytes_of(const KeptField& kept) {
   Packer out;
   out.add_raw(field_magic);
@@ -60,20 +77,15 @@ std::string bytes_of(const KeptField& kept) {
     pack(out, site.stiffness);
     pack(out, site.own);
   }
-  const Bytes packed = out.take();
-  std::string bytes(packed.begin(), packed.end());
-  return bytes + Sha256().add(bytes).hex();
+  return signed_bytes(out);
 }
 
-std::optional<KeptField> field_of_bytes(std::string_view bytes) {
-  if (bytes.size() < field_magic.size() + field_digest || !bytes.starts_with(field_magic)) return {};
-  const std::string_view sum = bytes.substr(bytes.size() - field_digest);
-  bytes.remove_suffix(field_digest);
-  if (Sha256().add(bytes).hex() != sum) return {};
-  bytes.remove_prefix(field_magic.size());
+std::optional<KeptField> field_of_bytes(std::string_view all) {
+  const std::optional<std::string_view> bytes = checked_bytes(all, field_magic);
+  if (!bytes) return {};
   KeptField kept;
   try {
-    Unpacker in(Bytes(bytes.begin(), bytes.end()));
+    Unpacker in(Bytes(bytes->begin(), bytes->end()));
     kept.compliance = in.values<double>();
     for (auto left = in.number<std::uint64_t>(); left > 0; --left) {
       FieldSite& site = kept.sites.emplace_back();
@@ -89,20 +101,32 @@ std::optional<KeptField> field_of_bytes(std::string_view bytes) {
   return kept;
 }
 
-std::optional<KeptField> read_field(const fs::path& file) {
+std::optional<std::vector<double>> patches_of_bytes(std::string_view all) {
+  const std::optional<std::string_view> bytes = checked_bytes(all, patches_magic);
+  if (!bytes) return {};
+  try {
+    return Unpacker(Bytes(bytes->begin(), bytes->end())).values<double>();
+  } catch (const MalformedMessage&) {
+    return {};
+  }
+}
+
+// read: from the file's bytes; none where they are wrong.
+template <class Read>
+auto read_cached(const fs::path& file, Read read) -> decltype(read(std::string_view())) {
   std::ifstream in(file, std::ios::binary);
   if (file.empty() || !in) return {};
   std::ostringstream bytes;
   bytes << in.rdbuf();
-  std::optional<KeptField> kept = field_of_bytes(bytes.view());
+  auto kept = read(bytes.view());
   if (!kept) warn({}, file.string() + ": has a wrong checksum: it is computed anew");
   return kept;
 }
 
-void keep_field(const fs::path& file, const SiteField& field) {
+void keep(const fs::path& file, const std::string& bytes) {
   if (file.empty()) return;
   try {
-    write_whole(file, bytes_of({field.rest().compliance(), field.sites()}));
+    write_whole(file, bytes);
   } catch (const std::exception&) {  // for example a full disk; it is computed again next time
   }
 }
@@ -116,9 +140,9 @@ FieldFound find_field(const Scene& scene, const Globals& globals, const std::sto
   options.spacing = scene.touch.anywhere->site_spacing.value_or(options.spacing);
   const std::shared_ptr<const FineBodies>& fine = scene.touch.anywhere->fine;
   const auto body = fine ? std::shared_ptr<const Body>(fine, &fine->first) : scene.body;
-  const fs::path file = file_of_field(scene, options.spacing);
+  const fs::path file = file_of_field(scene, options.spacing, field_magic, ".sites");
   FieldFound found;
-  if (const std::optional<KeptField> kept = read_field(file)) {
+  if (const std::optional<KeptField> kept = read_cached(file, field_of_bytes)) {
     const auto rest = std::make_shared<const RestSites>(body, options.threads, kept->compliance);
     found.field = std::make_shared<const SiteField>(rest, options, kept->sites);
     found.kept = true;
@@ -129,10 +153,28 @@ FieldFound find_field(const Scene& scene, const Globals& globals, const std::sto
     progress.phase("Field at rest, jets");
     found.field = std::make_shared<const SiteField>(
         rest, options, [&](double share) { progress.show(share, "sites"); }, stop);
-    if (!stop.stop_requested()) keep_field(file, *found.field);
+    if (!stop.stop_requested())
+      keep(file, bytes_of({found.field->rest().compliance(), found.field->sites()}));
   }
   found.seconds = seconds_since(start);
   return found;
+}
+
+std::shared_ptr<const FieldPatches> find_patches(const Scene& scene, std::shared_ptr<const SiteField> field,
+                                                 const Globals& globals, const std::stop_token& stop) {
+  const fs::path file = file_of_field(scene, field->options().spacing, patches_magic, ".patches");
+  const std::optional<std::vector<double>> kept = read_cached(file, patches_of_bytes);
+  Progress progress(globals, "Field at rest, facets");
+  const auto patches = std::make_shared<const FieldPatches>(
+      std::move(field), kept ? *kept : std::vector<double>(),
+      [&](double share) { progress.show(share, "facets"); }, stop);
+  if (!stop.stop_requested() && (!kept || kept->size() != patches->values().size())) {
+    Packer out;
+    out.add_raw(patches_magic);
+    out.add(patches->values());
+    keep(file, signed_bytes(out));
+  }
+  return patches;
 }
 
 std::shared_ptr<const SiteField> site_field_of(const Scene& scene, const Globals& globals,

@@ -6,7 +6,7 @@
 
 #include "apps/scene/scene_declared.hpp"
 #include "solver/body/pad.hpp"
-#include "solver/sites/site_field.hpp"
+#include "solver/jet/site_field.hpp"
 
 namespace forefeel {
 namespace {

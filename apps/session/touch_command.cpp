@@ -83,6 +83,7 @@ TouchSessionInput touch_input(const Globals& globals, const SessionArguments& gi
   const RestSites& rest = field.rest();
   TouchSessionInput input{.task = {.field = std::move(shared),
                                    .grid = std::make_shared<const SurfaceGrid>(rest.map()),
+                                   .patches = {},
                                    .tips = space_of_tips(rest, scene.space.spacing),
                                    .depth = scene.touch.anywhere->depth,
                                    .friction = scene.touch.anywhere->friction,
@@ -135,7 +136,9 @@ int run_touch_command(const Globals& globals, const SessionArguments& given, con
   SessionOptions options = touch_options(globals, given, scene);
   const FieldFound found = find_field(scene, globals);
   end_if_interrupted("the session began");
-  const TouchSessionInput input = touch_input(globals, given, scene, *found.field, found.field);
+  TouchSessionInput input = touch_input(globals, given, scene, *found.field, found.field);
+  input.task.patches = find_patches(scene, found.field, globals);
+  end_if_interrupted("the session began");
   claim_run_folder(globals, given, {}, run);
   for (const std::string& warning : scene.source.warnings) warn(globals, warning);
   const InterruptWatch watch;

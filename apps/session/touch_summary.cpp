@@ -5,6 +5,7 @@
 
 #include "apps/console/outputs.hpp"
 #include "geometry/common/quantiles.hpp"
+#include "scheduling/touch/touch_files.hpp"
 
 namespace forefeel {
 namespace {
@@ -192,10 +193,12 @@ const JsonKeys<TouchSummary>& touch_summary_keys() {
   return keys;
 }
 
-DeclaredTable touch_summary_output() {
+std::vector<DeclaredTable> touch_outputs() {
+  std::vector<DeclaredTable> tables = declared_touch_files();
   std::vector<Declared> rows = declared(touch_summary_keys());
   rows.push_back({"provenance", "", "", "command, version, commit, scene_hash, libraries, machine"});
-  return {"touch/summary.json", "Of a session with contact.anywhere.", std::move(rows)};
+  tables.push_back({"touch/summary.json", "Of a session with contact.anywhere.", std::move(rows)});
+  return tables;
 }
 
 }  // namespace forefeel

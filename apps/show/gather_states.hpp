@@ -6,7 +6,7 @@
 #include <string>
 #include <vector>
 
-#include "apps/classify/classify.hpp"
+#include "apps/offline/classify.hpp"
 #include "apps/show/show_content.hpp"
 
 namespace forefeel {

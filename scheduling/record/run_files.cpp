@@ -8,7 +8,7 @@
 
 #include "geometry/common/error.hpp"
 #include "geometry/common/output_file.hpp"
-#include "scheduling/record/run_columns.hpp"
+#include "geometry/common/run_columns.hpp"
 
 namespace forefeel {
 namespace {

@@ -4,8 +4,8 @@
 #include <functional>
 
 #include "scheduling/motion/touch_surface.hpp"
-#include "solver/sites/site_field.hpp"
-#include "solver/sites/surface_grid.hpp"
+#include "solver/jet/site_field.hpp"
+#include "solver/jet/surface_grid.hpp"
 
 namespace forefeel {
 

@@ -1,6 +1,7 @@
 #include "scheduling/touch/touch_field.hpp"
 
 #include <cmath>
+#include <limits>
 
 namespace forefeel {
 
@@ -9,39 +10,48 @@ double farthest_of(double depth) {
 }
 
 FieldOfSites::FieldOfSites(std::shared_ptr<const SiteField> field, std::shared_ptr<const SurfaceGrid> grid,
-                           double farthest)
-    : field_(std::move(field)), grid_(std::move(grid)), farthest_(farthest) {}
+                           double farthest, std::shared_ptr<const FieldPatches> patches)
+    : field_(std::move(field)), grid_(std::move(grid)), patches_(std::move(patches)), farthest_(farthest) {}
 
 const SiteModel& FieldOfSites::model(const SurfacePlace& site) const {
-  if (site.facet != last_.facet || site.at != last_.at) {
+  const bool root = deep_ != nullptr && deep_->size() > 0;
+  if (site.facet == last_.facet && site.at == last_.at && (has_root_ || !root)) return model_;
+  if (patches_ && patches_->has(site.facet)) {
+    patches_->fill(site, root, model_);
+    has_root_ = root;
+  } else {
     model_ = field_->at(site, true);
-    last_ = site;
+    has_root_ = true;
   }
+  last_ = site;
   return model_;
 }
 
-// By the last degrees of the jets, as of a single one (geometry/states/energy_jet.hpp).
-double FieldOfSites::estimate(const SurfacePlace& site, const Vec3& x) const {
+SiteTerms FieldOfSites::terms(const SurfacePlace& site, const Vec3& x) const {
   const SiteModel& here = model(site);
-  const Vec3 at = x.norm() > farthest_ ? Vec3(farthest_ / x.norm() * x) : x;
-  const Vec3 fourth = here.at(at, 5).force, third = here.at(at, 4).force, second = here.at(at, 3).force;
-  return std::sqrt((fourth - third).squaredNorm() + 0.25 * (third - second).squaredNorm() + 1e-12);
+  return deep_ != nullptr && deep_->size() > 0 ? deep_->at(here, site, x) : here.at(x);
+}
+
+double FieldOfSites::estimate(const SurfacePlace& site, const Vec3& x) const {
+  if (x.norm() > farthest_) return std::numeric_limits<double>::infinity();
+  const SiteModel& here = model(site);
+  return deep_ != nullptr ? deep_->estimated_error(here, site, x) : here.estimate(x);
 }
 
 TouchTerms FieldOfSites::at(const SurfacePlace& site, const Vec3& x) const {
-  model(site);
+  const Vec3 normal = model(site).rest().normal;
   const double r = x.norm();
-  if (!(r > farthest_)) return {model_.at(x), model_.rest().normal};
+  if (!(r > farthest_)) return {terms(site, x), normal};
   const Vec3 n = x / r;
   const double beyond = r - farthest_, step = 1e-4 * farthest_;
-  TouchTerms terms{model_.at(farthest_ * n), model_.rest().normal};
-  const Vec3 outer = model_.at((farthest_ + step) * n).by_site,
-             inner = model_.at((farthest_ - step) * n).by_site;
-  const Vec3 stiff = terms.at.stiffness * n;
-  terms.at.energy -= beyond * n.dot(terms.at.force);
-  terms.at.force -= beyond * farthest_ / r * (stiff - n.dot(stiff) * n);
-  terms.at.by_site += beyond / (2 * step) * (outer - inner);
-  return terms;
+  TouchTerms at{terms(site, farthest_ * n), normal};
+  const Vec3 outer = terms(site, (farthest_ + step) * n).by_site,
+             inner = terms(site, (farthest_ - step) * n).by_site;
+  const Vec3 stiff = at.at.stiffness * n;
+  at.at.energy -= beyond * n.dot(at.at.force);
+  at.at.force -= beyond * farthest_ / r * (stiff - n.dot(stiff) * n);
+  at.at.by_site += beyond / (2 * step) * (outer - inner);
+  return at;
 }
 
 const SurfaceMap& FieldOfSites::map() const {

@@ -7,12 +7,12 @@
 
 #include <memory>
 
-#include "solver/sites/site_field.hpp"
-#include "solver/sites/surface_grid.hpp"
+#include "solver/jet/deep_states.hpp"
+#include "solver/jet/field_patches.hpp"
+#include "solver/jet/site_field.hpp"
+#include "solver/jet/surface_grid.hpp"
 
 namespace forefeel {
-
-class DeepStates;  // solver/sites/deep_states.hpp
 
 struct TouchTerms {
   SiteTerms at;                // E, f, K and dE/ds
@@ -30,14 +30,16 @@ class TouchField {
 // R for states to this depth [m]: half as far again as the farthest of them.
 double farthest_of(double depth);
 
-// A SiteField. Keeps the model of the last site, so that a touch that sticks costs a polynomial; for one thread.
+// A field of sites with states that correct it, for one thread. Where the facet has a patch it answers from that, in a
+// few microseconds and without allocation; else from the field itself, whose cost is hundreds.
 class FieldOfSites : public TouchField {
  public:
-  // farthest: R [m].
+  // farthest: R [m]. patches: made by another thread; null: none.
   FieldOfSites(std::shared_ptr<const SiteField> field, std::shared_ptr<const SurfaceGrid> grid,
-               double farthest);
+               double farthest, std::shared_ptr<const FieldPatches> patches = {});
   TouchTerms at(const SurfacePlace& site, const Vec3& x) const override;
-  double estimate(const SurfacePlace& site, const Vec3& x) const;  // of the error of the force [N]
+  // Of the error of the force [N]; infinite beyond R.
+  double estimate(const SurfacePlace& site, const Vec3& x) const;
   void use(const DeepStates* deep) {
     deep_ = deep;
   }  // states that correct the field; null: none. It stays alive.
@@ -46,13 +48,16 @@ class FieldOfSites : public TouchField {
 
  private:
   const SiteModel& model(const SurfacePlace& site) const;
+  SiteTerms terms(const SurfacePlace& site, const Vec3& x) const;
 
   std::shared_ptr<const SiteField> field_;
   std::shared_ptr<const SurfaceGrid> grid_;
+  std::shared_ptr<const FieldPatches> patches_;
   double farthest_;
   const DeepStates* deep_ = nullptr;
   mutable SurfacePlace last_;
   mutable SiteModel model_;
+  mutable bool has_root_ = false;
 };
 
 }  // namespace forefeel

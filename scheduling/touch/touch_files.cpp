@@ -1,6 +1,6 @@
 #include "scheduling/touch/touch_files.hpp"
 
-#include "scheduling/record/run_columns.hpp"
+#include "geometry/common/run_columns.hpp"
 
 namespace forefeel {
 namespace {

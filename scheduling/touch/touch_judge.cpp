@@ -7,6 +7,7 @@
 #include <array>
 #include <cmath>
 #include <set>
+#include <span>
 
 #include "geometry/coverage/state_space.hpp"
 
@@ -64,6 +65,32 @@ class LabelsAt {
   Vec3 site_ = Vec3::Zero(), normal_ = Vec3::Zero();
 };
 
+// Of the frames in touch, from `first` on.
+void set_trust(const TouchSessionInput& input, const std::vector<std::shared_ptr<const DeepStates>>& models,
+               std::span<TouchFrameRecord> frames) {
+  constexpr double again = 0.001;  // [m]
+  const double farthest = farthest_of(input.task.depth);
+  const TouchFrameRecord* last = nullptr;
+  SurfacePlace place;
+  SiteModel model;
+  for (TouchFrameRecord& frame : frames) {
+    if (frame.touch == TouchKind::none || frame.source.model == 0) continue;
+    if (last && last->source.model == frame.source.model && (last->tip - frame.tip).norm() < again) {
+      frame.source.trusted = last->source.trusted, frame.source.estimate = last->source.estimate;
+      continue;
+    }
+    if (place.facet != frame.site.facet || place.at != frame.site.at)
+      place = frame.site, model = input.task.field->at(place, false);
+    const DeepStates& deep = *models[frame.source.model - 1];
+    const Vec3 x = frame.tip - frame.site.at;
+    if (x.norm() <= farthest) {
+      frame.source.estimate = deep.estimated_error(model, place, x);
+      frame.source.trusted = deep.trusted(model, place, x, input.task.tolerance, input.task.floor);
+    }
+    last = &frame;
+  }
+}
+
 void choose_samples(const TouchSessionInput& input, const JudgingOptions& judging,
                     std::vector<TouchFrameRecord>& frames) {
   std::set<std::array<long, 6>> visited;
@@ -97,6 +124,12 @@ void judge(const TouchSessionInput& input, const TouchJudging& how, TouchSession
   LabelsAt labels(input, result.states);
   for (TouchFrameRecord& frame : result.frames)
     if (frame.touch != TouchKind::none) frame.label = labels.at(frame);
+  const std::size_t parts = 8, all = result.frames.size();
+#pragma omp parallel for schedule(dynamic) num_threads(how.threads)
+  for (std::size_t part = 0; part < parts; ++part)
+    set_trust(
+        input, result.models,
+        std::span(result.frames).subspan(part * all / parts, (part + 1) * all / parts - part * all / parts));
   choose_samples(input, how.judging, result.frames);
   std::vector<TouchFrameRecord*> wanted;
   for (TouchFrameRecord& frame : result.frames)

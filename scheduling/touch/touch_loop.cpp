@@ -26,6 +26,10 @@ TouchLoop::TouchLoop(Device& device, FieldOfSites& field, TouchLink& link, const
       tip_(device, options.render.frame, options.render.switching.jump_speed),
       frames_(frames),
       switch_(options.render.switching),
+      fresh_filter_(options.render.viscosity.empty()
+                        ? std::optional<RelaxationFilter>()
+                        : std::optional<RelaxationFilter>(options.render.viscosity)),
+      filter_(fresh_filter_),
       safety_(options.render.safety, options.render.frame),
       ramp_(std::min(spare_frames(options.render), frames)),
       log_(frames + 2 * spare_frames(options.render)) {}
@@ -35,7 +39,7 @@ Vec3 TouchLoop::rendered(const TouchFrame& frame, const TouchModel* came, double
   const bool touching = frame.touch.kind != TouchKind::none;
   if (!touching || frame.began) {
     switch_ = ForceSwitch(options_.render.switching);
-    if (!options_.render.viscosity.empty()) filter_.emplace(options_.render.viscosity);
+    filter_ = fresh_filter_;
     last_elastic_.setZero();
   }
   if (!touching) {
@@ -63,10 +67,6 @@ Vec3 TouchLoop::rendered(const TouchFrame& frame, const TouchModel* came, double
 void TouchLoop::note_source(const TouchFrame& frame, TouchFrameRecord& record) {
   if (model_ != nullptr) record.source.model = model_->serial, record.source.known = model_->known;
   if (frame.touch.kind == TouchKind::none) return;
-  const Vec3 x = frame.touch.tip - frame.touch.site.at;
-  record.source.estimate = field_.estimate(frame.touch.site, x);
-  record.source.trusted =
-      record.source.estimate <= options_.tolerance * std::max(frame.force.norm(), options_.floor);
   record.normal = frame.normal;
   const double push = frame.force.dot(frame.normal);
   record.source.slope = push > 0 ? frame.drive.norm() / push : unknown;

@@ -19,8 +19,6 @@ namespace forefeel {
 struct TouchLoopOptions {
   RenderOptions render;
   std::optional<double> friction;  // coefficient; nullopt: the tip sticks
-  double tolerance = 0.07;         // of a trusted force [1]
-  double floor = 0.05;             // f0: below it errors are relative to it [N]
 };
 
 class TouchLoop {
@@ -56,7 +54,7 @@ class TouchLoop {
   Touch touch_;
   const TouchModel* model_ = nullptr;
   ForceSwitch switch_;
-  std::optional<RelaxationFilter> filter_;
+  std::optional<RelaxationFilter> fresh_filter_, filter_;  // none: the body is elastic
   Safety safety_;
   Vec3 sent_ = Vec3::Zero(), last_elastic_ = Vec3::Zero(), last_tip_ = Vec3::Zero();
   double last_t_ = 0;

@@ -12,13 +12,14 @@ namespace {
 constexpr std::size_t most_starts = 64;
 constexpr double jets_apart = 0.25;  // of site_spacing
 constexpr int predictions = 8;
+constexpr double trust_factor = 3;  // that of DeepStates::trusted()
 
 }  // namespace
 
 TouchPlanner::TouchPlanner(TouchTask task, TouchPlannerParts parts, std::vector<State> known)
     : task_(std::move(task)),
       parts_(std::move(parts)),
-      field_(task_.field, task_.grid, farthest_of(task_.depth)),
+      field_(task_.field, task_.grid, farthest_of(task_.depth), task_.patches),
       tips_(task_.tips) {
   for (std::size_t i = 0; i < task_.field->size(); ++i) {
     jets_.push_back(task_.field->place(i));
@@ -27,7 +28,8 @@ TouchPlanner::TouchPlanner(TouchTask task, TouchPlannerParts parts, std::vector<
     tips_.insert(std::move(at_rest));
   }
   for (const State& state : known) learn(state);
-  models_.push_back(std::make_unique<TouchModel>(TouchModel{.serial = 1, .known = 0, .deep = {}}));
+  models_.push_back(std::make_unique<TouchModel>(
+      TouchModel{.serial = 1, .known = 0, .deep = std::make_shared<const DeepStates>(task_.field)}));
   model();
 }
 
@@ -38,6 +40,7 @@ void TouchPlanner::learn(const State& state) {
   tip.solve.status = state.solve.status;
   tips_.insert(std::move(tip));
   known_.push_back(state);
+  fresh_.push_back(state);
 }
 
 void TouchPlanner::observe(const TouchSeen& seen, double now) {
@@ -127,7 +130,7 @@ std::vector<TouchPlanner::Wanted> TouchPlanner::candidates(const std::vector<Vis
           const TouchTerms terms = field_.at(at.site, at.x);
           if (!in_region(at, terms.normal)) continue;
           const double allowed = task_.tolerance * std::max(terms.at.force.norm(), task_.floor);
-          if (!(field_.estimate(at.site, at.x) > allowed)) continue;
+          if (!(trust_factor * field_.estimate(at.site, at.x) > allowed)) continue;
           Wanted wanted{.site = at.site, .x = at.x, .candidate = {.at = tip}};
           wanted.candidate.requested = asked_.emplace(key, now).first->second;
           wanted.candidate.order = static_cast<std::uint32_t>(found.size());
@@ -239,11 +242,22 @@ bool TouchPlanner::receive(std::uint32_t id, TouchSolved solved, double started,
 }
 
 const TouchModel* TouchPlanner::model() {
-  if (models_.back()->known == known_.size()) return models_.back().get();
-  models_.push_back(std::make_unique<TouchModel>(TouchModel{
-      .serial = models_.back()->serial + 1, .known = static_cast<std::uint32_t>(known_.size()), .deep = {}}));
+  const TouchModel& last = *models_.back();
+  if (!fresh_.empty()) {
+    models_.push_back(
+        std::make_unique<TouchModel>(TouchModel{.serial = last.serial + 1,
+                                                .known = static_cast<std::uint32_t>(known_.size()),
+                                                .deep = last.deep->with(fresh_)}));
+    fresh_.clear();
+  }
   field_.use(models_.back()->deep.get());
   return models_.back().get();
+}
+
+std::vector<std::shared_ptr<const DeepStates>> TouchPlanner::models() const {
+  std::vector<std::shared_ptr<const DeepStates>> all;
+  for (const auto& model : models_) all.push_back(model->deep);
+  return all;
 }
 
 }  // namespace forefeel

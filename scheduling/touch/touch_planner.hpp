@@ -24,11 +24,12 @@ namespace forefeel {
 struct TouchTask {
   std::shared_ptr<const SiteField> field;
   std::shared_ptr<const SurfaceGrid> grid;
-  StateSpaceOptions tips;          // box of the body, h
-  double depth = 0.025;            // of states [m]
-  std::optional<double> friction;  // coefficient
-  double tolerance = 0.07;         // of the relative error [1]
-  double floor = 0.05;             // f0 [N]
+  std::shared_ptr<const FieldPatches> patches;  // of the field
+  StateSpaceOptions tips;                       // box of the body, h
+  double depth = 0.025;                         // of states [m]
+  std::optional<double> friction;               // coefficient
+  double tolerance = 0.07;                      // of the relative error [1]
+  double floor = 0.05;                          // f0 [N]
 };
 
 struct TouchPlannerParts {
@@ -49,6 +50,8 @@ class TouchPlanner {
   bool receive(std::uint32_t id, TouchSolved solved, double started, double finished, double now);
   // The model of all that is known; it lives as long as the planner.
   const TouchModel* model();
+  // By serial number - 1.
+  std::vector<std::shared_ptr<const DeepStates>> models() const;
 
   const std::vector<State>& known() const { return known_; }  // in the order in which they became known
   const std::vector<TouchDispatch>& dispatches() const { return dispatches_; }
@@ -84,10 +87,10 @@ class TouchPlanner {
   StateSpace tips_;
   TouchSeen seen_;
   std::vector<Prediction> predicted_;
-  std::vector<State> known_;
-  std::vector<SurfacePlace> jets_;  // places with a jet at rest, known or being made
-  std::map<Key, double> asked_;     // when a candidate was first wanted [s]
-  std::map<Key, bool> gone_;        // known, being solved or failed
+  std::vector<State> known_, fresh_;  // fresh_: not in a model yet
+  std::vector<SurfacePlace> jets_;    // places with a jet at rest, known or being made
+  std::map<Key, double> asked_;       // when a candidate was first wanted [s]
+  std::map<Key, bool> gone_;          // known, being solved or failed
   std::vector<Vec3> pending_;
   struct Start {
     SurfacePlace site;

@@ -24,7 +24,7 @@ struct TouchForces {
 // Where the force came from.
 struct TouchSource {
   std::uint32_t model = 0, known = 0;  // serial number; states that it holds
-  double estimate = unknown;           // of its own error [N]
+  double estimate = unknown;           // of its own error [N]; judged after the run
   bool trusted = false;                // the estimate is within the tolerance
   double slope = unknown;              // |g| / (f . n), g of slip.hpp [1]
 };

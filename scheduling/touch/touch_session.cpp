@@ -47,7 +47,7 @@ struct Parts {
         context{.box = surface.box(), .seed = chosen.seed, .folder = given.folder, .surface = &surface},
         device(make_device(chosen.motion.device, context)),
         cost(make_cost(chosen.workers.cost, context, [] { return refuse_recorded(); })),
-        field(given.task.field, given.task.grid, farthest_of(given.task.depth)),
+        field(given.task.field, given.task.grid, farthest_of(given.task.depth), given.task.patches),
         planner(given.task, planner_parts(), given.known),
         frames(frames_of()),
         loop(*device, field, link, loop_options(), frames) {
@@ -91,7 +91,6 @@ struct Parts {
     loop_options.render.frame = options.clock.frame;
     loop_options.render.viscosity = input.viscosity;
     loop_options.friction = input.task.friction;
-    loop_options.tolerance = input.task.tolerance, loop_options.floor = input.task.floor;
     return loop_options;
   }
 
@@ -118,6 +117,7 @@ struct Parts {
     result.frames = loop.take_log();
     result.dispatches = planner.dispatches();
     result.states = planner.known();
+    result.models = planner.models();
     result.failed = planner.failed();
     const Safety& safety = loop.safety();
     result.safety.clamped = safety.counts().clamped, result.safety.slewed = safety.counts().slewed;

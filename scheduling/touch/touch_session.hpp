@@ -36,6 +36,7 @@ struct TouchProgress {
 struct TouchSessionResult {
   std::vector<TouchFrameRecord> frames;
   std::vector<TouchDispatch> dispatches;
+  std::vector<std::shared_ptr<const DeepStates>> models;  // by serial number - 1
   std::vector<State> states;  // all known at the end; those known at the start come first
   std::size_t known_at_start = 0, failed = 0;
   SafetyReport safety;

@@ -6,7 +6,7 @@
 #include <stop_token>
 
 #include "solver/equilibrium/solver.hpp"
-#include "solver/sites/rest_sites.hpp"
+#include "solver/jet/rest_sites.hpp"
 
 namespace forefeel {
 

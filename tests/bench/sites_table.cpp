@@ -19,7 +19,7 @@
 #include "apps/scene/scene.hpp"
 #include "geometry/common/error.hpp"
 #include "solver/equilibrium/solver.hpp"
-#include "solver/sites/site_field.hpp"
+#include "solver/jet/site_field.hpp"
 
 namespace {
 

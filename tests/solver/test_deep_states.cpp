@@ -6,7 +6,7 @@
 
 #include "pad_body.hpp"
 #include "solver/equilibrium/solver.hpp"
-#include "solver/sites/deep_states.hpp"
+#include "solver/jet/deep_states.hpp"
 
 namespace forefeel {
 namespace {

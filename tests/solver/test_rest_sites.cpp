@@ -6,7 +6,7 @@
 #include "geometry/common/error.hpp"
 #include "pad_body.hpp"
 #include "solver/jet/rest_jet.hpp"
-#include "solver/sites/rest_sites.hpp"
+#include "solver/jet/rest_sites.hpp"
 
 namespace forefeel {
 namespace {

@@ -5,7 +5,7 @@
 #include <cmath>
 
 #include "pad_body.hpp"
-#include "solver/sites/site_field.hpp"
+#include "solver/jet/site_field.hpp"
 
 namespace forefeel {
 namespace {

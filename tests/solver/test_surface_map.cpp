@@ -5,7 +5,7 @@
 #include <numbers>
 
 #include "pad_body.hpp"
-#include "solver/sites/surface_map.hpp"
+#include "solver/jet/surface_map.hpp"
 
 namespace forefeel {
 namespace {

@@ -1,0 +1,367 @@
+// forefeel evaluate STATES --points Q.csv: approximated forces (approx/methods/evaluate.hpp). Each point
+// gets its own neighbour set; an older method (--method) uses all states.
+
+#include <fmt/format.h>
+
+#include <algorithm>
+#include <array>
+#include <charconv>
+#include <cmath>
+#include <memory>
+#include <nlohmann/json.hpp>
+#include <optional>
+#include <span>
+
+#include "approx/methods/evaluate.hpp"
+#include "apps/console/commands.hpp"
+#include "apps/console/console.hpp"
+#include "apps/console/json.hpp"
+#include "apps/console/outputs.hpp"
+#include "apps/console/spacing_check.hpp"
+#include "apps/console/values.hpp"
+#include "apps/offline/evaluate_json.hpp"
+#include "apps/offline/evaluate_sites.hpp"
+#include "apps/offline/offline_bars.hpp"
+#include "apps/scene/given_states.hpp"
+#include "apps/scene/scene_mesh_error.hpp"
+#include "geometry/common/error.hpp"
+#include "geometry/common/output_file.hpp"
+#include "geometry/states/check_solves.hpp"
+#include "geometry/states/state_file.hpp"
+#include "geometry/states/state_summary.hpp"
+#include "geometry/states/stiffness_agreement.hpp"
+
+namespace forefeel {
+namespace {
+
+struct ModelArguments {
+  std::optional<std::string> method, kernel, data, select, ridge;
+  std::optional<std::size_t> neighbours;
+};
+
+struct EvaluateArguments {
+  std::string states, points, output, scene;
+  ModelArguments model;
+  std::optional<double> spacing;
+  KnownNoise noise;
+  bool foreign = false, no_bars = false;
+};
+
+double ridge_of(const std::string& text) {
+  double value = 0;
+  const char* end = text.data() + text.size();
+  const auto [stopped, failed] = std::from_chars(text.data(), end, value);
+  if (failed != std::errc() || stopped != end || !(value >= 0) || !std::isfinite(value))
+    throw InputError("--ridge", fmt::format("is '{}', expected a number >= 0 or auto", text));
+  return value;
+}
+
+// The value with this name; the parser has already refused unknown names.
+template <class Value>
+std::optional<Value> named(const std::optional<std::string>& text, std::span<const Value> values) {
+  for (const Value value : values)
+    if (text && name(value) == *text) return value;
+  return {};
+}
+
+EvaluateOptions options_of(const ModelArguments& arguments) {
+  constexpr std::array kernels{Kernel::linear, Kernel::cubic, Kernel::quintic};
+  constexpr std::array data{Data::force, Data::force_and_stiffness, Data::jet};
+  constexpr std::array rules{Select::label, Select::nearest};
+  EvaluateOptions options;
+  if (arguments.method) options.choose = *arguments.method == "auto";
+  options.method = named(arguments.method, all_methods());
+  options.model.kernel = named<Kernel>(arguments.kernel, kernels);
+  options.model.data = named<Data>(arguments.data, data);
+  options.model.select = named<Select>(arguments.select, rules);
+  options.model.neighbours = arguments.neighbours;
+  options.choose_ridge = arguments.ridge == "auto" && options.choose != true;
+  if (arguments.ridge && *arguments.ridge != "auto") options.model.ridge = ridge_of(*arguments.ridge);
+  return options;
+}
+
+struct ForceRow {
+  const Vec3& at;
+  const Evaluation& found;
+  std::size_t i;  // of the point
+};
+
+CsvColumns<ForceRow> force_columns(bool barred, bool of_jets) {
+  using R = ForceRow;
+  CsvColumns<R> columns{{"x,y,z", "m", "position", [](const R& r) { return cells(r.at); }},
+                        {"fx,fy,fz", "N", "approximated force of the body on the tip",
+                         [](const R& r) { return cells(r.found.made.forces[r.i]); }},
+                        {"label", "", "coverage there: safe, sparse, gap or blank",
+                         [](const R& r) { return std::string(name(r.found.made.labels[r.i])); }}};
+  if (of_jets)
+    columns.push_back({"trusted", "", "with --data jet: 1 where its jets are within their trust, else 0",
+                       [](const R& r) { return std::string(r.found.made.trusted[r.i] ? "1" : "0"); }});
+  if (barred) columns.push_back(bar_column<R>("", [](const R& r) { return r.found.bars->at[r.i]; }));
+  return columns;
+}
+
+void write_csv(const std::string& file, const std::vector<Vec3>& points, const Evaluation& found) {
+  const CsvColumns<ForceRow> columns = force_columns(found.bars.has_value(), !found.made.trusted.empty());
+  OutputFile out(file);
+  out.write(csv_header(columns));
+  for (std::size_t i = 0; i < points.size(); ++i) out.write(csv_row(columns, {points[i], found, i}));
+  out.commit();
+}
+
+// The older methods ignore some options; a warning says which.
+void warn_of_unused(const Globals& globals, const ModelArguments& arguments) {
+  const std::string method = arguments.method.value_or("rbf");
+  if (arguments.data == "jet" && arguments.ridge)
+    warn(globals, "--ridge: without effect where a force comes from energy jets");
+  if (method == "rbf" || method == "auto") return;
+  const bool offline = method == "offline-rbf";
+  std::vector<std::string> unused;
+  if (arguments.select) unused.push_back("--select");
+  if (arguments.kernel && !offline) unused.push_back("--kernel");
+  if (arguments.data && !offline) unused.push_back("--data");
+  if (arguments.neighbours && method != "rbf-network") unused.push_back("--neighbours");
+  if (arguments.ridge && !offline) unused.push_back("--ridge");
+  if (!unused.empty())
+    warn(globals, fmt::format("{}: without effect on --method {}", fmt::join(unused, ", "), method));
+}
+
+std::vector<Vec3> read_points(const std::string& file) {
+  std::vector<Vec3> points = read_points_csv(file);
+  for (std::size_t i = 0; i < points.size(); ++i)
+    if (!points[i].allFinite())
+      throw InputError(fmt::format("{}: point {}", file, i + 1), "is not finite, expected three numbers");
+  if (points.empty()) throw InputError(file, "holds no point, expected rows x,y,z");
+  return points;
+}
+
+// The states, and whether they were taken as those of another body; nothing without a scene.
+struct KnownStates {
+  std::vector<State> states = {};
+  double spacing = unknown;  // [m]
+  CheckSolves checks = {};
+  std::optional<Belonging> belonging = {};
+  std::optional<MeshError> mesh = {};  // of the scene's body, unless the states are of another
+};
+
+KnownStates read_known(const Globals& globals, const EvaluateArguments& arguments) {
+  LoadedStates loaded = load_states(arguments.states);
+  if (loaded.damaged > 0) warn(globals, damage_in_words(arguments.states, loaded.damaged));
+  if (std::ranges::none_of(loaded.states, &State::usable))
+    throw InputError(arguments.states, "holds no solved state, expected at least one");
+  if (loaded.header.identity.empty())
+    if (const std::string problem = disagreement_in_words(stiffness_agreement(loaded.states));
+        !problem.empty())
+      warn(globals, fmt::format("{}: {}", arguments.states, problem));
+  KnownStates known{.spacing = loaded.header.spacing, .checks = check_solves(loaded.header)};
+  if (!arguments.scene.empty()) {
+    const Scene scene = load_scene(arguments.scene, globals.set);
+    for (const std::string& warning : scene.source.warnings) warn(globals, warning);
+    known.belonging = belonging_of(globals, scene, arguments.states, loaded.header.identity,
+                                   averaged(loaded.states).states, arguments.foreign);
+    if (!(known.spacing > 0)) known.spacing = scene.space.spacing;
+    if (known.belonging != Belonging::foreign)
+      known.mesh = MeshErrorTask(scene, MeshErrorTask::When::at_the_end).get();
+  }
+  if (arguments.spacing) known.spacing = *arguments.spacing;
+  known.states = std::move(loaded.states);
+  if (!arguments.model.data && !arguments.model.method && !arguments.model.kernel &&
+      std::ranges::any_of(known.states, [](const State& s) { return s.jet != nullptr; }))
+    warn(globals, fmt::format("{}: holds energy jets, which are used with --data jet", arguments.states));
+  if (arguments.spacing)
+    if (const auto line =
+            spacing_beyond("--spacing", known.spacing, summarise(known.states).extent, "the states"))
+      warn(globals, *line);
+  return known;
+}
+
+EvaluateResult evaluate_command(const Globals& globals, const EvaluateArguments& arguments) {
+  EvaluateOptions options = options_of(arguments.model);
+  EvaluateResult result{.points = read_points(arguments.points), .found = {}, .belonging = {}, .mesh = {}};
+  KnownStates known = read_known(globals, arguments);
+  if (!arguments.output.empty()) check_writable(arguments.output, {arguments.states, arguments.points});
+  options.spacing = known.spacing;
+  options.checks = known.checks;
+  options.bars = !arguments.no_bars;
+  options.noise = arguments.noise;
+  result.belonging = known.belonging;
+  result.mesh = known.mesh;
+  Progress progress(globals, "evaluate");
+  const std::size_t count = result.points.size();
+  options.choosing = [&](double share) { progress.show(0.5 * share, "choosing a model"); };
+  try {
+    result.found = evaluate(known.states, result.points, options, [&](std::size_t done) {
+      progress.show(0.5 + 0.5 * double(done) / double(count), fmt::format("{} of {} points", done, count));
+    });
+  } catch (const InputError& error) {
+    if (error.place().key == "states") throw InputError(arguments.states, error.problem());
+    throw;
+  }
+  if (result.found.repeated.contradicting > 0)
+    warn(globals, contradictions_in_words(arguments.states, result.found.repeated));
+  return result;
+}
+
+std::string kernel_in_words(const Evaluation& result) {
+  if (result.chosen && result.chosen->field)
+    return fmt::format("Gaussian process {}", name(result.chosen->field->law.smoothness));
+  return std::string(name(result.options.model.kernel));
+}
+
+// ", quintic on force+stiffness, 25 neighbours"
+std::string in_words(const Evaluation& result) {
+  const ModelOptions& model = result.options.model;
+  const EvaluatedPoints& made = result.made;
+  std::string how;
+  if (result.method == Method::rbf || result.method == Method::offline_rbf)
+    how = fmt::format(", {} on {}", kernel_in_words(result), name(model.data));
+  const bool all = result.chosen && result.chosen->all;
+  if (result.method == Method::rbf && !all) how += fmt::format(", {} neighbours", model.neighbours);
+  if (all) how += ", one model of all states";
+  if (result.chosen && !all) how += fmt::format(" by rule {}", name(model.select));
+  if (result.chosen && !result.chosen->field) how += fmt::format(", ridge {:g}", model.ridge);
+  if (result.field) how += fmt::format(", noise {:.2g} N", result.field->law.noise);
+  if (result.method == Method::rbf_network) how = fmt::format(", {} centres", result.options.centres);
+  if (made.stepped_down > 0)
+    how += fmt::format(
+        ", at {} points stepped down, the first to {}", made.stepped_down,
+        *std::ranges::find_if(made.kernels, [&](std::string_view k) { return k != name(model.kernel); }));
+  return how;
+}
+
+std::string expectation_in_words(const AutoModel& chosen) {
+  if (!std::isfinite(chosen.p95))
+    return "too few states to choose a model by leaving some out: the default is used, its error is unknown";
+  std::string text = fmt::format(
+      "expected error p50 {:.3g} N, p95 {:.3g} N: of {} comparisons with known forces, left out in {} groups "
+      "as far from the "
+      "rest as "
+      "the points are from the states",
+      chosen.p50, chosen.p95, chosen.positions, chosen.groups);
+  if (chosen.beyond > 0)
+    text +=
+        fmt::format("; {} points lie farther from them than any force left out: more is to be expected there",
+                    chosen.beyond);
+  return text;
+}
+
+void tell(const Globals& globals, const EvaluateResult& evaluated, bool with_forces) {
+  const Evaluation& result = evaluated.found;
+  const EvaluatedPoints& made = result.made;
+  if (with_forces)
+    for (std::size_t i = 0; i < evaluated.points.size(); ++i) {
+      const Vec3 &x = evaluated.points[i], &f = made.forces[i];
+      const bool barred = result.bars && std::isfinite(result.bars->at[i][1]);
+      answer(globals, fmt::format("x = ({:.6g}, {:.6g}, {:.6g}) m  f = ({:.9g}, {:.9g}, {:.9g}) N{}  {}{}",
+                                  x[0], x[1], x[2], f[0], f[1], f[2],
+                                  barred ? fmt::format(" +- {:.3g} N (95 %)", result.bars->at[i][1]) : "",
+                                  name(made.labels[i]),
+                                  made.trusted.empty() ? ""
+                                  : made.trusted[i]    ? ", trusted"
+                                                       : ", not trusted"));
+    }
+  std::string models = fmt::format("{} fitted", made.fitted);
+  if (made.updated > 0) models += fmt::format(", {} updated", made.updated);
+  if (made.reused > 0) models += fmt::format(", {} reused", made.reused);
+  say(globals,
+      fmt::format("{} points from {} states: {}{}; models: {}, median fit {:.1f} us; evaluation {:.0f} ns",
+                  evaluated.points.size(), result.states, result.chosen ? "auto" : name(result.method),
+                  in_words(result), models, result.fit_us, result.evaluate_ns));
+  const double shown = evaluated.shown();
+  const bool mesh_first = evaluated.mesh && evaluated.mesh->error > shown;
+  if (mesh_first) answer(globals, discretisation_line(*evaluated.mesh, shown));
+  if (result.chosen) answer(globals, expectation_in_words(*result.chosen));
+  if (result.bars) answer(globals, bars_in_words(*result.bars));
+  if (evaluated.mesh && !mesh_first) answer(globals, discretisation_line(*evaluated.mesh, shown));
+}
+
+int run_evaluate(const Globals& globals, const EvaluateArguments& arguments) {
+  if (has_site_columns(arguments.points))
+    return evaluate_sites(globals, {arguments.states, arguments.points, arguments.scene, arguments.output});
+  warn_of_unused(globals, arguments.model);
+  if (!globals.set.empty() && arguments.scene.empty())
+    warn(globals, "--set: without effect on evaluate without --scene");
+  if (arguments.foreign && arguments.scene.empty())
+    throw InputError("--foreign", "is about states beside a scene, expected it with --scene");
+  const EvaluateResult result = evaluate_command(globals, arguments);
+  if (!arguments.output.empty()) write_csv(arguments.output, result.points, result.found);
+  if (globals.json)
+    print_json(to_json(result));
+  else
+    tell(globals, result, arguments.output.empty());
+  if (!arguments.output.empty()) say(globals, fmt::format("forces at the points: {}", arguments.output));
+  return 0;
+}
+
+}  // namespace
+
+DeclaredTable forces_output() {
+  return {"forces.csv", "What evaluate writes with -o.", declared(force_columns(true, true))};
+}
+
+void add_evaluate(CommandLine& line) {
+  const auto arguments = std::make_shared<EvaluateArguments>();
+  Command sub = line.add("evaluate", "Forces approximated from known states at given points");
+  sub.runs([arguments](const Globals& globals) { return run_evaluate(globals, *arguments); });
+  sub.option("STATES", arguments->states, "State file, or states as CSV").required();
+  sub.option("--points", arguments->points,
+             "CSV of positions x,y,z [m]; with contact.anywhere sx,sy,sz,x,y,z")
+      .required()
+      .shows("Q.csv");
+  sub.option(
+         "--method", arguments->model.method,
+         "Approximation. auto chooses kernel, neighbours and ridge by leaving out groups of neighbouring "
+         "states, and prints the expected error; options that are given stay fixed. Default: auto for states "
+         "without stiffness if none of kernel, data, neighbours and ridge is given, else rbf")
+      .one_of(
+          {"auto", "rbf", "trilinear", "tricubic", "deflection", "two-force", "offline-rbf", "rbf-network"});
+  sub.option("--kernel", arguments->model.kernel,
+             "Radial function. Default of rbf: quintic for states with stiffness, else cubic")
+      .one_of({"linear", "cubic", "quintic"});
+  sub.option("--data", arguments->model.data,
+             "What a model fits. Default: force+stiffness if the states have it")
+      .one_of({"force", "force+stiffness", "jet"});
+  sub.option("--neighbours", arguments->model.neighbours,
+             "Number of states in a model. Default: 25, 100 for states without stiffness, 8 with --data jet. "
+             "With --select "
+             "label a "
+             "model has more where they are needed: at least 16 outside safe regions (without stiffness at "
+             "least 20 "
+             "everywhere), and up to 32 more in a gap; 1 stays 1. For rbf-network: number of centres")
+      .check(above_zero)
+      .check([](const std::string& text) {
+        const double n = std::strtod(text.c_str(), nullptr);
+        return n >= 1 && n <= 100'000 ? "" : "is " + text + ", expected a whole number from 1 to 100000";
+      });
+  sub.option("--select", arguments->model.select,
+             "Which states a model uses: nearest, or label (outside safe regions from all sides of the "
+             "point). Default "
+             "of rbf: label")
+      .one_of({"label", "nearest"});
+  sub.option(
+         "--spacing", arguments->spacing,
+         "Distance of states that counts as dense [m]. Default: that of the file, else the median distance")
+      .check(above_zero);
+  sub.option("--ridge", arguments->model.ridge,
+             "For noisy states: added to the kernel's diagonal; auto: chosen by leaving out single states. "
+             "Default of rbf: 0")
+      .shows("NUMBER|auto");
+  sub.option("--noise", arguments->noise.force,
+             "Deviation of one component of a measured force [N]. Default: estimated from the states")
+      .shows("NEWTON")
+      .check(above_zero);
+  sub.option(
+         "--position-noise", arguments->noise.position,
+         "Deviation of one coordinate of a measured position [m]. Default: its effect is part of the noise")
+      .shows("METRE")
+      .check(above_zero);
+  sub.option("--scene", arguments->scene,
+             "Scene of the states' body. States that name no body are compared with it and refused if they "
+             "differ")
+      .shows("SCENE");
+  sub.flag("--foreign", arguments->foreign, foreign_help);
+  sub.flag("--no-bars", arguments->no_bars,
+           "No error bars. They come from known forces left out in groups, which takes about a second");
+  sub.option("-o,--output", arguments->output, "Forces as CSV").shows("OUT.csv");
+}
+
+}  // namespace forefeel

@@ -1,0 +1,168 @@
+#include "apps/offline/evaluate_sites.hpp"
+
+#include <fmt/format.h>
+
+#include <algorithm>
+#include <fstream>
+
+#include "apps/console/document_keys.hpp"
+#include "apps/console/json.hpp"
+#include "apps/console/outputs.hpp"
+#include "apps/scene/field_check.hpp"
+#include "apps/scene/scene_anywhere.hpp"
+#include "apps/scene/scene_field.hpp"
+#include "geometry/common/csv_columns.hpp"
+#include "geometry/common/error.hpp"
+#include "geometry/common/output_file.hpp"
+#include "geometry/states/state_file.hpp"
+
+namespace forefeel {
+namespace {
+
+struct SitedForce {
+  Vec3 site = Vec3::Zero(), at = Vec3::Zero();  // as given; the site on the surface [m]
+  FieldForce found;
+  bool trusted = false;
+};
+
+struct SitedForces {
+  std::vector<SitedForce> all;
+  std::size_t sites = 0;
+  double seconds = 0;
+  FieldErrors error;
+};
+
+const CsvColumns<SitedForce>& sited_columns() {
+  using F = SitedForce;
+  static const CsvColumns<F> columns{
+      {"sx,sy,sz", "m", "site, on the surface of the body that is answered for",
+       [](const F& f) { return cells(f.site); }},
+      {"x,y,z", "m", "displacement of the tip there", [](const F& f) { return cells(f.at); }},
+      {"fx,fy,fz", "N", "force of the body on the tip", [](const F& f) { return cells(f.found.force); }},
+      {"estimate", "N", "of the force's error, from the last degrees of the jets",
+       [](const F& f) { return fmt::format("{:.6g}", f.found.estimate); }},
+      {"trusted", "", "1: three times the estimate is within state_space.tolerance",
+       [](const F& f) { return std::string(f.trusted ? "1" : "0"); }}};
+  return columns;
+}
+
+const JsonKeys<SitedForces>& sited_keys() {
+  using S = SitedForces;
+  static const JsonKeys<S> keys{
+      {"points", "", "that were asked for", [](const S& s) { return s.all.size(); }},
+      {"trusted", "", "points where three times the estimate is within state_space.tolerance",
+       [](const S& s) { return std::ranges::count(s.all, true, &SitedForce::trusted); }},
+      {"sites", "", "of the field", &S::sites},
+      {"seconds", "s", "that making or reading the field took", &S::seconds},
+      {"states", "", "solved states of the file, against which the field is measured",
+       [](const S& s) { return s.error.states; }},
+      {"error.p50", "1", "median of the relative error of the field's force at the states; null: none",
+       [](const S& s) { return s.error.p50; }},
+      {"error.p95", "1", "95th percentile of that", [](const S& s) { return s.error.p95; }},
+      {"error.max", "1", "largest of that", [](const S& s) { return s.error.max; }},
+      {"forces[].site", "m", "on the surface"},
+      {"forces[].at", "m", "displacement of the tip"},
+      {"forces[].force", "N", "of the body on the tip"},
+      {"forces[].estimate", "N", "of its error"},
+      {"forces[].trusted", "", "three times the estimate is within state_space.tolerance"}};
+  return keys;
+}
+
+SitedForce force_at(const Scene& scene, const SiteField& field, const SitedPoint& point) {
+  const SurfacePlace place = field.rest().map().nearest(point.site);
+  if (!((place.at - point.site).norm() <= longest_side(scene.body->mesh)))
+    throw InputError(
+        "--points",
+        fmt::format("the site ({:.6g}, {:.6g}, {:.6g}) is farther from the surface than the body is "
+                    "long, expected a place near it, in metres",
+                    point.site[0], point.site[1], point.site[2]));
+  if (field.rest().map().facet(place).clamped)
+    throw InputError("--points",
+                     fmt::format("the site ({:.6g}, {:.6g}, {:.6g}) is on a clamped facet, expected "
+                                 "a place that can move",
+                                 point.site[0], point.site[1], point.site[2]));
+  SitedForce force{.site = place.at, .at = point.at, .found = field_force(field.at(place, false), point.at)};
+  force.trusted =
+      3 * force.found.estimate <=
+      scene.spacing.tolerance * std::max(force.found.force.norm(), scene.session.judging.error_floor);
+  return force;
+}
+
+void write_sited(const std::string& file, const std::vector<SitedForce>& forces) {
+  OutputFile out(file);
+  out.write(csv_header(sited_columns()));
+  for (const SitedForce& force : forces) out.write(csv_row(sited_columns(), force));
+  out.commit();
+}
+
+void print_sited(const Globals& globals, const SitedForces& result, bool with_forces) {
+  if (globals.json) {
+    Json document = document_of(sited_keys(), result);
+    document["forces"] = Json::array();
+    for (const SitedForce& f : result.all)
+      document["forces"].push_back({{"site", vector3(f.site)},
+                                    {"at", vector3(f.at)},
+                                    {"force", vector3(f.found.force)},
+                                    {"estimate", number(f.found.estimate)},
+                                    {"trusted", f.trusted}});
+    print_json(document);
+    return;
+  }
+  for (const SitedForce& f : result.all) {
+    if (!with_forces) break;
+    const Vec3 &s = f.site, &x = f.at, &force = f.found.force;
+    answer(globals,
+           fmt::format("s = ({:.6g}, {:.6g}, {:.6g}) m  x = ({:.6g}, {:.6g}, {:.6g}) m  f = ({:.9g}, "
+                       "{:.9g}, {:.9g}) N +- {:.2g} N{}",
+                       s[0], s[1], s[2], x[0], x[1], x[2], force[0], force[1], force[2], f.found.estimate,
+                       f.trusted ? "" : ", not trusted"));
+  }
+  say(globals, fmt::format("{} points from a field of {} sites", result.all.size(), result.sites));
+  if (result.error.states > 0)
+    answer(globals,
+           fmt::format("the field errs by p50 {:.2g} %, p95 {:.2g} %, max {:.2g} % at {} solved states",
+                       100 * result.error.p50, 100 * result.error.p95, 100 * result.error.max,
+                       result.error.states));
+}
+
+}  // namespace
+
+DeclaredTable evaluate_sites_output() {
+  return {"evaluate_sites.json", "Of evaluate --json, with sites.", declared(sited_keys())};
+}
+DeclaredTable sited_forces_output() {
+  return {"forces_sites.csv", "What evaluate writes with -o, with sites.", declared(sited_columns())};
+}
+
+bool has_site_columns(const std::string& points) {
+  std::ifstream in(points);
+  for (std::string line; std::getline(in, line);)
+    if (!line.empty() && line.front() != '#') return line.find("sx") != std::string::npos;
+  return false;
+}
+
+int evaluate_sites(const Globals& globals, const EvaluateSites& wanted) {
+  if (wanted.scene.empty())
+    throw InputError("--scene",
+                     "missing, expected the scene with contact.anywhere = true of points with sites");
+  const std::vector<SitedPoint> points = read_sited_points_csv(wanted.points);
+  const Scene scene = load_scene_with_sites(wanted.scene, globals.set, {.quiet = globals.quiet});
+  if (!is_anywhere(scene))
+    throw InputError(wanted.points,
+                     "has sites, expected a scene with contact.anywhere = true, or points x,y,z");
+  for (const std::string& warning : scene.source.warnings) warn(globals, warning);
+  const LoadedStates loaded = load_states(wanted.states);
+  if (loaded.damaged > 0) warn(globals, damage_in_words(wanted.states, loaded.damaged));
+  check_same_body(wanted.states, loaded.header.identity, scene.identity);
+  if (!wanted.output.empty()) check_writable(wanted.output, {wanted.states, wanted.points});
+  const FieldFound found = find_field(scene, globals);
+  SitedForces result{.all = {}, .sites = found.field->size(), .seconds = found.seconds, .error = {}};
+  for (const SitedPoint& point : points) result.all.push_back(force_at(scene, *found.field, point));
+  result.error = field_errors(*found.field, loaded.states, scene.session.judging.error_floor);
+  if (!wanted.output.empty()) write_sited(wanted.output, result.all);
+  print_sited(globals, result, wanted.output.empty());
+  if (!wanted.output.empty()) say(globals, fmt::format("forces at the points: {}", wanted.output));
+  return 0;
+}
+
+}  // namespace forefeel

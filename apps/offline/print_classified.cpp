@@ -1,0 +1,230 @@
+#include "apps/offline/print_classified.hpp"
+
+#include <fmt/format.h>
+
+#include <algorithm>
+#include <array>
+#include <cmath>
+#include <filesystem>
+
+#include "apps/console/json.hpp"
+#include "apps/console/outputs.hpp"
+#include "apps/console/values.hpp"
+
+namespace forefeel {
+namespace {
+
+constexpr std::size_t most_gaps = 1000;  // in the document, largest first
+
+JsonKeys<BridgeSide> side_keys() {
+  using S = BridgeSide;
+  return {{"direction", "1", "towards known states", &S::direction},
+          {"half_angle_deg", "degrees", "of the cone that they fill", &S::half_angle_deg},
+          {"distance", "m", "to the nearest of them", &S::distance},
+          {"states", "", "their number", &S::states}};
+}
+
+JsonKeys<RegionComponent> gap_keys() {
+  using C = RegionComponent;
+  return {{"volume", "m^3", "of one gap region", &C::volume},
+          {"inner", "m", "a place inside it", &C::inner},
+          {"safe_components", "", "list: numbers of the safe regions that it touches", &C::safe_neighbours},
+          json_list<C>("sides", side_keys(), &C::sides, "list: the sides of the bridge")};
+}
+
+// Gaps and the regions that they connect, largest first.
+std::vector<RegionComponent> gaps_of(const RegionSummary& regions) {
+  std::vector<RegionComponent> gaps;
+  for (const RegionComponent& c : regions.components)
+    if (c.label == Label::gap && gaps.size() < most_gaps) gaps.push_back(c);
+  return gaps;
+}
+
+Json component_counts(const RegionsShown& r) {
+  Json counts;
+  for (const Label label : all_labels) counts[std::string(name(label))] = r.regions.component_count[label];
+  return counts;
+}
+
+}  // namespace
+
+const JsonKeys<RegionsShown>& region_keys() {
+  using R = RegionsShown;
+  static const JsonKeys<R> keys{
+      {"volume.LABEL", "m^3", "of the box", [](const R& r) { return by_label(r.regions.volume); }},
+      {"components.LABEL", "", "connected regions", component_counts},
+      json_list<R>(
+          "gaps", gap_keys(), [](const R& r) { return gaps_of(r.regions); }, "list, largest first"),
+      {"gaps_left_out", "", "gaps beyond those listed",
+       [](const R& r) {
+         const std::size_t all = r.regions.component_count[Label::gap];
+         return all - gaps_of(r.regions).size();
+       }},
+      {"fill_distance", "m", "largest distance of a place of the box to its nearest state, as found",
+       [](const R& r) { return r.holes.fill_distance; }},
+      {"fill_distance_bound", "m", "an upper bound of it", [](const R& r) { return r.holes.fill_bound; }},
+      {"largest_hole.radius", "m", "of the largest empty ball; null: none",
+       [](const R& r) { return r.holes.largest ? r.holes.largest->radius : unknown; }},
+      {"largest_hole.centre", "m", "its centre", [](const R& r) {
+         return r.holes.largest ? r.holes.largest->centre : Vec3::Constant(unknown).eval();
+       }}};
+  return keys;
+}
+
+namespace {
+
+struct ClassifiedShown {
+  const ClassifiedPoints& result;
+  const ClassifyArguments& arguments;
+};
+using C = ClassifiedShown;
+
+// A list with a value for each point.
+template <class Get>
+auto of_points(Get get) {
+  return [get](const C& c) {
+    Json list = Json::array();
+    for (const Coverage& at : c.result.found) list.push_back(*json_value(std::invoke(get, at)));
+    return list;
+  };
+}
+
+JsonKeys<C> set_keys() {
+  return {{"states", "", "usable", [](const C& c) { return c.result.set.states.size(); }},
+          {"unusable", "", "failed solves in the file", [](const C& c) { return c.result.set.unusable; }},
+          {"spacing", "m", "that counts as dense", [](const C& c) { return c.result.set.spacing; }},
+          {"spacing_estimated", "", "true: the median distance of the states, since the file has none",
+           [](const C& c) { return c.result.set.spacing_estimated; }},
+          {"box", "m", "low and high corner",
+           [](const C& c) {
+             return Json{vector3(c.result.set.box.low), vector3(c.result.set.box.high)};
+           }},
+          {"index", "", "delaunay or octree", [](const C& c) { return c.arguments.space.index; }},
+          {"adaptive", "", "true: the spacing varies from place to place",
+           [](const C& c) { return c.result.set.lattice != nullptr; }}};
+}
+
+const JsonKeys<C>& classified_keys() {
+  static const JsonKeys<C> keys = [] {
+    JsonKeys<C> all{{"labels", "", "list: safe, sparse, gap or blank of each point",
+                     of_points([](const Coverage& at) { return name(at.label); })},
+                    {"spread", "m", "list: of each point; null: infinite", of_points(&Coverage::spread)},
+                    {"alpha", "m", "list: circumradius; null: infinite", of_points(&Coverage::alpha)},
+                    {"delta", "m", "list: distance to the nearest state", of_points(&Coverage::delta)},
+                    {"gamma_deg", "degrees", "list: half-angle of the largest empty cone; null: not needed",
+                     of_points(&Coverage::gamma_deg)},
+                    JsonKey<C>(declared(region_keys()), [](Json& document, const C& c) {
+                      add_to(document, region_keys(), {c.result.set.regions, c.result.set.holes});
+                    })};
+    const JsonKeys<C> more{
+        json_part<C>(agreement_keys(),
+                     [](const C& c) { return c.result.agreement ? &*c.result.agreement : nullptr; }),
+        JsonKey<C>(declared(error_keys()),
+                   [](Json& document, const C& c) {
+                     if (c.result.errors)
+                       add_to(document, error_keys(), {*c.result.errors, c.arguments.bars});
+                   })
+            .last(),
+        {"leaves", "", "of the octree of regions",
+         [](const C& c) { return c.result.set.regions.leaf_count; }},
+        {"seconds", "s", "time to label", [](const C& c) { return c.result.seconds; }},
+        {"peak_bytes", "bytes", "largest memory of the process", [](const C&) { return peak_bytes(); }}};
+    const JsonKeys<C> of_set = set_keys();
+    all.insert(all.end(), of_set.begin(), of_set.end());
+    all.insert(all.end(), more.begin(), more.end());
+    return all;
+  }();
+  return keys;
+}
+
+}  // namespace
+
+DeclaredTable classify_output() {
+  return {"classify.json", "Of classify --json, for one set of states.", declared(classified_keys())};
+}
+
+namespace {
+
+std::string millimetres(double metres) {
+  return std::isnan(metres) ? "-" : fmt::format("{:.4g} mm", 1e3 * metres);
+}
+
+constexpr std::size_t most_listed = 20;  // points, unless --list asks for all
+
+void list_points(const std::vector<Vec3>& points, const std::vector<Coverage>& found,
+                 const Globals& globals) {
+  for (std::size_t i = 0; i < points.size(); ++i)
+    answer(globals,
+           fmt::format("{:>10.4g} {:>10.4g} {:>10.4g} mm  {:<6}  spread {}  alpha {}  delta {}  gamma {}",
+                       1e3 * points[i].x(), 1e3 * points[i].y(), 1e3 * points[i].z(), name(found[i].label),
+                       millimetres(found[i].spread), millimetres(found[i].alpha), millimetres(found[i].delta),
+                       std::isnan(found[i].gamma_deg) ? "not needed"
+                                                      : fmt::format("{:.4g} deg", found[i].gamma_deg)));
+}
+
+// "1331 points: safe 343, sparse 386, gap 0, blank 602; --list prints each"
+void count_points(const std::vector<Coverage>& found, const Globals& globals) {
+  ByLabel<std::size_t> count{};
+  for (const Coverage& c : found) ++count[c.label];
+  std::string text;
+  for (const Label label : all_labels)
+    text += fmt::format("{} {} {}", text.empty() ? ":" : ",", name(label), count[label]);
+  answer(globals, fmt::format("{} points{}; --list prints each", found.size(), text));
+}
+
+void print_summary(const Classified& set, double seconds, const Globals& globals) {
+  int gaps = 0;
+  double all = 0;
+  for (const double v : set.regions.volume.values) all += v;
+  answer(globals, fmt::format("{} states, h = {:.4g} mm{}{}", set.states.size(), 1e3 * set.spacing,
+                              set.spacing_estimated ? " (estimated)"
+                              : set.lattice         ? " at the finest"
+                                                    : "",
+                              set.unusable ? fmt::format(", {} failed ones left out", set.unusable) : ""));
+  for (const Label label : all_labels) {
+    const double volume = set.regions.volume[label];
+    const std::size_t components = set.regions.component_count[label];
+    answer(globals, fmt::format("{:<7}{:>12.5g} cm3 {:>6.1f} %  {} component{}", name(label), 1e6 * volume,
+                                all > 0 ? 100 * volume / all : 0.0, components, components == 1 ? "" : "s"));
+  }
+  for (const RegionComponent& c : set.regions.components)
+    if (c.label == Label::gap && ++gaps <= 5)
+      say(globals,
+          fmt::format(
+              "gap of {:.4g} cm3 around {:.4g}, {:.4g}, {:.4g} mm: {} side{}, beside {} safe component{}",
+              1e6 * c.volume, 1e3 * c.inner.x(), 1e3 * c.inner.y(), 1e3 * c.inner.z(), c.sides.size(),
+              c.sides.size() == 1 ? "" : "s", c.safe_neighbours.size(),
+              c.safe_neighbours.size() == 1 ? "" : "s"));
+  answer(globals, fmt::format("fill distance {:.4g} mm{}", 1e3 * set.holes.fill_distance,
+                              set.holes.fill_bound > set.holes.fill_distance + 1.001e-3 * set.spacing
+                                  ? fmt::format(", at most {:.4g} mm", 1e3 * set.holes.fill_bound)
+                                  : ""));
+  if (set.holes.largest)
+    answer(globals, fmt::format("largest hole {:.4g} mm at {:.4g}, {:.4g}, {:.4g} mm",
+                                1e3 * set.holes.largest->radius, 1e3 * set.holes.largest->centre.x(),
+                                1e3 * set.holes.largest->centre.y(), 1e3 * set.holes.largest->centre.z()));
+  say(globals, fmt::format("{:.3g} s, {:.0f} MB at most", seconds, 1e-6 * double(peak_bytes())));
+}
+
+}  // namespace
+
+void print_classified(const Globals& globals, const ClassifyArguments& arguments,
+                      const ClassifiedPoints& result) {
+  if (globals.json) return print_json(document_of(classified_keys(), {result, arguments}));
+  const std::string extension = std::filesystem::path(arguments.output).extension();
+  if (arguments.places.list || (result.points.size() <= most_listed && extension != ".csv"))
+    list_points(result.points, result.found, globals);
+  else if (!result.points.empty())
+    count_points(result.found, globals);
+  print_summary(result.set, result.seconds, globals);
+  if (result.errors) tell_errors(globals, arguments, *result.errors);
+  if (!arguments.output.empty() && extension != ".vtu")  // a .vtu names its three files itself
+    say(globals, fmt::format("{}: {}",
+                             extension != ".csv"     ? "picture"
+                             : result.points.empty() ? "regions"
+                                                     : "labels of the points",
+                             arguments.output));
+  if (result.agreement) print_agreement(globals, *result.agreement);
+}
+
+}  // namespace forefeel

@@ -1,0 +1,22 @@
+#pragma once
+// Prints the result of `forefeel classify` for one set of states, as one JSON document or in words.
+
+#include "apps/offline/classify.hpp"
+#include "apps/offline/error_known.hpp"
+
+namespace forefeel {
+
+// One set of states with the labels of the asked positions.
+struct ClassifiedPoints {
+  const Classified& set;
+  const std::vector<Vec3>& points;     // [m]
+  const std::vector<Coverage>& found;  // one for each point
+  const std::optional<Agreement>& agreement;
+  const std::optional<ErrorKnown>& errors;
+  double seconds;  // for reading, indexing and labelling [s]
+};
+
+void print_classified(const Globals& globals, const ClassifyArguments& arguments,
+                      const ClassifiedPoints& result);
+
+}  // namespace forefeel

@@ -1,0 +1,94 @@
+#pragma once
+// Jets at rest of single places and solved states as corrections of a field of jets at rest (site_field.hpp):
+//   E(s, x) = E_field(s, x) + sum_j g_j r_j R_j / (r_0 + sum_j g_j r_j) + sum_k g_k p_k C_k / (p_0 + sum_k g_k p_k)   [J]
+//   R_j = c(s)^2 / c_j^2 (the jet's degrees 3 to 5 minus the field's at s_j)(y)
+//   C_k = c(s)^2 / c_k^2 (|y| / |x_k|)^6 P_k(y - x_k),   y = B_k^-1 Q_k B(s) x
+// over jets j made at s_j and states k at (s_k, x_k), with B, c^2 and the least turn Q of site_field.hpp, so y = x at
+// s_k. P_k is the Taylor polynomial in d of (E_k(x_k + d) - E_before(s_k, x_k + d)) |x_k|^6 / |x_k + d|^6, to the
+// degree that the state has: 2 by force and stiffness, 3 to 5 by its jet; E_before is the field's with the jets R. A
+// jet at s_k itself takes the field's error between its sites out of P_k, so what is left is the jets' truncation. It
+// begins with degree 6: therefore a correction carries on to other depths in the same direction, and near rest the
+// field stands. The weights
+//   r_j = (1 - q)^3 / q^2, q = delta_j^2 / reach_r^2;   p_k the same, q = delta_k^2 / reach_s^2 + |y - x_k|^2 / reach_k^2
+// for q < 1 (delta of site_cover.hpp) are cut off smoothly where the way along the surface is much longer. At s_j, E is
+// the jet's. At a state whose site has a jet, E is the state's own to second order. r_0 and p_0, constants, are the
+// field's: E is continuous where the last neighbour ends. g in [0, 1], given with each question, lets one grow in
+// without a jump. E stays a potential; a linear body has no corrections.
+
+#include <array>
+#include <memory>
+#include <optional>
+#include <span>
+#include <vector>
+
+#include "geometry/states/state.hpp"
+#include "solver/jet/site_cover.hpp"
+#include "solver/jet/site_field.hpp"
+
+namespace forefeel {
+
+struct DeepOptions {
+  double site_reach = 1;    // reach_s over the pad's radius
+  double reach = 0.8;       // reach_k over |x_k|
+  double field_weight = 2;  // p_0
+  double rest_reach = 1;    // reach_r over the field's spacing
+  double rest_weight = 1;   // r_0
+};
+
+// Immutable; any thread may ask, and nothing is allocated by a question.
+class DeepStates {
+ public:
+  // No states yet.
+  explicit DeepStates(std::shared_ptr<const SiteField> field, const DeepOptions& options = {});
+  // Those of this and of the list that can serve: solved, with a site on the surface that is not clamped, energy and
+  // stiffness; those at x = 0 by their jets, of which the list's come before its states. Numbers go on from size().
+  // Takes about 0.5 ms a new state, and 0.1 us a known one.
+  std::shared_ptr<const DeepStates> with(std::span<const State> states) const;
+
+  std::size_t size() const { return records_.size(); }
+  const SurfacePlace& place(std::size_t k) const;
+  const Vec3& displacement(std::size_t k) const;  // x_k
+  // |f_k - f_before| over what the field estimated there; 0 of a jet at rest.
+  double surprise(std::size_t k) const;
+  const SiteField& field() const { return *field_; }
+
+  // model: the field's at this place. gains: of each state; empty, or shorter than size(): the others are 1.
+  SiteTerms at(const SiteModel& model, const SurfacePlace& place, const Vec3& x,
+               std::span<const double> gains = {}) const;
+  // Of the force's error [N]: the spread of the states' corrections about their mean, the field's own correction, 0,
+  // among them; the field's estimate times its weight and the usual surprise(); and what its neighbours differ by, the
+  // less the nearer a jet at rest is.
+  double estimated_error(const SiteModel& model, const SurfacePlace& place, const Vec3& x,
+                         std::span<const double> gains = {}) const;
+  // Three times the estimate is within tolerance * max(|f|, floor).
+  bool trusted(const SiteModel& model, const SurfacePlace& place, const Vec3& x, double tolerance,
+               double floor, std::span<const double> gains = {}) const;
+
+ private:
+  struct Record;
+  struct Light {  // what is looked at of every state
+    Vec3 at, normal;
+    double reach = 0;  // of delta
+  };
+  struct Sums;
+  struct Seen;
+  std::shared_ptr<const Record> record_of(const State& state) const;
+  void add(const State& state);
+  JetCoefficients before(const SiteModel& model, const SurfacePlace& place) const;
+  bool nearby(const SiteModel& model, const SurfacePlace& place, std::size_t k, Seen& seen) const;
+  bool see(const SiteModel& model, const SurfacePlace& place, const Vec3& x, std::size_t k, Seen& seen) const;
+  // Of jets at rest and of states.
+  std::array<Sums, 2> sums(const SiteModel& model, const SurfacePlace& place, const Vec3& x,
+                           std::span<const double> gains) const;
+
+  std::shared_ptr<const SiteField> field_;
+  DeepOptions options_;
+  std::shared_ptr<const EdgeDistances> ways_;
+  double reach_ = 0, rest_reach_ = 0, length_ = 0;  // reach_s, reach_r and L of delta [m]
+  double far_ = 0;                                  // along the surface, from where on a state fades [m]
+  double usual_surprise_ = 1;
+  std::vector<Light> lights_;
+  std::vector<std::shared_ptr<const Record>> records_;
+};
+
+}  // namespace forefeel

@@ -1,0 +1,154 @@
+#include "solver/jet/field_patches.hpp"
+
+#include <omp.h>
+
+#include <Eigen/Geometry>
+#include <algorithm>
+#include <array>
+#include <map>
+
+#include "solver/jet/site_turns.hpp"
+
+namespace forefeel {
+namespace {
+
+constexpr int most_degree = 4, most_places = 15;
+constexpr int quantities = 6 + 3 + static_cast<int>(jet_size);  // K, the normal, degrees 3 to 5
+
+using Quantities = Eigen::Matrix<double, quantities, 1>;
+
+// Lagrange's shape functions and their derivatives by the barycentric coordinates b: products of
+// L_a(t) = prod_{m < a} (n t - m) / (m + 1), n the degree. Place (i, j) has b = (n - i - j, i, j) / n.
+struct Shape {
+  std::array<double, most_places> value{};
+  std::array<Vec3, most_places> slope{};
+};
+Shape shape_at(const Vec3& b, int degree) {
+  std::array<std::array<double, most_degree + 1>, 3> part{}, by{};
+  for (std::size_t i = 0; i < 3; ++i) {
+    const double t = degree * b[static_cast<int>(i)];
+    part[i][0] = 1;
+    for (std::size_t a = 0; a < static_cast<std::size_t>(degree); ++a) {
+      const double m = static_cast<double>(a);
+      part[i][a + 1] = part[i][a] * (t - m) / (m + 1);
+      by[i][a + 1] = (by[i][a] * (t - m) + degree * part[i][a]) / (m + 1);
+    }
+  }
+  Shape shape;
+  std::size_t k = 0;
+  const auto n = static_cast<std::size_t>(degree);
+  for (std::size_t i = 0; i <= n; ++i)
+    for (std::size_t j = 0; i + j <= n; ++j, ++k) {
+      const double a = part[0][n - i - j], c = part[1][i], d = part[2][j];
+      shape.value[k] = a * c * d;
+      shape.slope[k] = {by[0][n - i - j] * c * d, a * by[1][i] * d, a * c * by[2][j]};
+    }
+  return shape;
+}
+
+Mat3 symmetric(const double* v) {
+  Mat3 m;
+  m << v[0], v[1], v[2], v[1], v[3], v[4], v[2], v[4], v[5];
+  return m;
+}
+
+int degree_for(const RestSites& sites) {
+  double sum = 0;
+  const auto count = static_cast<std::int32_t>(sites.map().facets().size());
+  for (std::int32_t f = 0; f < count; ++f) {
+    const auto [a, b, c] = sites.map().corners(f);
+    sum += ((b - a).norm() + (c - b).norm() + (a - c).norm()) / 3;
+  }
+  return sum / count < 0.5 * sites.pad().radius() ? 3 : 4;
+}
+
+// A place of facets: nodes and their weights in degree-ths, ascending by node; facets that share it have one key.
+using Key = std::array<std::uint32_t, 6>;
+Key key_of(const Triangle& nodes, const std::array<std::uint32_t, 3>& weight) {
+  std::array<std::array<std::uint32_t, 2>, 3> parts{};
+  std::size_t count = 0;
+  for (std::size_t i = 0; i < 3; ++i)
+    if (weight[i] > 0) parts[count++] = {nodes[i] + 1, weight[i]};
+  std::sort(parts.begin(), parts.begin() + static_cast<std::ptrdiff_t>(count));
+  return {parts[0][0], parts[0][1], parts[1][0], parts[1][1], parts[2][0], parts[2][1]};
+}
+
+Quantities quantities_at(const SiteField& field, const SurfacePlace& place) {
+  const SiteModel model = field.at(place, false);
+  const Mat3& k = model.rest().stiffness;
+  Quantities q;
+  q << k(0, 0), k(0, 1), k(0, 2), k(1, 1), k(1, 2), k(2, 2), model.rest().normal, model.polynomial();
+  return q;
+}
+
+}  // namespace
+
+FieldPatches::FieldPatches(std::shared_ptr<const SiteField> field, std::span<const double> known,
+                           const std::function<void(double)>& progress, const std::stop_token& stop)
+    : field_(std::move(field)), degree_(degree_for(field_->rest())) {
+  const SurfaceMap& map = field_->rest().map();
+  const auto n = static_cast<std::uint32_t>(degree_);
+  std::map<Key, std::int32_t> numbers;
+  std::vector<SurfacePlace> places;
+  first_.assign(map.facets().size(), -1);
+  for (std::size_t f = 0; f < map.facets().size(); ++f) {
+    if (map.facets()[f].clamped) continue;
+    const auto facet = static_cast<std::int32_t>(f);
+    const auto [a, b, c] = map.corners(facet);
+    first_[f] = static_cast<std::int64_t>(points_.size());
+    for (std::uint32_t i = 0; i <= n; ++i)
+      for (std::uint32_t j = 0; i + j <= n; ++j) {
+        const auto [at, is_new] = numbers.try_emplace(key_of(map.facets()[f].corners, {n - i - j, i, j}),
+                                                      static_cast<std::int32_t>(places.size()));
+        if (is_new) places.push_back({facet, ((n - i - j) * a + i * b + j * c) / n});
+        points_.push_back(at->second);
+      }
+  }
+  const std::size_t size = places.size() * static_cast<std::size_t>(quantities);
+  if (known.size() == size) {
+    values_.assign(known.begin(), known.end());
+    return;
+  }
+  values_.assign(size, 0);
+  std::size_t done = 0;
+#pragma omp parallel for schedule(dynamic, 8) num_threads(field_->options().threads)
+  for (std::size_t i = 0; i < places.size(); ++i) {
+    if (stop.stop_requested()) continue;
+    Eigen::Map<Quantities>(values_.data() + i * static_cast<std::size_t>(quantities)) =
+        quantities_at(*field_, places[i]);
+#pragma omp critical
+    if (++done % 64 == 0 && progress)
+      progress(static_cast<double>(done) / static_cast<double>(places.size()));
+  }
+  if (done < places.size()) first_.assign(first_.size(), -1), values_.clear();
+}
+
+void FieldPatches::fill(const SurfacePlace& place, bool root, SiteModel& model) const {
+  const SurfaceMap& map = field_->rest().map();
+  const Shape shape = shape_at(map.barycentric(place), degree_);
+  const std::array<Vec3, 3> by = barycentric_slopes(map, place.facet);
+  Quantities value = Quantities::Zero();
+  Eigen::Matrix<double, quantities, 3> slope = Eigen::Matrix<double, quantities, 3>::Zero();
+  const auto first = static_cast<std::size_t>(first_[static_cast<std::size_t>(place.facet)]);
+  const auto count = static_cast<std::size_t>((degree_ + 1) * (degree_ + 2) / 2);
+  for (std::size_t k = 0; k < count; ++k) {
+    const Eigen::Map<const Quantities> at(values_.data() + static_cast<std::size_t>(points_[first + k]) *
+                                                               static_cast<std::size_t>(quantities));
+    const Vec3 in_space = shape.slope[k][0] * by[0] + shape.slope[k][1] * by[1] + shape.slope[k][2] * by[2];
+    value += shape.value[k] * at;
+    for (int i = 0; i < 3; ++i) slope.col(i) += in_space[i] * at;
+  }
+  SiteRest rest;
+  rest.stiffness = symmetric(value.data());
+  for (int k = 0; k < 3; ++k) rest.stiffness_by[static_cast<std::size_t>(k)] = symmetric(slope.col(k).data());
+  const Vec3 sum = value.segment<3>(6);
+  const double length = sum.norm();
+  if (length > 0) rest.normal = sum / length;
+  if (length > 0)
+    rest.normal_by =
+        (Mat3::Identity() - rest.normal * rest.normal.transpose()) / length * slope.middleRows<3>(6);
+  model.take(rest, value.tail<static_cast<int>(jet_size)>(), slope.bottomRows<static_cast<int>(jet_size)>(),
+             root, field_->options().theta);
+}
+
+}  // namespace forefeel

@@ -1,0 +1,46 @@
+#pragma once
+// A grid of cells over the rest surface, so that a moving tip learns in a microsecond whether it is inside and where it
+// crosses. Each cell knows the facets that it may hold, and whether its centre is inside. A point of the cell is inside
+// as its centre is, but for the facets that the way between them crosses. Where that way meets an edge, the solid angle
+// decides (SurfaceMap::inside). Queries allocate nothing and may come from any thread.
+
+#include <cstdint>
+#include <optional>
+#include <vector>
+
+#include "solver/jet/surface_map.hpp"
+
+namespace forefeel {
+
+class SurfaceGrid {
+ public:
+  explicit SurfaceGrid(const SurfaceMap& map);  // which must outlive this
+
+  bool inside(const Vec3& point) const;
+  // Where the way from `outside` to `inside` crosses the surface inwards first; none if it does not.
+  std::optional<SurfacePlace> crossing(const Vec3& outside, const Vec3& inside) const;
+
+ private:
+  struct Cells {  // of a box, each end included
+    std::array<int, 3> low{}, high{};
+    std::size_t count() const;
+  };
+  Cells cells_of(const Vec3& low, const Vec3& high) const;
+  std::size_t number(int x, int y, int z) const;
+  Vec3 centre(int x, int y, int z) const;
+  // How often the way crosses these facets; none where it meets an edge.
+  std::optional<int> crossings(const Vec3& from, const Vec3& to, std::size_t cell) const;
+
+  std::optional<int> crossings_between(std::size_t cell, std::size_t beside, const Vec3& from,
+                                       const Vec3& to) const;
+
+  const SurfaceMap& map_;
+  Vec3 low_ = Vec3::Zero();
+  double side_ = 1;  // of a cell [m]
+  std::array<int, 3> cells_{1, 1, 1};
+  std::vector<std::uint32_t> begin_;  // by cell, into facets_
+  std::vector<std::int32_t> facets_;  // that reach into each cell
+  std::vector<char> centre_is_inside_;
+};
+
+}  // namespace forefeel
