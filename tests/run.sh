@@ -9,6 +9,6 @@ bash apps/setup.sh tests
 git ls-files -z '*.cpp' '*.hpp' | xargs -0 clang-format-14 --dry-run --Werror
 cmake --preset release
 cmake --build --preset release
-cmake --preset develop
+cmake --preset develop -DCMAKE_CXX_FLAGS_DEBUG=-O0
 cmake --build --preset develop --target forefeel_objects
 ctest --preset release --parallel "$(nproc)"

@@ -98,8 +98,15 @@ TouchSessionInput touch_input(const Globals& globals, const SessionArguments& gi
                           .states = fs::path(given.output) / "session.states"};
   if (given.states.file.empty()) return input;
   GivenStates known = given_states(globals, scene, given.states.file, false);
+  // Files of `generate` hold the field's own jets too.
+  const auto is_of_field = [&](const State& state) {
+    if (!state.at.isZero(0)) return false;
+    for (std::size_t i = 0; i < field.size(); ++i)
+      if ((field.place(i).at - state.site).norm() < 1e-9) return true;
+    return false;
+  };
   for (State& state : known.loaded.states)
-    if (state.usable() && state.has_site() && !state.at.isZero(0)) input.known.push_back(std::move(state));
+    if (state.usable() && state.has_site() && !is_of_field(state)) input.known.push_back(std::move(state));
   return input;
 }
 

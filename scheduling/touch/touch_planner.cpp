@@ -156,7 +156,17 @@ PlannerView TouchPlanner::view(double now) const {
           .workers = parts_.workers,
           .pending = pending_,
           .surprises = {},
-          .estimate = {}};
+          .estimate = [this](const Vec3& tip) { return estimated_jnds(tip); }};
+}
+
+// The model's estimate of its error where the tip is at this place, at the site of the nearest predicted one.
+double TouchPlanner::estimated_jnds(const Vec3& tip) const {
+  if (pressed_.empty()) return 0;
+  const Visit& visit = *std::ranges::min_element(
+      pressed_, {}, [&](const Visit& v) { return (v.site.at + v.x - tip).squaredNorm(); });
+  const Vec3 x = tip - visit.site.at;
+  const double error = std::min(field_.estimate(visit.site, x), 1e3);
+  return error / (task_.tolerance * std::max(field_.at(visit.site, x).at.force.norm(), task_.floor));
 }
 
 std::shared_ptr<const Equilibrium> TouchPlanner::start_near(const SurfacePlace& site, const Vec3& x) const {
@@ -188,15 +198,15 @@ std::vector<TouchJob> TouchPlanner::plan(const std::vector<int>& idle, double no
   std::vector<TouchJob> jobs;
   if (idle.empty()) return jobs;
   predict(now);
-  const std::vector<Visit> pressed = visits();
+  pressed_ = visits();
   std::size_t next = 0;
   while (next < idle.size()) {
-    const std::optional<SurfacePlace> site = missing_jet(pressed);
+    const std::optional<SurfacePlace> site = missing_jet(pressed_);
     if (!site) break;
     jobs.push_back(dispatch(*site, Vec3::Zero(), std::numeric_limits<double>::infinity(), idle[next++], now));
   }
-  if (next == idle.size() || pressed.empty()) return jobs;
-  std::vector<Wanted> open = candidates(pressed, now);
+  if (next == idle.size() || pressed_.empty()) return jobs;
+  std::vector<Wanted> open = candidates(pressed_, now);
   if (open.empty()) return jobs;
   parts_.policy->look(view(now));
   while (next < idle.size() && !open.empty() && !parts_.policy->is_content()) {

@@ -79,6 +79,7 @@ class TouchPlanner {
   TouchJob dispatch(const SurfacePlace& site, const Vec3& x, double priority, int worker, double now);
   std::shared_ptr<const Equilibrium> start_near(const SurfacePlace& site, const Vec3& x) const;
   PlannerView view(double now) const;
+  double estimated_jnds(const Vec3& tip) const;
   void learn(const State& state);
 
   TouchTask task_;
@@ -87,6 +88,7 @@ class TouchPlanner {
   StateSpace tips_;
   TouchSeen seen_;
   std::vector<Prediction> predicted_;
+  std::vector<Visit> pressed_;  // where the tip will press
   std::vector<State> known_, fresh_;  // fresh_: not in a model yet
   std::vector<SurfacePlace> jets_;    // places with a jet at rest, known or being made
   std::map<Key, double> asked_;       // when a candidate was first wanted [s]
