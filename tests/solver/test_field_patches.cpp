@@ -80,7 +80,7 @@ TEST_CASE("E over the facets is a potential: force and dE/ds by differences, wit
 TEST_CASE("The field of the facets has no jump where a site crosses an edge", "[patches]") {
   const SurfaceMap& map = patches().field().rest().map();
   int crossed = 0;
-  for (std::int32_t f = 0; f < 200; ++f) {
+  for (std::int32_t f = 0; f < static_cast<std::int32_t>(map.facets().size()); ++f) {
     const SurfaceMap::Facet& facet = map.facets()[static_cast<std::size_t>(f)];
     const std::int32_t beside = facet.beside[0];
     if (beside < 0 || facet.clamped || map.facets()[static_cast<std::size_t>(beside)].clamped) continue;
