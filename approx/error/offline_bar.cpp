@@ -17,9 +17,8 @@ constexpr std::size_t least_states = 8, least_checks = 20, least_of_label = 30, 
 constexpr double constants[] = {0, 0.1, 0.3, 1, 3};  // b, in median errors
 constexpr std::size_t scored_level = 1;              // of bar_levels: 95 %
 constexpr double prior_groups = 6;                   // nu: groups that the process's own deviation counts as
-constexpr std::size_t enough_groups = 30;            // from which t is known
 constexpr std::size_t local_samples = 30;
-constexpr double average_samples = 15;
+constexpr double calm_share = 0.1;     // of the samples, in whose neighbourhoods errors are noise alone
 constexpr double most_apart = 20;      // no judged bar inside is narrower than the widest divided by this
 constexpr BarWidths steeper{2, 3, 4};  // stiffness across the states, in largest stiffnesses along them
 double square(double x) {
@@ -217,20 +216,23 @@ void widen(BarWidths& widths, double across) {
 
 // The samples become those of judged bars: their scale is that of a comparison with a measured force.
 OfflineBars::OfflineBars(std::vector<BarSample> samples, double noise, std::size_t groups)
-    : samples_(std::move(samples)), local_(groups >= enough_groups) {
+    : samples_(std::move(samples)) {
   if (samples_.empty()) return;
+  Judge& judge = judge_;
+  judge.noise = 3 * square(noise);
   std::vector<Misfit> of_part;
   Misfit every;
-  for (BarSample& s : samples_) {
-    const double own = square(s.scale), seen = own + 3 * square(noise);
+  for (const BarSample& s : samples_) {
+    const double own = square(s.scale), seen = own + judge.noise;
     const double excess = std::max(0.0, s.error - steeper[scored_level] * s.across);
-    misses_.push_back(seen > 0 ? square(excess) / seen : 0);
+    judge.misses.push_back(seen > 0 ? square(excess) / seen : 0);
     const Misfit one{.samples = 1, .share = seen > 0 ? own / seen : 0};
     if (of_part.size() <= s.part) of_part.resize(s.part + 1);
     for (Misfit* sum : {&of_part[s.part], &every})
-      sum->add({one.samples, one.share, one.share * misses_.back()});
+      sum->add({one.samples, one.share, one.share * judge.misses.back()});
   }
   const double each = static_cast<double>(groups) / every.samples;  // groups of a sample
+  find_locality(each);
   std::vector<double> trust;
   std::vector<BarWidths> quantiles;
   for (const Misfit& part : of_part) {
@@ -239,30 +241,51 @@ OfflineBars::OfflineBars(std::vector<BarSample> samples, double noise, std::size
     quantiles.push_back(quantiles_of_norm(each * others.samples + 1));
   }
   for (BarSample& s : samples_) {
-    s.scale = std::hypot(local(s.at, s.part) * trust[s.part] * s.scale, std::sqrt(3.0) * noise);
+    const double local = this->local(s.at, s.part);
+    s.scale = std::sqrt(variance(s.scale, trust[s.part], local) + judge.noise);
     s.bar = times(quantiles[s.part], s.scale);
     widen(s.bar, s.across);
   }
-  trust_ = trust_of(every, each);
-  judged_ = quantiles_of_norm(each * every.samples + 1);
+  judge.trust = trust_of(every, each);
+  judge.quantiles = quantiles_of_norm(each * every.samples + 1);
+}
+
+// B and T0 from the local means at the samples themselves.
+void OfflineBars::find_locality(double each) {
+  Judge& judge = judge_;
+  for (const double y : judge.misses) judge.mean += y / static_cast<double>(judge.misses.size());
+  if (!(judge.mean > 0)) return;
+  judge.locality = 1;
+  std::vector<double> ratios;
+  double spread = 0;
+  for (const BarSample& s : samples_) {
+    ratios.push_back(local(s.at, {}));
+    spread += square(ratios.back() - 1) / static_cast<double>(samples_.size());
+  }
+  const double count = static_cast<double>(std::min(local_samples, samples_.size()));
+  const double by_chance = 2 / (3 * std::max(1.0, count * std::min(1.0, each)));
+  judge.locality = spread > by_chance ? 1 - by_chance / spread : 0;
+  const double calm = quantile_of(ratios, calm_share);
+  judge.calm = judge.mean * (1 + judge.locality * (calm - 1));
 }
 
 double OfflineBars::local(const Vec3& x, std::optional<std::uint32_t> but) const {
-  if (!local_) return 1;
+  if (!(judge_.locality > 0)) return 1;
   std::vector<std::pair<double, double>> near;
-  double sum = 0;
-  for (std::size_t i = 0; i < samples_.size(); ++i) {
-    if (samples_[i].part == but) continue;
-    near.emplace_back((samples_[i].at - x).squaredNorm(), misses_[i]);
-    sum += misses_[i];
-  }
-  if (near.empty() || !(sum > 0)) return 1;
-  const double mean = sum / static_cast<double>(near.size());
+  for (std::size_t i = 0; i < samples_.size(); ++i)
+    if (samples_[i].part != but) near.emplace_back((samples_[i].at - x).squaredNorm(), judge_.misses[i]);
+  if (near.empty()) return 1;
   const std::size_t count = std::min(local_samples, near.size());
   std::ranges::nth_element(near, near.begin() + static_cast<std::ptrdiff_t>(count - 1));
-  double own = average_samples * mean;
-  for (std::size_t k = 0; k < count; ++k) own += near[k].second;
-  return std::sqrt(own / ((average_samples + static_cast<double>(count)) * mean));
+  double sum = 0;
+  for (std::size_t k = 0; k < count; ++k) sum += near[k].second;
+  return 1 + judge_.locality * (sum / (static_cast<double>(count) * judge_.mean) - 1);
+}
+
+double OfflineBars::variance(double scale, double trust, double local) const {
+  const double own = square(scale);
+  const double missed = judge_.mean * local * (own + judge_.noise) - judge_.calm * judge_.noise;
+  return std::max(std::max(1.0, square(trust) * local) * own, missed);
 }
 
 BarWidths OfflineBars::at(Label label, bool outside, double scale) const {
@@ -276,7 +299,7 @@ BarWidths OfflineBars::at(const Vec3& x, double scale, double across) const {
   BarWidths widths;
   widths.fill(no_bar);
   if (samples_.empty() || !(scale >= 0)) return widths;
-  widths = times(judged_, local(x, {}) * trust_ * scale);
+  widths = times(judge_.quantiles, std::sqrt(variance(scale, judge_.trust, local(x, {}))));
   widen(widths, across);
   return widths;
 }

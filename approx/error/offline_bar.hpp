@@ -10,17 +10,22 @@
 // least interval score (Gneiting, Raftery 2007, Eq. 43).
 // Measured states (without stiffness), if the model was chosen, are judged by a Gaussian process of them
 // (measured/force_field.hpp), which knows the noise sigma of their forces and how far the force may be from its own:
-//   s(x)^2 = deviation(x)^2 + |f~(x) - process|^2,   e_p(x) = q_p g t(x) s(x) + m_p S E
+//   s(x)^2 = deviation(x)^2 + |f~(x) - process|^2,   e_p(x) = q_p sqrt(v(x)) + m_p S E
 // The held-out forces f_i tell whether s is too small. They are measured, and their errors are alike within a group, so
 //   y_i^2 = (|f~_i - f_i| - m S E)^2 / v_i,   v_i = s(x_i)^2 + 3 sigma^2,   w_i = s(x_i)^2 / v_i
 //   K = n mean(w),   g^2 = max(1, (nu + n mean(w y^2)) / (nu + K))
 // n: number of groups. w: what a comparison tells of s; nothing where noise is most of it. The process's own deviation
 // counts as nu = 6 groups. Its law was found from n groups, so s is known with few degrees of freedom: q_p are the
 // quantiles of sqrt(F(3, n + 1)) (Student's t of three components; at 95 % 1.61 for many groups, 2.57 for three).
-// g >= 1: held-out forces never make a bar narrower than the process's own. They lie on the lines and levels of the
-// states, where the force is known better than between them. From 30 groups on t^2 is the mean of y^2 over the 30
-// held-out positions nearest to x and 15 average ones, over the mean of all: it follows noise and roughness that differ
-// from place to place (positions off by a micrometre where the force is steep). The bar is that of the force itself,
+// The law is one for all places, but a force may be rough in some of them (a kink of a stiff wall in a smooth field).
+// The process then takes the roughness for noise. Noise is the same everywhere, misfit is not, so with L(x) the mean of
+// y^2 over the 30 held-out positions nearest to x, over the mean of all:
+//   t(x)^2 = 1 + B (L(x) - 1),   B = max(0, 1 - var_0 / var(L)),   var_0 = 2 / (3 max(1, groups among the 30))
+//   v(x)   = max(max(1, g^2 t^2) s^2,   mean(y^2) (t^2 (s^2 + 3 sigma^2) - c 3 sigma^2))
+// B shrinks L as far as its differences are those of chance (James and Stein 1961); var_0 is the variance of L if all
+// errors were normal with one deviation. c: 10 % quantile of t^2 over the held-out positions; there all misses are noise.
+// A bar is never narrower than by the process's own deviation: held-out forces lie on the lines and levels of the
+// states, where the force is known better than between them. The bar is that of the force itself,
 // without the noise of a measurement; the bars of samples hold it, because their forces do. S E: least error across the
 // states; m_p = 2, 3, 4 is a prior: the stiffness across is seldom more than so many times the largest one along them.
 // If the caller gives check solves (at random places of the box, not used as states), their errors are the scores, and
@@ -91,14 +96,22 @@ class OfflineBars {
  private:
   friend OfflineBars checked_bars(const StateSpace& known, std::span<const State> checks,
                                   const OfflineBarOptions& options);
-  double local(const Vec3& x, std::optional<std::uint32_t> but) const;  // t
+  // What judged bars are made of.
+  struct Judge {
+    double trust = 1, noise = 0;  // g; 3 sigma^2 [N^2]
+    double mean = 0, calm = 0;    // of y^2: its mean, and that times c
+    double locality = 0;          // B
+    std::vector<double> misses;   // y_i^2
+    BarWidths quantiles{};        // q_p
+  };
+  void find_locality(double each);
+  double local(const Vec3& x, std::optional<std::uint32_t> but) const;  // t^2, without one part
+  double variance(double scale, double trust, double local) const;      // v [N^2]
+
   std::vector<BarSample> samples_;
   bool checked_ = false;
   double constant_ = 0;
-  double trust_ = 1;                             // g of judged bars
-  BarWidths judged_{};                           // q_p of judged bars
-  std::vector<double> misses_;                   // y_i^2 of judged bars
-  bool local_ = false;                           // t is known
+  Judge judge_;
   std::array<ByLabel<BarWidths>, 2> factors_{};  // inside and outside
 };
 

@@ -1,6 +1,7 @@
 #include "approx/measured/force_field.hpp"
 
 #include <Eigen/Eigenvalues>
+#include <Eigen/QR>
 #include <algorithm>
 #include <cmath>
 #include <limits>
@@ -84,6 +85,34 @@ double largest_secant(const MeasuredRows& boxes, double noise, double apart) {
     most = std::max(most, change / least);
   }
   return most;
+}
+
+// Where rows lie across themselves, from x, and how far they are from there.
+struct Lie {
+  double off = 0, deviation = 0;  // [m]
+};
+
+// Rows of a curve bend: their coordinate `axis` is a parabola of the one along them (axis 2), that of least squares.
+// near: from x.
+Lie lie_of(const std::vector<Vec3>& near, int axis) {
+  Eigen::Matrix3d normal = Eigen::Matrix3d::Zero();
+  Vec3 right = Vec3::Zero();
+  double size = 0, first = std::numeric_limits<double>::infinity(), last = -first;
+  for (const Vec3& r : near) {
+    size = std::max(size, r.norm());
+    first = std::min(first, r[2]);
+    last = std::max(last, r[2]);
+  }
+  const auto powers = [size](double t) { return Vec3(1, t / size, t * t / (size * size)); };
+  for (const Vec3& r : near) {
+    normal += powers(r[2]) * powers(r[2]).transpose();
+    right += r[axis] * powers(r[2]);
+  }
+  const Vec3 parabola = normal.completeOrthogonalDecomposition().solve(right);
+  double squared = 0;
+  for (const Vec3& r : near) squared += std::pow(r[axis] - parabola.dot(powers(r[2])), 2);
+  return {.off = parabola.dot(powers(std::clamp(0.0, first, last))),
+          .deviation = std::sqrt(squared / std::max(1.0, double(near.size()) - 3))};
 }
 
 double radius_of(const MeasuredRows& rows) {
@@ -209,36 +238,53 @@ ForceField::Foot ForceField::foot_of(const Vec3& x) const {
     spread += off * off.transpose() / count;
   }
   const Eigen::SelfAdjointEigenSolver<Mat3> axes(spread);
+  std::vector<Vec3> near;  // from x, along the axes: the rows extend least along the first
+  for (std::size_t i = 0; i < ids.size(); i += stride)
+    near.push_back(axes.eigenvectors().transpose() * ((*known_)[ids[i]].at - x));
   const double widest = std::sqrt(std::max(0.0, axes.eigenvalues()[2]));
   Vec3 across = Vec3::Zero(), doubtful = Vec3::Zero();
   for (int k = 0; k < 3; ++k) {
     const Vec3 u = axes.eigenvectors().col(k);
-    const double off = -u.dot(middle);
     const double own = std::sqrt(std::max(0.0, axes.eigenvalues()[k]));
-    if (known_share * std::abs(off) > own)
-      across += off * u;
-    else if (own < thin * widest && thin_share * std::abs(off) > own)
-      doubtful += off * u;
+    const Lie lie = own < thin * widest ? lie_of(near, k) : Lie{.off = u.dot(middle), .deviation = own};
+    if (known_share * std::abs(lie.off) > lie.deviation)
+      across -= lie.off * u;
+    else if (lie.deviation < thin * widest && thin_share * std::abs(lie.off) > lie.deviation)
+      doubtful -= lie.off * u;
   }
+  const double least = least_across * nearest;
   const Vec3 foot = x - across;
-  const auto unknown_from = [&](const Vec3& place) {
-    return (x - place).norm() > least_across * nearest && !known_across(x, place);
-  };
-  const bool moved = unknown_from(foot);
-  const Vec3 thinnest = (moved ? foot : x) - doubtful;
-  return {.at = moved ? foot : x, .across = unknown_from(thinnest) ? (x - thinnest).norm() : 0};
+  std::optional<Vec3> told;  // the nearest row that tells of the direction across
+  if (across.norm() > least) {
+    told = row_across(x, foot);
+    if (!told) return {.at = foot, .across = (across + doubtful).norm()};
+  }
+  if (doubtful.norm() > least) {
+    const Vec3 thinnest = x - doubtful;
+    told = row_across(x, thinnest);
+    if (!told) return {.at = x, .across = doubtful.norm()};
+    return {.at = x, .across = doubtful.norm(), .between = 0.5 * (x + *told)};
+  }
+  if (!told) return {.at = x};
+  return {.at = x, .across = across.norm(), .between = 0.5 * (x + *told)};
 }
 
-bool ForceField::known_across(const Vec3& x, const Vec3& foot) const {
+std::optional<Vec3> ForceField::row_across(const Vec3& x, const Vec3& foot) const {
   const double across = (x - foot).norm();
   const Vec3 u = (x - foot) / across;
+  std::optional<Vec3> found;
+  double nearest = options_.law.length;
   const auto tells = [&](const Vec3& from, const Vec3& towards) {
     const double away = from.norm();
-    return away >= across && away <= options_.law.length && from.dot(towards) >= cone * away;
+    return away >= across && away <= nearest && from.dot(towards) >= cone * away;
   };
   for (const Vec3& at : rows_)
-    if (tells(at - x, u) || tells(at - foot, -u)) return true;
-  return false;
+    for (const bool beyond : {true, false})
+      if (beyond ? tells(at - x, u) : tells(at - foot, -u)) {
+        found = at;
+        nearest = (at - (beyond ? x : foot)).norm();
+      }
+  return found;
 }
 
 ForceField::Prediction ForceField::at(const Vec3& x) const {
@@ -246,6 +292,7 @@ ForceField::Prediction ForceField::at(const Vec3& x) const {
   Prediction made = predicted(foot.at);
   made.foot = foot.at;
   made.least_error = options_.stiffest * foot.across;
+  if (foot.between) made.least_error = std::min(made.least_error, predicted(*foot.between).deviation);
   const double size = made.force.norm();
   if (size > bound()) made.force *= bound() / size;
   return made;

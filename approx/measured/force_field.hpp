@@ -11,15 +11,19 @@
 //
 // Directions that the rows do not know. Rows of a line, a curve or a surface determine nothing across it. Let M be the
 // covariance of the positions within 4 d of x (d: distance of the nearest row; at least 12 rows) and c their mean. An
-// eigenvector u of M is unknown at x if |u.(x - c)| exceeds four times the deviation of the rows along u. Then
+// eigenvector u of M is unknown at x if |u.(x - c)| exceeds four times the deviation of the rows along u. A direction
+// is thin if the rows deviate in it by less than a fifth of their largest deviation. There the rows bend, as those of a
+// curve do, so c and the deviation are those of a parabola along the rows. Then
 //   foot     x without its components along unknown directions, about c: the place on the line that is nearest to x
 //   across   E = |x - foot| [m]
-// unless rows within l lie beyond x, or on the far side of the foot, within 60 degrees of the direction across and at
-// least E away: those of the next line of a raster. At the foot's force the error is at least S E. S [N/m]: the largest
-// secant |F_i - F_j| / |x_i - x_j| of neighbouring boxes, or the largest force over half the extent of the rows, if
-// that is more. A direction is thin if the rows deviate in it by less than a fifth of their largest deviation (a line
-// with noise in its positions); the components of x in it beyond 1.5 such deviations count in E, but do not move the
-// foot.
+// The components of x in thin directions beyond 1.5 deviations (a line with noise in its positions) count in E, but do
+// not move the foot. At the foot's force the error is at least S E. S [N/m]: the largest secant
+// |F_i - F_j| / |x_i - x_j| of neighbouring boxes, or the largest force over half the extent of the rows, if that is
+// more.
+//
+// Rows within l may lie beyond x, or on the far side of the foot, within 60 degrees of the direction across and at
+// least E away: those of the next line of a raster, or of another turn of a curve. Then x itself is used in place of
+// the foot, and its error is at least the lesser of S E and the deviation halfway to the nearest of these rows.
 
 #include <memory>
 #include <optional>
@@ -53,10 +57,11 @@ class ForceField {
  private:
   struct Foot {
     Vec3 at = Vec3::Zero();
-    double across = 0;  // E [m]
+    double across = 0;                 // E [m]
+    std::optional<Vec3> between = {};  // halfway to the nearest row that tells of the direction across
   };
   Foot foot_of(const Vec3& x) const;
-  bool known_across(const Vec3& x, const Vec3& foot) const;
+  std::optional<Vec3> row_across(const Vec3& x, const Vec3& foot) const;
   bool doubted() const;
   Prediction predicted(const Vec3& x) const;
 

@@ -131,6 +131,12 @@ std::vector<std::size_t> trials_of(const Trials& trials, const Sampling& of) {
   return trial;
 }
 
+// Student's t of n degrees of freedom that is exceeded on either side with a probability of 5 %.
+double student(std::size_t n) {
+  constexpr std::array exact{12.71, 4.303, 3.182, 2.776, 2.571, 2.447, 2.365, 2.306};
+  return n <= exact.size() ? exact[n - 1] : 1.96 + 2.6 / static_cast<double>(n);
+}
+
 // Whether errors a are less than b, as far as the trials show: log of the ratio of their root mean squares, its mean
 // over the trials beside the error of that mean. The trials are few and hold out different groups.
 bool surely_less(const std::vector<double>& a, const std::vector<double>& b,
@@ -146,10 +152,10 @@ bool surely_less(const std::vector<double>& a, const std::vector<double>& b,
     sum += ratio;
     squares += ratio * ratio;
   }
+  if (sums.size() < 2) return false;
   const auto n = static_cast<double>(sums.size());
-  if (n < 2) return false;
   const double mean = sum / n, variance = std::max(0.0, squares / n - mean * mean) / (n - 1);
-  return mean > (1 + 4 / n) * std::sqrt(variance);
+  return mean > student(sums.size() - 1) * std::sqrt(variance);
 }
 
 // Root mean square of the errors. Those outside count by the share of wanted places there.

@@ -111,8 +111,15 @@ void write_csv(const std::string& file, const std::vector<Vec3>& points, const E
 // The older methods ignore some options; a warning says which.
 void warn_of_unused(const Globals& globals, const ModelArguments& arguments) {
   const std::string method = arguments.method.value_or("rbf");
-  if (arguments.data == "jet" && arguments.ridge)
-    warn(globals, "--ridge: without effect where a force comes from energy jets");
+  if (arguments.data == "jet") {
+    std::vector<std::string> beside_jets;
+    if (arguments.select) beside_jets.push_back("--select");
+    if (arguments.kernel) beside_jets.push_back("--kernel");
+    if (arguments.ridge) beside_jets.push_back("--ridge");
+    if (!beside_jets.empty())
+      warn(globals, fmt::format("{}: without effect where a force comes from energy jets",
+                                fmt::join(beside_jets, ", ")));
+  }
   if (method == "rbf" || method == "auto") return;
   const bool offline = method == "offline-rbf";
   std::vector<std::string> unused;
@@ -123,6 +130,19 @@ void warn_of_unused(const Globals& globals, const ModelArguments& arguments) {
   if (arguments.ridge && !offline) unused.push_back("--ridge");
   if (!unused.empty())
     warn(globals, fmt::format("{}: without effect on --method {}", fmt::join(unused, ", "), method));
+}
+
+// The noise is that of the process of measured forces, if there is one.
+void warn_of_unused_noise(const Globals& globals, const KnownNoise& noise, const Evaluation& found) {
+  if (found.field) return;
+  std::vector<std::string> unused;
+  if (noise.force) unused.push_back("--noise");
+  if (noise.position) unused.push_back("--position-noise");
+  if (!unused.empty())
+    warn(globals,
+         fmt::format("{}: without effect on {}", fmt::join(unused, ", "),
+                     found.method != Method::rbf ? fmt::format("--method {}", name(found.method))
+                                                 : "states with stiffness or with fewer than 8 positions"));
 }
 
 std::vector<Vec3> read_points(const std::string& file) {
@@ -196,6 +216,7 @@ EvaluateResult evaluate_command(const Globals& globals, const EvaluateArguments&
     if (error.place().key == "states") throw InputError(arguments.states, error.problem());
     throw;
   }
+  warn_of_unused_noise(globals, arguments.noise, result.found);
   if (result.found.repeated.contradicting > 0)
     warn(globals, contradictions_in_words(arguments.states, result.found.repeated));
   return result;

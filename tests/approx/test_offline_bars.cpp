@@ -8,6 +8,7 @@
 #include <random>
 
 #include "approx/error/known_within.hpp"
+#include "approx/error/offline_bar.hpp"
 #include "approx/methods/evaluate.hpp"
 #include "geometry/common/quantiles.hpp"
 
@@ -236,4 +237,46 @@ TEST_CASE("Tolerances are read as a share or as newtons") {
   CHECK(tolerance_from("0.07N")->newtons);
   for (const char* wrong : {"", "N", "0", "-1 N", "0.07 kg", "7 %", "nan", "1e999 N"})
     CHECK(!tolerance_from(wrong));
+}
+
+// A smooth law takes a rough part of the force for noise. Held-out forces then miss by more there than elsewhere.
+TEST_CASE("bars of measured states are wide where held-out forces miss by more than noise",
+          "[offline_bars]") {
+  constexpr double noise = 0.01, scale = 0.005, misfit = 0.04;  // misfit, noise: of a component
+  double inside = 0, count = 0;
+  for (unsigned seed = 0; seed < 10; ++seed) {
+    std::mt19937 random(seed);
+    std::normal_distribution<double> normal;
+    std::uniform_real_distribution<double> side(-0.01, 0.01);
+    const auto error = [&](double x, double sensor, double rough) {
+      const double more = x > 0 ? rough : 0;
+      const double deviation = std::sqrt(sensor * sensor + scale * scale / 3 + more * more);
+      return (deviation * Vec3(normal(random), normal(random), normal(random))).norm();
+    };
+    const auto bars_of = [&](double rough) {
+      std::vector<BarSample> samples;
+      for (std::uint32_t i = 0; i < 400; ++i) {
+        BarSample s;
+        s.at = Vec3(side(random), side(random), side(random));
+        s.scale = scale;
+        s.error = error(s.at.x(), noise, rough);
+        s.part = i % 8;
+        samples.push_back(s);
+      }
+      // The law's own noise: what it cannot follow, on average.
+      return OfflineBars(std::move(samples), std::hypot(noise, rough * std::sqrt(0.5)), 100);
+    };
+    const OfflineBars rough = bars_of(misfit), even = bars_of(0);
+    for (int i = 0; i < 300; ++i) {
+      const Vec3 x(side(random), side(random), side(random));
+      const double bar = rough.at(x, scale, 0)[1];
+      CHECK(even.at(x, scale, 0)[1] < 1.5 * 1.61 * scale);
+      CHECK(even.at(x, scale, 0)[1] > 0.99 * 1.61 * scale);
+      if (std::abs(x.x()) < 0.006) continue;      // neighbours on both sides
+      if (x.x() < 0) CHECK(bar < 1.61 * misfit);  // less than half as wide as beside it
+      if (x.x() > 0) inside += error(x.x(), 0, misfit) <= bar, ++count;
+    }
+  }
+  CHECK(inside / count > 0.9);
+  CHECK(inside / count < 0.99);
 }

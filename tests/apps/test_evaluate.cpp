@@ -351,4 +351,12 @@ TEST_CASE("evaluate says which forces of jets are trusted", "[evaluate]") {
   const std::string text = shop.forefeel("evaluate j.states --points q.csv --data jet").out;
   CHECK_THAT(text, Catch::Contains("safe, trusted") && Catch::Contains("blank, not trusted"));
   CHECK(run(shop, "evaluate j.states --points q.csv --json")["trusted"].is_null());
+  const std::string unused =
+      shop.forefeel("evaluate j.states --points q.csv --data jet --kernel cubic --noise 0.1").err;
+  CHECK_THAT(unused,
+             Catch::Contains("--kernel: without effect") && Catch::Contains("--noise: without effect"));
+  REQUIRE(shop.forefeel("export j.states -o j.csv --quiet").code == 0);
+  const auto in_mm = shop.forefeel("import j.csv -o k.states --spacing 0.01 --unit mm");
+  CHECK(in_mm.code == 2);
+  CHECK_THAT(in_mm.err, Catch::Contains("--unit: is for states without energy jets"));
 }
