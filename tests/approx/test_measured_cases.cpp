@@ -78,7 +78,7 @@ MeasuredCase curve(const Variant& v) {
   return made;
 }
 
-// 21 lines along x, 3 mm apart in 3 depths, 18 places each; |f| is about 3 N. Points between the lines.
+// 21 lines along x, 3 mm apart in 3 depths, 15 places each; |f| is about 3 N. Points between the lines.
 Vec3 raster_force(const Vec3& x) {
   return {-320 * x.x() * (1 + 20 * x.z()), -320 * x.y() + 0.3 * std::sin(300 * x.x()),
           1 + 200 * std::abs(x.z()) * (1 - 800 * x.x() * x.x())};
@@ -93,8 +93,8 @@ MeasuredCase raster(const Variant& v) {
   };
   for (int depth = 0; depth < 3; ++depth)
     for (int across = -3; across <= 3; ++across)
-      for (int i = 0; i < 18; ++i) {
-        const Vec3 at = Vec3(-0.01 + 0.02 * i / 17, 0.003 * across, -0.002 - 0.002 * depth) + shake(5e-6);
+      for (int i = 0; i < 15; ++i) {
+        const Vec3 at = Vec3(-0.01 + 0.02 * i / 14, 0.003 * across, -0.002 - 0.002 * depth) + shake(5e-6);
         made.at.push_back(at);
         made.force.push_back(raster_force(at) + shake(made.noise));
       }
@@ -107,7 +107,7 @@ MeasuredCase raster(const Variant& v) {
   return made;
 }
 
-// 100 random places of a curved field.
+// 80 random places of a curved field.
 MeasuredCase scattered(const Variant& v) {
   MeasuredCase made;
   std::mt19937 random(v.seed);
@@ -115,10 +115,10 @@ MeasuredCase scattered(const Variant& v) {
   const auto force = [](const Vec3& x) {
     return Vec3(std::sin(400 * x.x()), 100 * x.z() * std::cos(500 * x.y()), -std::exp(120 * x.z()));
   };
-  for (int i = 0; i < 180; ++i) {
+  for (int i = 0; i < 160; ++i) {
     const Vec3 at(uniform(random), uniform(random), 0.5 * uniform(random) - 0.005);
-    (i < 100 ? made.at : made.points).push_back(at);
-    (i < 100 ? made.force : made.truth).push_back(force(at));
+    (i < 80 ? made.at : made.points).push_back(at);
+    (i < 80 ? made.force : made.truth).push_back(force(at));
   }
   apply(v, made);
   return made;
@@ -234,8 +234,8 @@ TEST_CASE("A row given twice counts once", "[measured]") {
   for (const Variant& v : ten_variants()) {
     const MeasuredCase given = scattered(v);
     std::vector<State> once = given.states(), twice = once;
-    twice.insert(twice.end(), once.begin(), once.begin() + (v.seed % 2 == 0 ? 100 : 40));
-    if (v.seed % 3 == 0) twice.insert(twice.end(), once.begin() + 50, once.end());
+    twice.insert(twice.end(), once.begin(), once.begin() + (v.seed % 2 == 0 ? 80 : 30));
+    if (v.seed % 3 == 0) twice.insert(twice.end(), once.begin() + 40, once.end());
     const EvaluateOptions options{.bars = true, .spacing = 0.005 * v.length};
     const Evaluation a = evaluate(once, given.points, options), b = evaluate(twice, given.points, options);
     CHECK(a.states == b.states);
