@@ -23,7 +23,8 @@
 //   t(x)^2 = 1 + B (L(x) - 1),   B = max(0, 1 - var_0 / var(L)),   var_0 = 2 / (3 max(1, groups among the 30))
 //   v(x)   = max(max(1, g^2 t^2) s^2,   mean(y^2) (t^2 (s^2 + 3 sigma^2) - c 3 sigma^2))
 // B shrinks L as far as its differences are those of chance (James and Stein 1961); var_0 is the variance of L if all
-// errors were normal with one deviation. c: 10 % quantile of t^2 over the held-out positions; there all misses are noise.
+// errors were normal with one deviation. c: 10 % quantile of t^2 over the held-out positions; there all misses are
+// noise.
 // A bar is never narrower than by the process's own deviation: held-out forces lie on the lines and levels of the
 // states, where the force is known better than between them. The bar is that of the force itself,
 // without the noise of a measurement; the bars of samples hold it, because their forces do. S E: least error across the

@@ -123,7 +123,7 @@ auto read_cached(const fs::path& file, Read read) -> decltype(read(std::string_v
   return kept;
 }
 
-void keep(const fs::path& file, const std::string& bytes) {
+void write_cached(const fs::path& file, const std::string& bytes) {
   if (file.empty()) return;
   try {
     write_whole(file, bytes);
@@ -154,7 +154,7 @@ FieldFound find_field(const Scene& scene, const Globals& globals, const std::sto
     found.field = std::make_shared<const SiteField>(
         rest, options, [&](double share) { progress.show(share, "sites"); }, stop);
     if (!stop.stop_requested())
-      keep(file, bytes_of({found.field->rest().compliance(), found.field->sites()}));
+      write_cached(file, bytes_of({found.field->rest().compliance(), found.field->sites()}));
   }
   found.seconds = seconds_since(start);
   return found;
@@ -172,7 +172,7 @@ std::shared_ptr<const FieldPatches> find_patches(const Scene& scene, std::shared
     Packer out;
     out.add_raw(patches_magic);
     out.add(patches->values());
-    keep(file, signed_bytes(out));
+    write_cached(file, signed_bytes(out));
   }
   return patches;
 }

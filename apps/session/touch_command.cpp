@@ -19,6 +19,7 @@
 #include "geometry/common/error.hpp"
 #include "geometry/common/output_file.hpp"
 #include "scheduling/touch/touch_files.hpp"
+#include "scheduling/touch/touch_session.hpp"
 
 namespace forefeel {
 namespace {
@@ -144,6 +145,7 @@ int run_touch_command(const Globals& globals, const SessionArguments& given, con
   const FieldFound found = find_field(scene, globals);
   end_if_interrupted("the session began");
   TouchSessionInput input = touch_input(globals, given, scene, *found.field, found.field);
+  check_touch_session(input, options);
   input.task.patches = find_patches(scene, found.field, globals);
   end_if_interrupted("the session began");
   claim_run_folder(globals, given, {}, run);

@@ -70,10 +70,10 @@ Figure map_of_sites(const TouchSessionResult& result, const RestSites& rest) {
                   "set multiplot layout 1,2\nset size ratio -1\nset logscale cb\nset cbrange [0.01:100]\n"
                   "set palette defined (0 '#2166ac', 0.5 '#f7f7f7', 0.62 '#f4a582', 1 '#b2182b')\n"
                   "set xlabel 'x [mm]'\nset ylabel 'z [mm]'\nset key off\n"
-                  "plot $body using 1:3 with dots lc rgb '#bbbbbb', $sites using 1:3:4 with points pt 7 ps "
+                  "plot $body using 1:3 with dots lc rgb '#888888', $sites using 1:3:4 with points pt 7 ps "
                   "0.5 lc palette\n"
                   "set ylabel 'y [mm]'\n"
-                  "plot $body using 1:2 with dots lc rgb '#bbbbbb', $sites using 1:2:4 with points pt 7 ps "
+                  "plot $body using 1:2 with dots lc rgb '#888888', $sites using 1:2:4 with points pt 7 ps "
                   "0.5 lc palette\n"
                   "unset multiplot\n";
   return figure;

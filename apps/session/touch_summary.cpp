@@ -39,7 +39,12 @@ std::vector<double> two_quantiles(const std::vector<double>& values, double high
   return {quantile_of(values, 0.5), quantile_of(values, high)};
 }
 
-void summarise_frames(const std::vector<Frame>& frames, double friction, TouchSummary& s) {
+// On an edge a site may stop although another facet's force would drive it on.
+bool is_on_edge(const SurfaceMap& map, const SurfacePlace& site) {
+  return map.barycentric(site).minCoeff() < 1e-5;
+}
+
+void summarise_frames(const std::vector<Frame>& frames, const SurfaceMap& map, double friction, TouchSummary& s) {
   std::vector<double> angles, costs;
   std::size_t touching = 0, slipping = 0, trusted = 0;
   ByLabel<std::size_t> labels{};
@@ -61,7 +66,7 @@ void summarise_frames(const std::vector<Frame>& frames, double friction, TouchSu
     if (frame.touch == TouchKind::slip) {
       ++slipping;
       if (touched) s.touch.slid += (frame.site.at - before->site.at).norm();
-      if (friction > 0 && std::isfinite(frame.source.slope)) {
+      if (friction > 0 && std::isfinite(frame.source.slope) && !is_on_edge(map, frame.site)) {
         const double off = std::abs(frame.source.slope - friction) / friction;
         s.touch.cone = std::isfinite(s.touch.cone) ? std::max(s.touch.cone, off) : off;
       }
@@ -102,7 +107,7 @@ TouchSummary summarise_touch(const TouchSessionResult& result, const TouchSessio
     s.states.jets += solved && d.x.isZero(0), s.states.solved += solved && !d.x.isZero(0);
     s.states.preempted += d.status == DispatchStatus::preempted;
   }
-  summarise_frames(result.frames, input.task.friction.value_or(0), s);
+  summarise_frames(result.frames, input.task.field->rest().map(), input.task.friction.value_or(0), s);
   const auto errors = [&](auto wanted) { return errors_of(result.frames, options.switching, wanted); };
   s.samples = errors([](const Frame& f) { return f.judged.sampled; });
   s.first_visit = errors([](const Frame& f) { return f.judged.first_visit; });
@@ -158,7 +163,7 @@ const JsonKeys<TouchSummary>& touch_summary_keys() {
        [](const S& s) { return s.touch.lost; }},
       {"touch.stored", "J", "largest energy stored by body and pad",
        [](const S& s) { return s.touch.stored; }},
-      {"touch.cone", "1", "largest relative distance of |g| / (f . n) from the coefficient while sliding",
+      {"touch.cone", "1", "largest relative distance of |g| / (f . n) from the coefficient while sliding on a facet",
        [](const S& s) { return s.touch.cone; }},
       {"touch.angle", "rad", "of the force to the normal: p50, p95",
        [](const S& s) { return json_numbers(s.touch.angle); }},
@@ -196,7 +201,7 @@ const JsonKeys<TouchSummary>& touch_summary_keys() {
 std::vector<DeclaredTable> touch_outputs() {
   std::vector<DeclaredTable> tables = declared_touch_files();
   std::vector<Declared> rows = declared(touch_summary_keys());
-  rows.push_back({"provenance", "", "", "command, version, commit, scene_hash, libraries, machine"});
+  rows.push_back({"provenance.KEY", "", "", "program, machine and inputs"});
   tables.push_back({"touch/summary.json", "Of a session with contact.anywhere.", std::move(rows)});
   return tables;
 }

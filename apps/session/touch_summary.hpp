@@ -5,7 +5,8 @@
 #include <vector>
 
 #include "apps/console/document_keys.hpp"
-#include "scheduling/touch/touch_session.hpp"
+#include "scheduling/session/session_options.hpp"
+#include "scheduling/touch/touch_result.hpp"
 
 namespace forefeel {
 

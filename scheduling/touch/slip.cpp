@@ -37,23 +37,30 @@ class Slider {
   }
 
   // The farthest place along `way` (length 1) to which E falls by more than friction takes. `from` if there is none.
+  // By secants of the slope, kept between the last place before it and the first one behind.
   Seen advance(const Seen& from, const Vec3& way) const {
-    const double excess = from.drive.dot(way) - from.limit;
-    double step = std::clamp(excess / (from.terms.at.stiffness.norm() + 1e-300), 10 * shortest, longest);
-    double low = 0, high = -1;
+    double low = 0, low_slope = from.drive.dot(way) - from.limit, high = -1;
+    double step = std::clamp(low_slope / (from.terms.at.stiffness.norm() + 1e-300), 10 * shortest, longest);
     Seen best = from;
     for (int i = 0; i < most_halvings && (high < 0 || high - low > shortest); ++i) {
       Seen seen = see(field_.map().walk(from.walk.end, step * way));
       const double slope = onward(seen, way);
-      const bool falls = seen.terms.at.energy <= best.terms.at.energy;
-      if (falls && slope >= -tolerance(seen)) {
-        best = seen, low = step;
+      const bool falls = seen.terms.at.energy <= best.terms.at.energy,
+                 before = falls && slope >= -tolerance(seen);
+      // Where the slope would vanish.
+      const double steepness = (low_slope - slope) / (step - low);
+      const double wanted = falls && steepness > 0 ? step + slope / steepness : -1;
+      if (before) {
+        best = seen, low = step, low_slope = slope;
         if (slope <= tolerance(seen) || !seen.walk.whole || low >= longest) break;
-        step = high < 0 ? std::min(2 * step, longest) : 0.5 * (low + high);
       } else {
         high = step;
-        step = 0.5 * (low + high);
       }
+      if (high < 0)
+        step = std::min(wanted > low ? std::min(wanted, 4 * low) : 2 * low, longest);
+      else
+        step = wanted > low + 0.02 * (high - low) && wanted < high - 0.02 * (high - low) ? wanted
+                                                                                         : 0.5 * (low + high);
     }
     return best;
   }

@@ -1,7 +1,8 @@
 #pragma once
 // What a touch needs to know of a body: energy and its derivatives at (s, x), the normal under the pad, the surface.
 //
-// Beyond R = `farthest` from the site, where no state is, E goes on in a straight line: with r = |x|, n = x / r, y = R n
+// Beyond R = `farthest` from the site, where no state is, E goes on in a straight line: with r = |x|, n = x / r and
+// y = R n
 //   E(x) = E(y) - (r - R) n . f(y),   f(x) = f(y) - (r - R) R / r (K(y) n - n (n . K(y) n))
 // so the force along x is held, and E stays a potential.
 

