@@ -43,7 +43,7 @@ class DeepStates {
   explicit DeepStates(std::shared_ptr<const SiteField> field, const DeepOptions& options = {});
   // Those of this and of the list that can serve: solved, with a site on the surface that is not clamped, energy and
   // stiffness; those at x = 0 by their jets, of which the list's come before its states, and those of the field's
-  //   sites are left out. Numbers go on from size().
+  // sites are left out. Numbers go on from size().
   // Takes about 0.5 ms a new state, and 0.1 us a known one.
   std::shared_ptr<const DeepStates> with(std::span<const State> states) const;
 
