@@ -4,6 +4,7 @@
 #include <omp.h>
 
 #include <algorithm>
+#include <array>
 #include <chrono>
 #include <map>
 #include <utility>
@@ -14,6 +15,7 @@
 #include "apps/console/json_text.hpp"
 #include "apps/console/outputs.hpp"
 #include "apps/console/provenance.hpp"
+#include "apps/generate/generate_deep.hpp"
 #include "apps/generate/kept_states.hpp"
 #include "apps/scene/field_check.hpp"
 #include "apps/scene/scene_anywhere.hpp"
@@ -28,17 +30,20 @@ namespace {
 constexpr std::size_t checked_places = 100;
 
 struct SitesResult {
-  std::size_t sites = 0, states = 0, solved = 0, failed = 0, clamped = 0;
+  std::size_t sites = 0, jets = 0, states = 0, solved = 0, failed = 0, clamped = 0;
   double field_seconds = 0, seconds = 0;
   bool kept = false, interrupted = false;
   FieldErrors error;  // of places whose pad is free of the clamp
   FieldErrors all;
+  DeepRounds deep;  // with --error
 };
 
 const JsonKeys<SitesResult>& sites_keys() {
   using S = SitesResult;
   static const JsonKeys<S> keys{
       {"sites", "", "places of the surface whose jets at rest make the field", &S::sites},
+      {"jets", "", "jets at rest in the file beside the field's, of sites with states and of denser ones",
+       &S::jets},
       {"states", "", "solved states in the file, those at rest left out", &S::states},
       {"solved", "", "of this run", &S::solved},
       {"failed", "", "solves that failed", &S::failed},
@@ -55,6 +60,13 @@ const JsonKeys<SitesResult>& sites_keys() {
       {"error_all.p50", "1", "median over all states", [](const S& s) { return s.all.p50; }},
       {"error_all.p95", "1", "95th percentile over all states", [](const S& s) { return s.all.p95; }},
       {"error_all.max", "1", "largest over all states", [](const S& s) { return s.all.max; }},
+      {"rounds", "", "of --error that added jets or states", [](const S& s) { return s.deep.rounds; }},
+      {"error_with_states.p50", "1",
+       "with --error: median of the error of field and states at the random places that were solved last, "
+       "before they were added, where the pad is free of the clamp",
+       [](const S& s) { return s.deep.error.p50; }},
+      {"error_with_states.p95", "1", "95th percentile of that", [](const S& s) { return s.deep.error.p95; }},
+      {"error_with_states.max", "1", "largest of that", [](const S& s) { return s.deep.error.max; }},
       {"interrupted", "", "true: some places are not solved; the same command resumes", &S::interrupted}};
   return keys;
 }
@@ -69,37 +81,127 @@ StateFileHeader header_of_sites(const Scene& scene, double spacing) {
   return header;
 }
 
-// The places that the file does not hold yet.
-std::vector<SitedPlace> missing_places(const std::vector<SitedPlace>& places,
-                                       const std::vector<State>& known) {
-  std::vector<SitedPlace> missing;
-  for (const SitedPlace& place : places)
-    if (std::ranges::none_of(known, [&](const State& s) {
-          return s.at == place.x && s.has_site() && s.site == place.site.at;
-        }))
-      missing.push_back(place);
-  return missing;
+// The file, and what it holds: solves and makes what it does not.
+class SitesFile {
+ public:
+  SitesFile(const Globals& globals, const Scene& scene, const RestSites& rest, StateFile file,
+            SitesResult& result)
+      : globals_(globals),
+        scene_(scene),
+        rest_(rest),
+        known_(file.read_all()),
+        kept_(std::move(file), known_.size(), stop_),
+        result_(result) {
+    for (std::size_t i = 0; i < known_.size(); ++i) note(i);
+    progress_.emplace(globals_, "generate");
+  }
+  void end() {
+    progress_.reset();
+    kept_.flush();
+  }
+
+  std::vector<State> solve(std::span<const SitedPlace> places) {
+    std::vector<SitedPlace> missing;
+    for (const SitedPlace& place : places)
+      if (!where_.contains(key(place.site.at, place.x))) missing.push_back(place);
+    const auto take = [&](State state, std::size_t) {
+      if (watch_.raised()) stop_.request_stop();
+      (state.usable() ? result_.solved : result_.failed) += 1;
+      add(std::move(state));
+      progress_->show(fmt::format("{} states solved, {} failed{}", result_.solved, result_.failed, words_));
+    };
+    solve_places(rest_, missing, scene_.space.spacing, threads(), take, stop_.get_token());
+    kept_.flush();
+    std::vector<State> found;
+    for (const SitedPlace& place : places)
+      if (const auto at = where_.find(key(place.site.at, place.x)); at != where_.end())
+        found.push_back(known_[at->second]);
+    if (found.size() < places.size() || kept_.failed()) result_.interrupted = true, stop_.request_stop();
+    return found;
+  }
+
+  std::vector<State> jets(std::span<const SurfacePlace> places) {
+    std::vector<SurfacePlace> missing;
+    for (const SurfacePlace& place : places)
+      if (!where_.contains(key(place.at, Vec3::Zero()))) missing.push_back(place);
+    for (State& jet : jets_at(rest_, missing, threads(), stop_.get_token())) add(std::move(jet));
+    std::vector<State> found;
+    for (const SurfacePlace& place : places)
+      if (const auto at = where_.find(key(place.at, Vec3::Zero())); at != where_.end())
+        found.push_back(known_[at->second]);
+    return found;
+  }
+
+  void add(State state) {
+    known_.push_back(state);
+    note(known_.size() - 1);
+    kept_.keep(std::move(state));
+  }
+  void say_round(int round, double p95) {
+    words_ = fmt::format(", p95 {:.2g} % in round {}", 100 * p95, round + 1);
+  }
+  const std::vector<State>& known() const { return known_; }
+  const KeptStates& kept() const { return kept_; }
+  std::stop_token stop() const { return stop_.get_token(); }
+  int threads() const { return globals_.threads > 0 ? globals_.threads : omp_get_max_threads(); }
+
+ private:
+  using Key = std::array<double, 6>;
+  static Key key(const Vec3& site, const Vec3& x) { return {site[0], site[1], site[2], x[0], x[1], x[2]}; }
+  void note(std::size_t i) {
+    if (known_[i].has_site()) where_.try_emplace(key(known_[i].site, known_[i].at), i);
+  }
+
+  const Globals& globals_;
+  const Scene& scene_;
+  const RestSites& rest_;
+  std::stop_source stop_;
+  std::vector<State> known_;
+  std::map<Key, std::size_t> where_;
+  KeptStates kept_;
+  SitesResult& result_;
+  std::string words_;
+  InterruptWatch watch_;
+  std::optional<Progress> progress_;
+};
+
+DeepRounds refine(const Scene& scene, const GenerateSites& wanted, const SurfacePart& part,
+                  const std::shared_ptr<const SiteField>& field, SitesFile& file) {
+  return refine_to({.field = field,
+                    .places =
+                        [&](std::size_t count, unsigned seed) {
+                          return random_places(field->rest(), part, scene.touch.anywhere->depth, count,
+                                               "--where", seed);
+                        },
+                    .solve = [&](std::span<const SitedPlace> places) { return file.solve(places); },
+                    .jets = [&](std::span<const SurfacePlace> places) { return file.jets(places); },
+                    .tell = [&](int round, double p95) { file.say_round(round, p95); },
+                    .error = *wanted.error,
+                    .floor = scene.session.judging.error_floor,
+                    .threads = file.threads(),
+                    .stop = file.stop()});
 }
 
-void solve_missing(const Globals& globals, const Scene& scene, const RestSites& rest,
-                   const std::vector<SitedPlace>& missing, KeptStates& kept, std::vector<State>& known,
-                   const std::stop_source& stop, SitesResult& result) {
-  InterruptWatch watch;
-  Progress progress(globals, "generate");
-  std::size_t done = 0;
-  const auto take = [&](State state, std::size_t) {
-    if (watch.raised()) std::stop_source(stop).request_stop();
-    ++done;
-    (state.usable() ? result.solved : result.failed) += 1;
-    known.push_back(state);
-    kept.keep(std::move(state));
-    progress.show(static_cast<double>(done) / static_cast<double>(missing.size()),
-                  fmt::format("{} of {} states", done, missing.size()));
-  };
-  const int threads = globals.threads > 0 ? globals.threads : omp_get_max_threads();
-  solve_places(rest, missing, scene.space.spacing, threads, take, stop.get_token());
-  kept.flush();
-  result.interrupted = done < missing.size() || kept.failed();
+// Errors of the field at all states of the file, and counts.
+void measure(const Scene& scene, const SiteField& field, const std::vector<State>& known,
+             SitesResult& result) {
+  const RestSites& rest = field.rest();
+  std::vector<State> free_of_clamp, deep;
+  std::size_t at_rest = 0;
+  for (const State& state : known) {
+    at_rest += state.has_site() && state.at.isZero();
+    if (!state.has_site() || state.at.isZero() || !state.usable()) continue;
+    deep.push_back(state);
+    if (rest.at(rest.map().nearest(state.site), false).clamped_share > 0)
+      ++result.clamped;
+    else
+      free_of_clamp.push_back(state);
+  }
+  result.states = deep.size();
+  result.jets = at_rest - std::min(at_rest, field.size());
+  const double floor = scene.session.judging.error_floor;
+  result.error = field_errors(field, free_of_clamp, floor);
+  result.all = field_errors(field, deep, floor);
 }
 
 void tell_sites(const Globals& globals, const GenerateSites& wanted, const SitesResult& result) {
@@ -112,6 +214,12 @@ void tell_sites(const Globals& globals, const GenerateSites& wanted, const Sites
            fmt::format("  error of the field at {} of them: p50 {:.2g} %, p95 {:.2g} %, max {:.2g} %",
                        result.error.states, 100 * result.error.p50, 100 * result.error.p95,
                        100 * result.error.max));
+  if (result.deep.rounds > 0)
+    answer(globals,
+           fmt::format("  with {} jets and {} states, at {} fresh places: p50 {:.2g} %, p95 {:.2g} %, max "
+                       "{:.2g} %",
+                       result.jets, result.states, result.deep.error.states, 100 * result.deep.error.p50,
+                       100 * result.deep.error.p95, 100 * result.deep.error.max));
   if (result.clamped > 0)
     answer(globals,
            fmt::format("  with the {} whose pad reaches over the clamp: p50 {:.2g} %, p95 {:.2g} %, max "
@@ -130,49 +238,39 @@ int generate_sites(const Globals& globals, const Scene& scene, const GenerateSit
   const Body& answered = scene.touch.anywhere->fine ? scene.touch.anywhere->fine->first : *scene.body;
   const SurfacePart part = surface_part(wanted.where, answered, "--where");
   const FieldFound found = find_field(scene, globals);
-  const RestSites& rest = found.field->rest();
+  const std::shared_ptr<const SiteField>& field = found.field;
   const std::vector<SitedPlace> places =
-      random_places(rest, part, scene.touch.anywhere->depth, checked_places, "--where");
-  SitesResult result{.sites = found.field->size(),
+      random_places(field->rest(), part, scene.touch.anywhere->depth, checked_places, "--where");
+  SitesResult result{.sites = field->size(),
                      .field_seconds = found.seconds,
                      .kept = found.kept,
                      .error = {},
-                     .all = {}};
-  StateFile file =
-      StateFile::open_or_create(wanted.output, header_of_sites(scene, found.field->options().spacing));
-  std::vector<State> known = file.read_all();
-  if (std::ranges::none_of(known, [](const State& s) { return s.has_site() && s.at.isZero(); })) {
-    const std::vector<State> at_rest = rest_states(*found.field);
-    file.append(at_rest);
-    known.insert(known.end(), at_rest.begin(), at_rest.end());
-  }
-  std::stop_source stop;
-  KeptStates kept(std::move(file), known.size(), stop);
-  solve_missing(globals, scene, rest, missing_places(places, known), kept, known, stop, result);
-  std::vector<State> free_of_clamp, deep;
-  for (const State& state : known) {
-    if (!state.has_site() || state.at.isZero() || !state.usable()) continue;
-    deep.push_back(state);
-    if (rest.at(rest.map().nearest(state.site), false).clamped_share > 0)
-      ++result.clamped;
-    else
-      free_of_clamp.push_back(state);
-  }
-  result.states = deep.size();
-  const double floor = scene.session.judging.error_floor;
-  result.error = field_errors(*found.field, free_of_clamp, floor);
-  result.all = field_errors(*found.field, deep, floor);
+                     .all = {},
+                     .deep = {}};
+  SitesFile file(globals, scene, field->rest(),
+                 StateFile::open_or_create(wanted.output, header_of_sites(scene, field->options().spacing)),
+                 result);
+  if (std::ranges::none_of(file.known(), [](const State& s) { return s.has_site() && s.at.isZero(); }))
+    for (State& state : rest_states(*field)) file.add(std::move(state));
+  if (wanted.error)
+    result.deep = refine(scene, wanted, part, field, file);
+  else
+    file.solve(places);
+  file.end();
+  measure(scene, *field, file.known(), result);
   result.seconds = seconds_since(start);
   if (globals.json) print_json(document_of(sites_keys(), result));
   tell_sites(globals, wanted, result);
   if (result.interrupted) {
-    warn(globals, kept.failed() ? kept.in_words() : "interrupted; rerun the same command to resume");
+    warn(globals,
+         file.kept().failed() ? file.kept().in_words() : "interrupted; rerun the same command to resume");
     return 1;
   }
-  if (wanted.error && !(result.error.p95 <= *wanted.error)) {
-    warn(globals, fmt::format("the field errs by {:.2g} % at p95, above --error {:g}; a smaller "
-                              "contact.site_spacing or state_space.depth brings it down",
-                              100 * result.error.p95, *wanted.error));
+  if (wanted.error && !(result.deep.error.p95 <= *wanted.error)) {
+    warn(globals,
+         fmt::format("field and states err by {:.2g} % at p95, above --error {:g}, and more states no longer "
+                     "help; a smaller contact.site_spacing or state_space.depth brings it down",
+                     100 * result.deep.error.p95, *wanted.error));
     return 1;
   }
   return result.failed > 0 ? 1 : 0;

@@ -27,7 +27,7 @@ struct SitedForce {
 
 struct SitedForces {
   std::vector<SitedForce> all;
-  std::size_t sites = 0;
+  std::size_t sites = 0, corrections = 0;
   double seconds = 0;
   FieldErrors error;
 };
@@ -39,7 +39,7 @@ const CsvColumns<SitedForce>& sited_columns() {
        [](const F& f) { return cells(f.site); }},
       {"x,y,z", "m", "displacement of the tip there", [](const F& f) { return cells(f.at); }},
       {"fx,fy,fz", "N", "force of the body on the tip", [](const F& f) { return cells(f.found.force); }},
-      {"estimate", "N", "of the force's error, from the last degrees of the jets",
+      {"estimate", "N", "of the force's error, from the last degrees of the jets and what states differ by",
        [](const F& f) { return fmt::format("{:.6g}", f.found.estimate); }},
       {"trusted", "", "1: three times the estimate is within state_space.tolerance",
        [](const F& f) { return std::string(f.trusted ? "1" : "0"); }}};
@@ -53,8 +53,11 @@ const JsonKeys<SitedForces>& sited_keys() {
       {"trusted", "", "points where three times the estimate is within state_space.tolerance",
        [](const S& s) { return std::ranges::count(s.all, true, &SitedForce::trusted); }},
       {"sites", "", "of the field", &S::sites},
+      {"corrections", "",
+       "jets at rest of other sites, and states, of the file, that correct the field near them",
+       &S::corrections},
       {"seconds", "s", "that making or reading the field took", &S::seconds},
-      {"states", "", "solved states of the file, against which the field is measured",
+      {"states", "", "solved states of the file, against which the field alone is measured",
        [](const S& s) { return s.error.states; }},
       {"error.p50", "1", "median of the relative error of the field's force at the states; null: none",
        [](const S& s) { return s.error.p50; }},
@@ -68,7 +71,8 @@ const JsonKeys<SitedForces>& sited_keys() {
   return keys;
 }
 
-SitedForce force_at(const Scene& scene, const SiteField& field, const SitedPoint& point) {
+SitedForce force_at(const Scene& scene, const DeepStates& known, const SitedPoint& point) {
+  const SiteField& field = known.field();
   const SurfacePlace place = field.rest().map().nearest(point.site);
   if (!((place.at - point.site).norm() <= longest_side(scene.body->mesh)))
     throw InputError(
@@ -81,7 +85,8 @@ SitedForce force_at(const Scene& scene, const SiteField& field, const SitedPoint
                      fmt::format("the site ({:.6g}, {:.6g}, {:.6g}) is on a clamped facet, expected "
                                  "a place that can move",
                                  point.site[0], point.site[1], point.site[2]));
-  SitedForce force{.site = place.at, .at = point.at, .found = field_force(field.at(place, false), point.at)};
+  SitedForce force{
+      .site = place.at, .at = point.at, .found = field_force(known, field.at(place, false), place, point.at)};
   force.trusted =
       3 * force.found.estimate <=
       scene.spacing.tolerance * std::max(force.found.force.norm(), scene.session.judging.error_floor);
@@ -117,7 +122,8 @@ void print_sited(const Globals& globals, const SitedForces& result, bool with_fo
                        s[0], s[1], s[2], x[0], x[1], x[2], force[0], force[1], force[2], f.found.estimate,
                        f.trusted ? "" : ", not trusted"));
   }
-  say(globals, fmt::format("{} points from a field of {} sites", result.all.size(), result.sites));
+  say(globals, fmt::format("{} points from a field of {} sites and {} corrections", result.all.size(),
+                           result.sites, result.corrections));
   if (result.error.states > 0)
     answer(globals,
            fmt::format("the field errs by p50 {:.2g} %, p95 {:.2g} %, max {:.2g} % at {} solved states",
@@ -156,8 +162,11 @@ int evaluate_sites(const Globals& globals, const EvaluateSites& wanted) {
   check_same_body(wanted.states, loaded.header.identity, scene.identity);
   if (!wanted.output.empty()) check_writable(wanted.output, {wanted.states, wanted.points});
   const FieldFound found = find_field(scene, globals);
-  SitedForces result{.all = {}, .sites = found.field->size(), .seconds = found.seconds, .error = {}};
-  for (const SitedPoint& point : points) result.all.push_back(force_at(scene, *found.field, point));
+  SitedForces result{
+      .all = {}, .sites = found.field->size(), .corrections = 0, .seconds = found.seconds, .error = {}};
+  const auto known = field_with(found.field, loaded.states, std::max(1, globals.threads));
+  result.corrections = known->size();
+  for (const SitedPoint& point : points) result.all.push_back(force_at(scene, *known, point));
   result.error = field_errors(*found.field, loaded.states, scene.session.judging.error_floor);
   if (!wanted.output.empty()) write_sited(wanted.output, result.all);
   print_sited(globals, result, wanted.output.empty());

@@ -1,6 +1,6 @@
 #pragma once
 // forefeel evaluate with points sx,sy,sz,x,y,z: forces at sites of a scene with contact.anywhere, from its field at
-// rest. States with sites say how far the field errs.
+// rest and the jets and states of the file, which correct it (solver/jet/deep_states.hpp).
 
 #include <string>
 

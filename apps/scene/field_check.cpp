@@ -8,6 +8,7 @@
 #include <cmath>
 #include <numbers>
 #include <random>
+#include <set>
 
 #include "geometry/common/quantiles.hpp"
 #include "geometry/states/energy_jet.hpp"
@@ -20,6 +21,21 @@ bool holds(const SurfacePart& part, const SurfaceMap& map, const SurfacePlace& p
            return std::ranges::binary_search(part.nodes, node);
          });
 }
+
+namespace {
+
+State rest_state(const Vec3& site, const Mat3& stiffness, const EnergyJet& jet) {
+  State state;
+  state.site = site;
+  state.force.setZero();
+  state.energy = 0;
+  state.stiffness = stiffness;
+  state.jet = std::make_shared<const EnergyJet>(jet);
+  state.solve.status = SolveStatus::converged;
+  return state;
+}
+
+}  // namespace
 
 SurfacePart surface_part(const std::string& text, const Body& body, const std::string& where) {
   SurfacePart part;
@@ -49,9 +65,9 @@ SurfacePart surface_part(const std::string& text, const Body& body, const std::s
 }
 
 std::vector<SitedPlace> random_places(const RestSites& sites, const SurfacePart& part, double depth,
-                                      std::size_t count, const std::string& where) {
+                                      std::size_t count, const std::string& where, unsigned seed) {
   constexpr int most_tries = 20'000;  // for one place: a part of 1e-4 of the surface is still found
-  std::mt19937_64 random(7);
+  std::mt19937_64 random(seed);
   std::uniform_real_distribution<double> share(0, 1);
   std::vector<SitedPlace> places(count);
   for (SitedPlace& place : places) {
@@ -70,8 +86,9 @@ std::vector<SitedPlace> random_places(const RestSites& sites, const SurfacePart&
   return places;
 }
 
-FieldForce field_force(const SiteModel& model, const Vec3& x) {
-  return {model.at(x).force, model.estimate(x)};
+FieldForce field_force(const DeepStates& states, const SiteModel& model, const SurfacePlace& place,
+                       const Vec3& x) {
+  return {states.at(model, place, x).force, states.estimated_error(model, place, x)};
 }
 
 void solve_places(const RestSites& sites, std::span<const SitedPlace> places, double step, int threads,
@@ -89,11 +106,34 @@ void solve_places(const RestSites& sites, std::span<const SitedPlace> places, do
   }
 }
 
+std::vector<State> jets_at(const RestSites& sites, std::span<const SurfacePlace> places, int threads,
+                           const std::stop_token& stop) {
+  std::vector<State> states(places.size());
+  if (places.empty()) return states;
+#pragma omp parallel num_threads(std::min(threads, static_cast <int>(places.size())))
+  {
+    SiteJets jets(sites);
+#pragma omp for schedule(dynamic)
+    for (std::size_t i = 0; i < places.size(); ++i) {
+      if (stop.stop_requested()) continue;
+      const RestJet jet = jets.at(places[i]);
+      states[i] = rest_state(places[i].at, jet.stiffness, jet.jet);
+    }
+  }
+  std::erase_if(states, [](const State& state) { return !state.has_site(); });
+  return states;
+}
+
 FieldErrors field_errors(const SiteField& field, std::span<const State> states, double floor) {
+  return field_errors(DeepStates({std::shared_ptr<const SiteField>(), &field}), states, floor);
+}
+
+FieldErrors field_errors(const DeepStates& known, std::span<const State> states, double floor) {
   std::vector<double> errors;
   for (const State& state : states) {
     if (!state.usable() || !state.has_site() || state.at.isZero()) continue;
-    const Vec3 force = field.at(field.rest().map().nearest(state.site), false).at(state.at).force;
+    const SurfacePlace place = known.field().rest().map().nearest(state.site);
+    const Vec3 force = known.at(known.field().at(place, false), place, state.at).force;
     errors.push_back((force - state.force).norm() / std::max(state.force.norm(), floor));
   }
   FieldErrors found{.states = errors.size()};
@@ -105,17 +145,68 @@ FieldErrors field_errors(const SiteField& field, std::span<const State> states, 
   return found;
 }
 
+std::shared_ptr<const DeepStates> field_with(std::shared_ptr<const SiteField> field,
+                                             std::span<const State> states, int threads) {
+  using Site = std::array<double, 3>;
+  std::set<Site> made;
+  for (const State& state : states)
+    if (state.at.isZero()) made.insert({state.site[0], state.site[1], state.site[2]});
+  std::vector<SurfacePlace> missing;
+  for (const State& state : states)
+    if (state.has_site() && state.usable() &&
+        made.insert({state.site[0], state.site[1], state.site[2]}).second)
+      missing.push_back(field->rest().map().nearest(state.site));
+  const std::vector<State> jets = jets_at(field->rest(), missing, threads, {});
+  return DeepStates(std::move(field)).with(jets)->with(states);
+}
+
+double share_between(const SiteField& field, std::span<const State> states, double error, double floor) {
+  std::vector<double> shares;
+  std::optional<SiteJets> jets;
+  for (const State& state : states) {
+    if (!state.usable() || !state.has_site() || state.at.isZero()) continue;
+    const SurfacePlace place = field.rest().map().nearest(state.site);
+    const Vec3 force = field.at(place, false).at(state.at).force;
+    const double wrong = (force - state.force).norm();
+    if (wrong <= error * std::max(state.force.norm(), floor)) continue;
+    if (!jets) jets.emplace(field.rest());
+    const RestJet jet = jets->at(place);
+    const Vec3 own = -(jet.stiffness * state.at + jet_terms(jet.jet, state.at).gradient);
+    shares.push_back((force - own).norm() / wrong);
+  }
+  if (shares.empty()) return unknown;
+  std::ranges::sort(shares);
+  return quantile(shares, 0.5, QuantileRule::nearest);
+}
+
+std::vector<SitedPlace> worst_places(const DeepStates& known, std::span<const SitedPlace> places,
+                                     std::size_t count, double floor, WorstBy by, int threads) {
+  std::vector<std::pair<double, std::size_t>> worst(places.size());
+#pragma omp parallel for schedule(dynamic) num_threads(threads)
+  for (std::size_t i = 0; i < places.size(); ++i) {
+    const SiteModel model = known.field().at(places[i].site, false);
+    const double wrong = by == WorstBy::estimate ? known.estimated_error(model, places[i].site, places[i].x)
+                                                 : model.spread(places[i].x);
+    worst[i] = {-wrong / std::max(model.at(places[i].x).force.norm(), floor), i};
+  }
+  std::ranges::sort(worst);
+  const double near = 0.5 * known.field().options().spacing;
+  std::vector<SitedPlace> chosen;
+  for (const auto& [wrong, i] : worst) {
+    if (chosen.size() == count) break;
+    const auto serves = [&, place = places[i]](const SitedPlace& other) {
+      const double apart = by == WorstBy::estimate ? (place.x - other.x).norm() / (0.4 * other.x.norm()) : 0;
+      return (place.site.at - other.site.at).norm() / near + apart < 1;
+    };
+    if (std::ranges::none_of(chosen, serves)) chosen.push_back(places[i]);
+  }
+  return chosen;
+}
+
 std::vector<State> rest_states(const SiteField& field) {
   std::vector<State> states;
-  for (const FieldSite& site : field.sites()) {
-    State& state = states.emplace_back();
-    state.site = site.place.at;
-    state.force.setZero();
-    state.energy = 0;
-    state.stiffness = site.stiffness;
-    state.jet = std::make_shared<const EnergyJet>(field.jet_of(site));
-    state.solve.status = SolveStatus::converged;
-  }
+  for (const FieldSite& site : field.sites())
+    states.push_back(rest_state(site.place.at, site.stiffness, field.jet_of(site)));
   return states;
 }
 

@@ -11,7 +11,7 @@
 
 #include "apps/scene/scene.hpp"
 #include "geometry/states/state.hpp"
-#include "solver/jet/site_field.hpp"
+#include "solver/jet/deep_states.hpp"
 
 namespace forefeel {
 
@@ -33,17 +33,23 @@ struct SitedPlace {
 // s uniform by area over the part's unclamped surface; depth uniform to `depth`, sideways up to half of it. The same
 // seed gives the same places; a larger count only adds some. InputError at `where` if nothing of the part is free.
 std::vector<SitedPlace> random_places(const RestSites& sites, const SurfacePart& part, double depth,
-                                      std::size_t count, const std::string& where);
+                                      std::size_t count, const std::string& where, unsigned seed = 7);
 
 struct FieldForce {
   Vec3 force = Vec3::Zero();  // [N]
   double estimate = 0;        // of its error, from the jets' last degrees [N]
 };
-FieldForce field_force(const SiteModel& model, const Vec3& x);
+// With the states' corrections; model: of the field at this place.
+FieldForce field_force(const DeepStates& states, const SiteModel& model, const SurfacePlace& place,
+                       const Vec3& x);
 
 // Tight solves; converged or not, with their sites. done(state, place number) is called by one thread at a time.
 void solve_places(const RestSites& sites, std::span<const SitedPlace> places, double step, int threads,
                   const std::function<void(State, std::size_t)>& done, const std::stop_token& stop);
+
+// Jets at rest of single places as states at x = 0; fewer if stopped.
+std::vector<State> jets_at(const RestSites& sites, std::span<const SurfacePlace> places, int threads,
+                           const std::stop_token& stop);
 
 // Relative errors of the field at solved states, |f - f_solved| / max(|f_solved|, floor); NaN without states.
 struct FieldErrors {
@@ -51,6 +57,21 @@ struct FieldErrors {
   std::size_t states = 0;
 };
 FieldErrors field_errors(const SiteField& field, std::span<const State> states, double floor);
+FieldErrors field_errors(const DeepStates& known, std::span<const State> states, double floor);
+
+// The field with states of a file; a state whose site has no jet at rest there gets one.
+std::shared_ptr<const DeepStates> field_with(std::shared_ptr<const SiteField> field,
+                                             std::span<const State> states, int threads);
+
+// The error between the sites, |f - f of a jet made at the state's site|, over that of the field; the median of the
+// states where the field errs by more than `error`. Above 1/2 denser sites help, below it solved states. NaN: none.
+double share_between(const SiteField& field, std::span<const State> states, double error, double floor);
+
+// Of these places the `count` where most is wrong by the estimate, over max(|f|, floor), without those that a chosen
+// one serves too; of: by the estimate with states, or by what the field's neighbours differ by.
+enum class WorstBy : char { estimate, neighbours };
+std::vector<SitedPlace> worst_places(const DeepStates& known, std::span<const SitedPlace> places,
+                                     std::size_t count, double floor, WorstBy by, int threads);
 
 // The jets at rest of the field's sites as states at x = 0.
 std::vector<State> rest_states(const SiteField& field);

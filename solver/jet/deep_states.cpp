@@ -10,6 +10,7 @@ namespace forefeel {
 namespace {
 
 constexpr std::size_t series_size = 10 + jet_size;
+constexpr double same_place = 1e-9;        // [m]
 constexpr double least_square = 1e-12;     // q^2 at a state, where the weight would be infinite
 constexpr double least_surprise = 1;       // of the field, until states say more
 constexpr double surprise_quantile = 0.8;  // of the states' that counts for other places
@@ -187,6 +188,8 @@ std::shared_ptr<const DeepStates::Record> DeepStates::record_of(const State& sta
   if (!state.usable() || !state.has_site() || !state.has_stiffness() || (at_rest && !state.jet) ||
       !(at_rest || std::isfinite(state.energy)))
     return {};
+  for (std::size_t i = 0; at_rest && i < field_->size(); ++i)
+    if ((field_->place(i).at - state.site).norm() < same_place) return {};
   auto record = std::make_shared<Record>();
   record->place = field_->rest().map().nearest(state.site);
   if (field_->rest().map().facet(record->place).clamped) return {};

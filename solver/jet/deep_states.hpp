@@ -1,6 +1,6 @@
 #pragma once
 // Jets at rest of single places and solved states as corrections of a field of jets at rest (site_field.hpp):
-//   E(s, x) = E_field(s, x) + sum_j g_j r_j R_j / (r_0 + sum_j g_j r_j) + sum_k g_k p_k C_k / (p_0 + sum_k g_k p_k)   [J]
+//   E(s, x) = E_field(s, x) + sum_j g_j r_j R_j / (r_0 + sum_j g_j r_j) + sum_k g_k p_k C_k / (p_0 + sum_k g_k p_k)
 //   R_j = c(s)^2 / c_j^2 (the jet's degrees 3 to 5 minus the field's at s_j)(y)
 //   C_k = c(s)^2 / c_k^2 (|y| / |x_k|)^6 P_k(y - x_k),   y = B_k^-1 Q_k B(s) x
 // over jets j made at s_j and states k at (s_k, x_k), with B, c^2 and the least turn Q of site_field.hpp, so y = x at
@@ -9,7 +9,8 @@
 // jet at s_k itself takes the field's error between its sites out of P_k, so what is left is the jets' truncation. It
 // begins with degree 6: therefore a correction carries on to other depths in the same direction, and near rest the
 // field stands. The weights
-//   r_j = (1 - q)^3 / q^2, q = delta_j^2 / reach_r^2;   p_k the same, q = delta_k^2 / reach_s^2 + |y - x_k|^2 / reach_k^2
+//   r_j = (1 - q)^3 / q^2, q = delta_j^2 / reach_r^2;   p_k the same, q = delta_k^2 / reach_s^2 + |y - x_k|^2 /
+//   reach_k^2
 // for q < 1 (delta of site_cover.hpp) are cut off smoothly where the way along the surface is much longer. At s_j, E is
 // the jet's. At a state whose site has a jet, E is the state's own to second order. r_0 and p_0, constants, are the
 // field's: E is continuous where the last neighbour ends. g in [0, 1], given with each question, lets one grow in
@@ -41,7 +42,8 @@ class DeepStates {
   // No states yet.
   explicit DeepStates(std::shared_ptr<const SiteField> field, const DeepOptions& options = {});
   // Those of this and of the list that can serve: solved, with a site on the surface that is not clamped, energy and
-  // stiffness; those at x = 0 by their jets, of which the list's come before its states. Numbers go on from size().
+  // stiffness; those at x = 0 by their jets, of which the list's come before its states, and those of the field's
+  // sites are left out. Numbers go on from size().
   // Takes about 0.5 ms a new state, and 0.1 us a known one.
   std::shared_ptr<const DeepStates> with(std::span<const State> states) const;
 

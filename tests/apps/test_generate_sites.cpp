@@ -93,3 +93,41 @@ TEST_CASE("evaluate answers at sites; export and import keep them") {
   check_refused(shop, "generate beam.toml -o d.states --where 0.08/0.01/0.02", {"--where", "x/y/z/radius"});
   check_refused(shop, "generate beam.toml -o d.states --where 0.0/0.01/0.01/0.001", {"--where", "no part"});
 }
+
+TEST_CASE("generate --error adds jets and states where the field is not enough; a rerun resumes") {
+  const Workshop shop;
+  shop.write("beam.toml", beam("neo-hookean"));
+  const std::string deep = " --where 0.1/0.01/0.01/0.015 --set state_space.depth=0.006";  // the free end
+  const nlohmann::json alone = shop.forefeel("generate beam.toml -o a.states --json" + deep).json();
+  const double p95 = alone["error"]["p95"].get<double>(), wanted = 0.5 * p95;
+  CHECK(alone["rounds"] == 0);
+  CHECK(alone["error_with_states"]["p95"].is_null());
+  const std::string words = "generate beam.toml -o b.states --json --error " + std::to_string(wanted) + deep;
+  const Workshop::Outcome run = shop.forefeel(words);
+  INFO(run.err);
+  const nlohmann::json said = run.json();
+  CHECK(said["rounds"].get<int>() >= 1);
+  CHECK(said["jets"].get<int>() > 100);
+  CHECK(said["solved"].get<int>() > 100);
+  REQUIRE(run.code == 0);
+  CHECK(said["error_with_states"]["p95"].get<double>() <= wanted);
+  const nlohmann::json again = shop.forefeel(words).json();
+  CHECK(again["solved"] == 0);
+  CHECK(again["states"] == said["states"]);
+  CHECK(again["error_with_states"] == said["error_with_states"]);
+  State deepest;
+  for (const State& state : load_states(shop.path() / "b.states").states)
+    if (state.usable() && state.at.norm() > deepest.at.norm()) deepest = state;
+  std::string point = "sx,sy,sz,x,y,z\n";
+  for (const Vec3& v : {deepest.site, deepest.at})
+    for (int k = 0; k < 3; ++k) point += nlohmann::json(v[k]).dump() + ",";
+  point.pop_back();
+  shop.write("q.csv", point + "\n");
+  const nlohmann::json found =
+      shop.forefeel("evaluate b.states --scene beam.toml --points q.csv --json --set state_space.depth=0.006")
+          .json();
+  CHECK(found["corrections"].get<int>() > 200);
+  for (std::size_t k = 0; k < 3; ++k)
+    CHECK(std::abs(found["forces"][0]["force"][k].get<double>() - deepest.force[static_cast<int>(k)]) <
+          1e-6 * deepest.force.norm());
+}

@@ -1,0 +1,68 @@
+#include "apps/generate/generate_deep.hpp"
+
+#include <algorithm>
+#include <limits>
+
+namespace forefeel {
+namespace {
+
+constexpr std::size_t checked = 100;           // fresh places of a round
+constexpr std::size_t looked_at = 1000;        // places of a round among which the worst are found
+constexpr std::size_t states_a_round = 50;     // beside the checked ones
+constexpr double sites_a_round = 0.25;         // of the field's
+constexpr int most_rounds = 60, patience = 5;  // rounds without a better p95
+constexpr unsigned first_seed = 7, others = 1000;
+
+std::vector<SurfacePlace> sites_of(std::span<const SitedPlace> places) {
+  std::vector<SurfacePlace> sites;
+  for (const SitedPlace& place : places) sites.push_back(place.site);
+  return sites;
+}
+
+std::vector<State> free_of_clamp(const std::vector<SitedPlace>& places, const std::vector<State>& states) {
+  std::vector<State> free;
+  for (std::size_t i = 0; i < states.size(); ++i)
+    if (!(places[i].clamped_share > 0)) free.push_back(states[i]);
+  return free;
+}
+
+}  // namespace
+
+DeepRounds refine_to(const DeepWork& work) {
+  DeepRounds result{.known = std::make_shared<const DeepStates>(work.field), .error = {}};
+  double best = std::numeric_limits<double>::infinity();
+  int since = 0;
+  for (int round = 0;; ++round) {
+    const auto seed = static_cast<unsigned>(round);
+    const std::vector<SitedPlace> fresh = work.places(checked, first_seed + seed);
+    const std::vector<State> solved = work.solve(fresh);
+    if (work.stop.stop_requested()) return result;
+    const std::vector<State> measured = free_of_clamp(fresh, solved);
+    result.error = field_errors(*result.known, measured, work.floor);
+    work.tell(round, result.error.p95);
+    if (result.error.p95 <= work.error || result.error.states == 0 || round == most_rounds) return result;
+    since = result.error.p95 < 0.95 * best ? 0 : since + 1;
+    best = std::min(best, result.error.p95);
+    if (since > patience) return result;
+
+    ++result.rounds;
+    std::vector<SitedPlace> candidates = work.places(looked_at, others + seed);
+    std::erase_if(candidates, [](const SitedPlace& place) { return place.clamped_share > 0; });
+    if (share_between(*work.field, measured, work.error, work.floor) > 0.5) {
+      const auto count =
+          static_cast<std::size_t>(sites_a_round * static_cast<double>(work.field->size())) + 1;
+      const auto more =
+          worst_places(*result.known, candidates, count, work.floor, WorstBy::neighbours, work.threads);
+      result.known = result.known->with(work.jets(sites_of(more)));
+    }
+    const auto worst =
+        worst_places(*result.known, candidates, states_a_round, work.floor, WorstBy::estimate, work.threads);
+    for (const auto& [places, states] : {std::pair(fresh, solved), std::pair(worst, work.solve(worst))}) {
+      result.known = result.known->with(work.jets(sites_of(places)));
+      result.known = result.known->with(states);
+    }
+    if (work.stop.stop_requested()) return result;
+  }
+}
+
+}  // namespace forefeel
