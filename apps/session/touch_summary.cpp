@@ -44,7 +44,8 @@ bool is_on_edge(const SurfaceMap& map, const SurfacePlace& site) {
   return map.barycentric(site).minCoeff() < 1e-5;
 }
 
-void summarise_frames(const std::vector<Frame>& frames, const SurfaceMap& map, double friction, TouchSummary& s) {
+void summarise_frames(const std::vector<Frame>& frames, const SurfaceMap& map, double friction,
+                      TouchSummary& s) {
   std::vector<double> angles, costs;
   std::size_t touching = 0, slipping = 0, trusted = 0;
   ByLabel<std::size_t> labels{};
@@ -163,7 +164,8 @@ const JsonKeys<TouchSummary>& touch_summary_keys() {
        [](const S& s) { return s.touch.lost; }},
       {"touch.stored", "J", "largest energy stored by body and pad",
        [](const S& s) { return s.touch.stored; }},
-      {"touch.cone", "1", "largest relative distance of |g| / (f . n) from the coefficient while sliding on a facet",
+      {"touch.cone", "1",
+       "largest relative distance of |g| / (f . n) from the coefficient while sliding on a facet",
        [](const S& s) { return s.touch.cone; }},
       {"touch.angle", "rad", "of the force to the normal: p50, p95",
        [](const S& s) { return json_numbers(s.touch.angle); }},
