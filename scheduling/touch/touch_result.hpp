@@ -4,6 +4,7 @@
 #include <filesystem>
 #include <functional>
 
+#include "approx/switch/relaxation.hpp"
 #include "geometry/states/state_header.hpp"
 #include "scheduling/common/session_result.hpp"
 #include "scheduling/touch/session_surface.hpp"
