@@ -194,8 +194,8 @@ std::optional<ForceError> FineJet::error_left(const Vec3& x, const Vec3& force,
   const double alike = std::pow(2 / refined.ratio, 1.75);
   const double error = (degrees + mesh).norm() / size, t = degrees.norm() / size,
                h = alike * mesh.norm() / size;
-  return ForceError{error, std::max(0.0, error - 0.45 * h - 0.3 * t - 0.0007),
-                    error + 0.4 * h + 0.5 * t + 0.0007};
+  return ForceError{error, std::max(0.0, error - 0.43 * h - 0.285 * t - 0.00065),
+                    error + 0.38 * h + 0.475 * t + 0.00065};
 }
 
 // Where s(x) = x: each coefficient of degree 3 and above is a Taylor shift.

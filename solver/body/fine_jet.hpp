@@ -62,8 +62,8 @@ class FineJet {
   // Error of the force f at x that is left with the fine body, f_q the force of solved() at x. With gradients at x,
   //   e = t + h,  t = f + grad(J_f - J_q) - f_q,  h = -grad(J_f - J_finer) / (1 - r^-3.7)      [N]
   // t: what the degrees beyond 5 of the difference of quadratic and linear elements would change; h: what refinement
-  // would, if errors fall as edges^3.7. error: |e| / |f|. low and high: |e| less 0.45 g |h| + 0.3 |t|, and more by
-  // 0.4 g |h| + 0.5 |t|, and 0.0007 |f| each; g = (2 / r)^1.75, as a mesh that is hardly finer has much the same
+  // would, if errors fall as edges^3.7. error: |e| / |f|. low and high: |e| less 0.43 g |h| + 0.285 |t|, more by
+  // 0.38 g |h| + 0.475 |t|, and 0.00065 |f| each; g = (2 / r)^1.75, as a mesh that is hardly finer has much the same
   // errors. The numbers were fitted to six bodies (tests/bench/interval_of_truth.py). nullopt without a refinement, at
   // rest, and beyond 0.8 rho, where the argument saturates and nothing is claimed.
   std::optional<ForceError> error_left(const Vec3& x, const Vec3& force, const Vec3& solved_force) const;

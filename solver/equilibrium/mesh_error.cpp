@@ -47,6 +47,13 @@ void by_rest(Solver& solver, Solver& finer, std::span<const Vec3> positions, con
   for (const Vec3& x : positions) take(found, relative(at_rest.stiffness * x, better.stiffness * x));
 }
 
+// The surface may crease beside a pad that is pressed sideways. On a slab refinement changed every force by 1.6 to 7 %
+// where an element was pressed to less than this share of its volume, and by 0.3 % at most elsewhere.
+bool is_creased(const State& of_quadratic_body) {
+  constexpr double least_volume = 0.6;
+  return of_quadratic_body.solve.min_jacobian < least_volume;
+}
+
 void by_fine_jet(Solver& solver, Solver& quadratic, std::span<const Vec3> positions,
                  const MeshErrorOptions& options, MeshError& found) {
   for (const Vec3& x : positions) {
@@ -54,7 +61,7 @@ void by_fine_jet(Solver& solver, Solver& quadratic, std::span<const Vec3> positi
     const State state = solved(solver, x, options);
     if (!state.usable()) continue;
     const State other = solved(quadratic, x, options);
-    if (!other.usable()) continue;
+    if (!other.usable() || is_creased(other)) continue;
     const std::optional<ForceError> left = solver.body().fine->error_left(x, state.force, other.force);
     if (!left) continue;
     if (!(left->error <= found.error))
@@ -157,6 +164,7 @@ std::vector<ForceError> mesh_errors(const Body& body, std::span<const State> sta
     const State better = solver.reference(state.at, spacing).state;
     if (!better.usable()) continue;
     if (fine) {
+      if (is_creased(better)) continue;
       if (const auto left = fine->error_left(state.at, state.force, better.force)) errors[i] = *left;
       continue;
     }
@@ -173,8 +181,10 @@ std::string why_no_error(const Body& body, const State& state, const ForceError&
   if (state.at.norm() > reach)
     return fmt::format("no discretisation error: the fine body corrects forces to {:.3g} mm from rest only",
                        1e3 * reach);
-  return body.fine->solved() ? "no discretisation error: the quadratic body has no equilibrium here"
-                             : "no discretisation error: no finer body than the fine one can be made";
+  return body.fine->solved()
+             ? "no discretisation error: the quadratic body has no equilibrium here, or an element "
+               "pressed to less than 0.6 of its volume, where creases change the force with every mesh"
+             : "no discretisation error: no finer body than the fine one can be made";
 }
 
 }  // namespace forefeel
