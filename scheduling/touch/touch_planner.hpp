@@ -88,7 +88,7 @@ class TouchPlanner {
   StateSpace tips_;
   TouchSeen seen_;
   std::vector<Prediction> predicted_;
-  std::vector<Visit> pressed_;  // where the tip will press
+  std::vector<Visit> pressed_;        // where the tip will press
   std::vector<State> known_, fresh_;  // fresh_: not in a model yet
   std::vector<SurfacePlace> jets_;    // places with a jet at rest, known or being made
   std::map<Key, double> asked_;       // when a candidate was first wanted [s]

@@ -50,7 +50,7 @@ void by_rest(Solver& solver, Solver& finer, std::span<const Vec3> positions, con
 // The surface may crease beside a pad that is pressed sideways. On a slab refinement changed every force by 1.6 to 7 %
 // where an element was pressed to less than this share of its volume, and by 0.3 % at most elsewhere.
 bool is_creased(const State& of_quadratic_body) {
-  constexpr double least_volume = 0.6;
+  constexpr double least_volume = 0.7;
   return of_quadratic_body.solve.min_jacobian < least_volume;
 }
 
@@ -183,7 +183,7 @@ std::string why_no_error(const Body& body, const State& state, const ForceError&
                        1e3 * reach);
   return body.fine->solved()
              ? "no discretisation error: the quadratic body has no equilibrium here, or an element "
-               "pressed to less than 0.6 of its volume, where creases change the force with every mesh"
+               "pressed to less than 0.7 of its volume, where creases change the force with every mesh"
              : "no discretisation error: no finer body than the fine one can be made";
 }
 

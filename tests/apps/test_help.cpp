@@ -41,7 +41,7 @@ std::string default_of(const std::string& table, const std::string& key) {
 // A value that a setting of a device takes.
 std::string value_for(const std::string& setting) {
   if (setting == "target") return "circle";
-  if (setting == "offset") return "0/0/0.001";
+  if (setting == "offset" || setting == "register") return "0/0/0.001";
   if (setting == "columns") return "time/px/py/pz";
   if (setting == "unit") return "mm/ms";
   if (setting == "drawn") return "yes";

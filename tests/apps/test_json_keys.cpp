@@ -135,7 +135,8 @@ TEST_CASE("help lists the keys of solve, mesh, generate, evaluate and classify -
   compare("evaluate_sites.json", {run("evaluate s.states --scene any.toml --points sq.csv" + depth)});
   compare("touch/summary.json",
           {run("session any.toml --device path:tour,depth=0.001 --clock virtual --seconds 1 --set "
-               "contact.friction=0.3 -o touched" + depth)});
+               "contact.friction=0.3 -o touched" +
+               depth)});
   compare("generate_error.json", {run("generate beam.toml -o e.states --error 0.1")});
   shop.write("q.csv", "x,y,z\n0.001,0.001,0\n0.002,0,0.001\n");
   std::string measured = "x,y,z,fx,fy,fz\n";

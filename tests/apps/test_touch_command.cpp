@@ -16,8 +16,8 @@ namespace {
 // The beam of 10 x 2 x 2 cm, clamped at x = 0. law: linear, or another.
 std::string beam(const std::string& law, const std::string& contact = "") {
   return "[body]\nphantom = \"beam\"\nelements = 240\n[material]\nlaw = \"" + law +
-         "\"\nyoung = 5000.0\npoisson = 0.3\n[contact]\nanywhere = true\npad = 400.0\nradius = 0.012\n" + contact +
-         "[state_space]\ndepth = 0.004\n";
+         "\"\nyoung = 5000.0\npoisson = 0.3\n[contact]\nanywhere = true\npad = 400.0\nradius = 0.012\n" +
+         contact + "[state_space]\ndepth = 0.004\n";
 }
 
 }  // namespace
@@ -26,7 +26,8 @@ TEST_CASE("a session touches anywhere: columns, labels, errors, states that the 
   const Workshop shop;
   shop.write("any.toml", beam("neo-hookean", "friction = 0.3\n"));
   const Workshop::Outcome run = shop.forefeel(
-      "session any.toml --device path:tour,depth=0.003 --clock virtual --seconds 3 --workers 2 -o run --json");
+      "session any.toml --device path:tour,depth=0.003 --clock virtual --seconds 3 --workers 2 -o run "
+      "--json");
   INFO(run.err);
   REQUIRE(run.code == 0);
   const nlohmann::json said = run.json();
@@ -36,14 +37,16 @@ TEST_CASE("a session touches anywhere: columns, labels, errors, states that the 
   CHECK(said["error"]["samples"]["samples"].get<int>() > 10);
   CHECK(said["error"]["samples"]["p95"].get<double>() < 0.05);
   CHECK(said["switching"]["over_bound"] == 0);
-  const CsvTable frames = read_csv(shop.path() / "run/frames.csv", std::array<std::string_view, 2>{"x", "fx"});
+  const CsvTable frames =
+      read_csv(shop.path() / "run/frames.csv", std::array<std::string_view, 2>{"x", "fx"});
   CHECK(frames.rows() == 3000);
   const std::string text = test::file_text(shop, "run/frames.csv");
   for (const char* word : {"touch", ",slip,", ",stick,", ",none,", "trusted", "sx,sy,sz"})
     CHECK(text.find(word) != std::string::npos);
   CHECK(test::file_text(shop, "run/report.html").find("Where the hand was") != std::string::npos);
   const Workshop::Outcome next = shop.forefeel(
-      "session any.toml --device path:tour,depth=0.003 --clock virtual --seconds 1 --states run/session.states -o "
+      "session any.toml --device path:tour,depth=0.003 --clock virtual --seconds 1 --states "
+      "run/session.states -o "
       "again --json");
   INFO(next.err);
   REQUIRE(next.code == 0);
@@ -53,7 +56,8 @@ TEST_CASE("a linear body is exact everywhere, without a state") {
   const Workshop shop;
   shop.write("any.toml", beam("linear"));
   const Workshop::Outcome run = shop.forefeel(
-      "session any.toml --device path:palpation,depth=0.003 --clock virtual --seconds 4 --switch none -o run --json");
+      "session any.toml --device path:palpation,depth=0.003 --clock virtual --seconds 4 --switch none -o run "
+      "--json");
   INFO(run.err);
   REQUIRE(run.code == 0);
   const nlohmann::json said = run.json();
@@ -75,7 +79,8 @@ TEST_CASE("a recorded motion is registered by its first sample and the normal") 
   INFO(run.err);
   REQUIRE(run.code == 0);
   CHECK(run.json()["touch"]["count"] == 1);
-  const CsvTable frames = read_csv(shop.path() / "run/frames.csv", std::array<std::string_view, 3>{"x", "y", "z"});
+  const CsvTable frames =
+      read_csv(shop.path() / "run/frames.csv", std::array<std::string_view, 3>{"x", "y", "z"});
   double deepest = 1;
   for (std::size_t i = 0; i < frames.rows(); ++i) {
     CHECK(std::abs(frames.at(i, 0) - 0.06) < 1e-9);
