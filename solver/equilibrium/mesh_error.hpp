@@ -12,7 +12,8 @@
 //   to most_nodes                  the stiffness at rest, f = -K x_i: one factorisation of each body
 //   beyond                         not measured
 // A body with a fine jet (fine_jet.hpp) is compared with a finer body instead: FineJet::error_left() gives e and
-// an interval at each position nearer than 0.8 rho where its quadratic body does not crease (least det F from 0.7 on).
+// an interval at each position nearer than 0.8 rho. mesh_errors() gives none where its quadratic body creases (least
+// det F below 0.7); the largest of many positions counts them.
 
 #include <cstdint>
 #include <memory>
