@@ -8,7 +8,6 @@
 #include "apps/console/interrupt.hpp"
 #include "apps/console/json.hpp"
 #include "apps/console/json_text.hpp"
-#include "apps/console/look_at_it.hpp"
 #include "apps/console/provenance.hpp"
 #include "apps/scene/field_check.hpp"
 #include "apps/scene/given_states.hpp"
@@ -26,7 +25,7 @@ namespace {
 
 namespace fs = std::filesystem;
 
-void refuse_options(const Globals& globals, const SessionArguments& given) {
+void refuse_options(const SessionArguments& given) {
   const auto refuse = [](bool is_given, const char* option, const char* expected) {
     if (is_given)
       throw InputError(option, fmt::format("is for one place, expected {} with contact.anywhere", expected));
@@ -40,7 +39,6 @@ void refuse_options(const Globals& globals, const SessionArguments& given) {
   refuse(given.solving.workers_kind.has_value(), "--workers-kind", "threads");
   refuse(!given.figures.formats.empty(), "--figures", "report.html");
   refuse(given.mpi.on, "--mpi", "--workers");
-  (void)globals;
 }
 
 // Palpation where neither the scene nor the command line says more: pressing at one place is no use of such a scene.
@@ -133,13 +131,12 @@ void tell_touch(const Globals& globals, const TouchSummary& s, const fs::path& r
     say(globals, fmt::format("{} samples have no tight solve to compare with", s.references_failed));
   for (const std::string& note : s.notes) say(globals, note);
   say(globals, fmt::format("report: {}", (run / "report.html").string()));
-  (void)look_at_it;
 }
 
 }  // namespace
 
 int run_touch_command(const Globals& globals, const SessionArguments& given, const Scene& scene) {
-  refuse_options(globals, given);
+  refuse_options(given);
   const fs::path run = given.output;
   SessionOptions options = touch_options(globals, given, scene);
   const FieldFound found = find_field(scene, globals);

@@ -43,13 +43,12 @@ void TouchPlanner::learn(const State& state) {
   fresh_.push_back(state);
 }
 
-void TouchPlanner::observe(const TouchSeen& seen, double now) {
+void TouchPlanner::observe(const TouchSeen& seen) {
   seen_ = seen;
   parts_.predictor->observe(seen.tip);
-  (void)now;
 }
 
-void TouchPlanner::predict(double) {
+void TouchPlanner::predict() {
   const double solve = times_.empty() ? parts_.solve_seconds : median(times_);
   const double longest = std::clamp(0.3 + 4 * solve, 0.3, 3.0);
   predicted_.clear();
@@ -197,7 +196,7 @@ TouchJob TouchPlanner::dispatch(const SurfacePlace& site, const Vec3& x, double 
 std::vector<TouchJob> TouchPlanner::plan(const std::vector<int>& idle, double now) {
   std::vector<TouchJob> jobs;
   if (idle.empty()) return jobs;
-  predict(now);
+  predict();
   pressed_ = visits();
   std::size_t next = 0;
   while (next < idle.size()) {

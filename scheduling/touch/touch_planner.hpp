@@ -43,7 +43,7 @@ class TouchPlanner {
  public:
   TouchPlanner(TouchTask task, TouchPlannerParts parts, std::vector<State> known);
 
-  void observe(const TouchSeen& seen, double now);
+  void observe(const TouchSeen& seen);
   // Jobs for these idle workers, best first; at most one each.
   std::vector<TouchJob> plan(const std::vector<int>& idle, double now);
   // Of a job that plan() gave. Returns whether there is something new to render.
@@ -69,7 +69,7 @@ class TouchPlanner {
   };
   using Key = std::array<std::int32_t, 6>;  // cells of the tip and of the site
 
-  void predict(double now);
+  void predict();
   std::vector<Visit> visits() const;
   std::optional<SurfacePlace> missing_jet(const std::vector<Visit>& visits) const;
   std::vector<Wanted> candidates(const std::vector<Visit>& visits, double now);

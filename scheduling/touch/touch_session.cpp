@@ -143,7 +143,7 @@ void run_virtual(Parts& parts, TouchSessionResult& result, const Show& show) {
     parts.link.planner_beat.store(now, std::memory_order_relaxed);
     if (parts.options.stop.is_interrupted()) parts.loop.end(), result.interrupted = true;
     parts.loop.frame(k, now);
-    if (const auto seen = parts.link.seen.take()) parts.planner.observe(*seen, now);
+    if (const auto seen = parts.link.seen.take()) parts.planner.observe(*seen);
     if (!came && now - planned < plan_every) continue;
     planned = now;
     for (TouchJob& job : parts.planner.plan(workers.idle(), now)) {
@@ -193,7 +193,7 @@ void run_real(Parts& parts, TouchSessionResult& result, const Show& show) {
     bool came = false, changed = false;
     for (TouchDone& done : workers.done(0.0005)) changed |= parts.take(std::move(done), now()), came = true;
     if (changed) parts.link.models.publish(parts.planner.model());
-    if (const auto seen = parts.link.seen.take()) parts.planner.observe(*seen, now());
+    if (const auto seen = parts.link.seen.take()) parts.planner.observe(*seen);
     parts.link.planner_beat.store(now(), std::memory_order_relaxed);
     if (came || now() - planned >= plan_every) {
       planned = now();
