@@ -146,8 +146,8 @@ MeshError mesh_error(const std::shared_ptr<const Body>& body, std::span<const Ve
 
 namespace {
 
-// The surface may crease beside a pad that is pressed sideways. On a slab refinement changed every force by 1.6 to 7 %
-// where an element was pressed to less than this share of its volume, and by 0.3 % at most elsewhere.
+// The surface may crease beside a pad that is pressed sideways. On a slab, refinement from 4,500 to 9,000 elements
+// changed the force by 1.6 to 7 % where the least det F was below 0.5, and by 0.3 % at most where it was above 0.65.
 bool is_creased(const State& of_quadratic_body) {
   constexpr double least_volume = 0.7;
   return of_quadratic_body.solve.min_jacobian < least_volume;
