@@ -64,7 +64,7 @@ class FineJet {
   // t: what the degrees beyond 5 of the difference of quadratic and linear elements would change; h: what refinement
   // would, if errors fall as edges^3.7. error: |e| / |f|. low and high: |e| less 0.43 g |h| + 0.285 |t|, more by
   // 0.38 g |h| + 0.475 |t|, and 0.00065 |f| each; g = (2 / r)^1.75, as a mesh that is hardly finer has much the same
-  // errors. The numbers were fitted to seven bodies (tests/bench/interval_of_truth.py). nullopt without a refinement, at
+  // errors. The numbers are fitted to seven bodies (tests/bench/interval_of_truth.py). nullopt without a refinement, at
   // rest, and beyond 0.8 rho, where the argument saturates and nothing is claimed.
   std::optional<ForceError> error_left(const Vec3& x, const Vec3& force, const Vec3& solved_force) const;
   double radius() const { return radius_; }                        // rho [m]
