@@ -2,16 +2,57 @@
 
 #include <fmt/format.h>
 
+#include "apps/scene/field_check.hpp"
+#include "apps/scene/scene_anywhere.hpp"
+#include "apps/scene/scene_field.hpp"
 #include "apps/scene/scene_session.hpp"
 #include "geometry/common/error.hpp"
 #include "geometry/states/repeated_states.hpp"
 #include "geometry/states/stiffness_agreement.hpp"
 #include "scheduling/workers/ask_body.hpp"
+#include "scheduling/workers/reference_service.hpp"
 
 namespace forefeel {
 namespace {
 
 constexpr const char* way_out = "expected states of this body, or --foreign to take them knowingly";
+
+std::vector<State> references_of(const Scene& scene, const Globals& globals,
+                                 std::span<const State* const> states) {
+  SessionInput input = session_input(scene);
+  input.touched.displacements = false;
+  input.touched.jet = 1;
+  ReferenceService references(reference_options(input), globals.threads);
+  for (const State* state : states) references.request(state->at);
+  std::vector<State> solved;
+  for (const State* state : states) solved.push_back(references.get(state->at));
+  return solved;
+}
+
+// Of the body that a touch anywhere is answered for.
+std::vector<State> references_at_sites(const Scene& scene, const Globals& globals,
+                                       std::span<const State* const> states) {
+  const std::shared_ptr<const SiteField> field = site_field_of(scene, globals);
+  std::vector<SitedPlace> places;
+  for (const State* state : states)
+    places.push_back({.site = field->rest().map().nearest(state->site), .x = state->at});
+  std::vector<State> solved(places.size());
+  const auto keep_solved = [&](State state, std::size_t i) { solved[i] = std::move(state); };
+  solve_places(field->rest(), places, scene.space.spacing, std::max(1, globals.threads), keep_solved, {});
+  return solved;
+}
+
+void check_sites(const Scene& scene, const std::string& file, std::span<const State> states) {
+  if (is_anywhere(scene)) {
+    if (std::ranges::all_of(states, &State::has_site)) return;
+    throw InputError({.file = file},
+                     "has states without a site, expected columns sx,sy,sz beside x,y,z: the scene has "
+                     "contact.anywhere");
+  }
+  if (std::ranges::any_of(states, &State::has_site))
+    throw InputError({.file = file},
+                     "has sites, expected a scene with contact.anywhere = true, or states of one place");
+}
 
 }  // namespace
 
@@ -35,15 +76,15 @@ Belonging belonging_of(const Globals& globals, const Scene& scene, const std::st
                      fmt::format("belongs to another body, different: {}; {}", differs, way_out));
   }
   if (foreign) return Belonging::foreign;
-  SessionInput input = session_input(scene);
-  input.touched.displacements = false;
-  input.touched.jet = 1;
-  ReferenceService references(reference_options(input), globals.threads);
+  check_sites(scene, file, states);
   const double farthest = 2 * bounding_box(scene.body->mesh).size().maxCoeff();
   BodyAnswer answer;
   {
     const Progress progress(globals, "comparing with the body");
-    answer = ask_body(states, farthest, references);
+    answer = ask_body(states, farthest, [&](std::span<const State* const> asked) {
+      return is_anywhere(scene) ? references_at_sites(scene, globals, asked)
+                                : references_of(scene, globals, asked);
+    });
   }
   if (answer.asked.empty() && !answer.too_far) return Belonging::asked;  // no force to compare
   if (!answer.fits())

@@ -152,10 +152,12 @@ int run_touch_command(const Globals& globals, const SessionArguments& given, con
   options.stop.hurried = &watch.hurry();
   auto progress = std::make_unique<Progress>(globals, "session");
   TouchSessionResult result = run_touch_session(input, options, [&](const TouchProgress& p) {
+    const std::string schedule =
+        p.rehearsal > 0 ? fmt::format("schedule {} of {}  ", p.rehearsal, p.rehearsals) : std::string();
     progress->show(p.whole > 0 ? p.done / p.whole : 0,
-                   p.references
-                       ? fmt::format("references {:.0f} of {:.0f}", p.done, p.whole)
-                       : fmt::format("{:.1f} of {:.1f} s  {} states known", p.done, p.whole, p.known));
+                   schedule + (p.references ? fmt::format("references {:.0f} of {:.0f}", p.done, p.whole)
+                                            : fmt::format("{:.1f} of {:.1f} s  {} states known", p.done,
+                                                          p.whole, p.known)));
   });
   progress.reset();
   TouchSummary summary = summarise_touch(result, input, options);

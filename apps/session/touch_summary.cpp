@@ -20,9 +20,7 @@ TouchErrors errors_of(const std::vector<Frame>& frames, const SwitchOptions& jnd
   for (const Frame& frame : frames) {
     if (!std::isfinite(frame.judged.error) || !wanted(frame)) continue;
     values.push_back(frame.judged.error);
-    const double reference = frame.judged.reference.norm();
-    within += (frame.force.elastic - frame.judged.reference).norm() <=
-              std::max(jnd.jnd_share * reference, jnd.jnd_floor);
+    within += is_within_jnd(frame, jnd);
   }
   errors.samples = values.size();
   if (values.empty()) return errors;
@@ -114,6 +112,11 @@ TouchSummary summarise_touch(const TouchSessionResult& result, const TouchSessio
   s.first_visit = errors([](const Frame& f) { return f.judged.first_visit; });
   s.trusted = errors([](const Frame& f) { return f.judged.sampled && f.source.trusted; });
   s.untrusted = errors([](const Frame& f) { return f.judged.sampled && !f.source.trusted; });
+  s.safety = result.safety;
+  std::vector<Vec3> sent;
+  for (std::size_t k = 0; k + result.loop.ending_frames < result.frames.size(); ++k)
+    sent.push_back(result.frames[k].force.sent);
+  s.control = control_summary(result.safety, sent, result.frames.size(), options.judging.error_floor);
   return s;
 }
 
@@ -193,6 +196,31 @@ const JsonKeys<TouchSummary>& touch_summary_keys() {
        [](const S& s) { return s.switching.over_bound; }},
       {"switching.max_jump", "N", "largest difference of two models where the newer one was taken",
        [](const S& s) { return s.switching.max_jump; }},
+      {"safety.clamped", "", "frames cut at the force limit", [](const S& s) { return s.safety.clamped; }},
+      {"safety.slewed", "", "frames held back by the slew limit", [](const S& s) { return s.safety.slewed; }},
+      {"safety.stale", "", "frames in which the watchdog faded the force out",
+       [](const S& s) { return s.safety.stale; }},
+      {"safety.non_finite", "", "frames whose force was not finite and counted as zero",
+       [](const S& s) { return s.safety.non_finite; }},
+      {"safety.generated_J", "J", "largest energy that the hand got back beyond what it had put in",
+       [](const S& s) { return s.safety.generated; }},
+      {"safety.work_J", "J", "sum of |F . dx|", [](const S& s) { return s.safety.work; }},
+      {"passivity.control", "", "true: session.passivity = \"control\"; the rest is null without it",
+       [](const S& s) { return s.control.report.on; }},
+      {"passivity.added_p50", "1", "force error that the control added: |sent - without| / |without|",
+       [](const S& s) { return s.control.added_p50; }},
+      {"passivity.added_p95", "1", "of that, the 95th percentile",
+       [](const S& s) { return s.control.added_p95; }},
+      {"passivity.coupling", "N/m", "largest stiffness rendered; null: no limit is known",
+       [](const S& s) { return s.control.report.on ? s.control.report.coupling : unknown; }},
+      {"passivity.coupled_share", "1", "frames in which the body was stiffer than that",
+       [](const S& s) { return s.control.coupled_share; }},
+      {"passivity.drained_share", "1", "frames in which the tank held force back",
+       [](const S& s) { return s.control.drained_share; }},
+      {"passivity.damped_share", "1", "frames in which the controller damped",
+       [](const S& s) { return s.control.controlled_share; }},
+      {"passivity.lowest_J", "J", "least energy in the tank; below zero: it could not be held",
+       [](const S& s) { return s.control.report.on ? s.control.report.lowest : unknown; }},
       {"cost_us", "us", "time to compute a frame: p50, p99; real clock",
        [](const S& s) { return json_numbers(s.cost_us); }},
       {"interrupted", "", "true: the session or its judging ended early", &S::interrupted},

@@ -5,6 +5,7 @@
 #include <vector>
 
 #include "apps/console/document_keys.hpp"
+#include "scheduling/record/control_summary.hpp"
 #include "scheduling/session/session_options.hpp"
 #include "scheduling/touch/touch_result.hpp"
 
@@ -51,6 +52,8 @@ struct TouchSummary {
   TouchErrors samples, first_visit, trusted, untrusted;
   std::size_t references_failed = 0;
   Switching switching;
+  SafetyReport safety;
+  ControlSummary control;
   std::vector<double> cost_us;  // of a frame: p50, p99; real clock only
   std::size_t frames = 0, skipped = 0;
   bool interrupted = false;

@@ -12,18 +12,22 @@ namespace {
 
 using Indices = std::vector<std::size_t>;
 
+// Site and displacement; zeros stand for a missing site.
+std::array<double, 6> position_of(const State& s) {
+  const Vec3 site = s.has_site() ? s.site : Vec3(Vec3::Zero());
+  return {site.x(), site.y(), site.z(), s.at.x(), s.at.y(), s.at.z()};
+}
+
 // Calls visit(indices) for each position, the states of a position in their order.
 template <class Visit>
 void for_each_position(std::span<const State> states, Visit&& visit) {
   Indices order(states.size());
   std::iota(order.begin(), order.end(), std::size_t{0});
-  const auto position = [&](std::size_t i) {
-    return std::array{states[i].at.x(), states[i].at.y(), states[i].at.z()};
-  };
+  const auto position = [&](std::size_t i) { return position_of(states[i]); };
   std::ranges::stable_sort(order, {}, position);
   for (std::size_t begin = 0; begin < order.size();) {
     std::size_t end = begin + 1;
-    while (end < order.size() && states[order[end]].at == states[order[begin]].at) ++end;
+    while (end < order.size() && position(order[end]) == position(order[begin])) ++end;
     visit(std::span(order).subspan(begin, end - begin));
     begin = end;
   }

@@ -1,6 +1,7 @@
 #pragma once
-// Several states at one position. Two solves of one state agree; repeated measurements scatter. A state with
-// force f [N] contradicts the first usable state of its position, with force f_1, if
+// Several states at one position: the displacement, and the site where there is one. Two solves of one state agree;
+// repeated measurements scatter. A state with force f [N] contradicts the first usable state of its position, with
+// force f_1, if
 //   |f - f_1| > 1e-6 max(|f|, |f_1|)
 // Where states contradict each other, the model uses their mean; each usable state has the same weight.
 

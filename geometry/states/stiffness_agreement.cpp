@@ -19,11 +19,12 @@ struct Near {
   const State* state = nullptr;
 };
 
-// The nearest usable states at other positions, by distance.
+// The nearest usable states at other positions of the same site, by distance.
 std::array<Near, neighbours> nearest(std::span<const State> states, const State& from) {
   std::array<Near, neighbours> best{};
   for (const State& state : states) {
     if (!state.usable() || !state.force.allFinite()) continue;
+    if (from.has_site() && state.site != from.site) continue;
     const double distance2 = (state.at - from.at).squaredNorm();
     if (distance2 == 0 || distance2 >= best.back().distance2) continue;
     auto at = std::ranges::upper_bound(best, distance2, {}, &Near::distance2);

@@ -6,6 +6,9 @@
 
 #include <span>
 
+#include <cstddef>
+#include <span>
+
 #include "scheduling/common/session_result.hpp"
 
 namespace forefeel {
@@ -16,6 +19,9 @@ struct ControlSummary {
   double added_p50 = unknown, added_p95 = unknown, added_max = unknown;                 // e [1]
 };
 
+// sent: F of each frame but those of the ramp at the end.
+ControlSummary control_summary(const SafetyReport& safety, std::span<const Vec3> sent, std::size_t frames,
+                               double error_floor);
 ControlSummary control_summary(const SessionResult& result, double error_floor);
 
 }  // namespace forefeel

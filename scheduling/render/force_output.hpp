@@ -1,13 +1,13 @@
 #pragma once
 // From the rendered force to the one that is sent: the safety rules, with passivity control where it is wanted, by the
-// wall time that has passed. Nothing here allocates, locks or throws.
+// wall time that has passed. Under control note_model() goes before send(), where wants_model() asks for it. Nothing
+// here allocates, locks or throws.
 
 #include <functional>
 #include <optional>
 
 #include "scheduling/common/session_result.hpp"
 #include "scheduling/motion/hip_sample.hpp"
-#include "scheduling/render/loop_models.hpp"
 #include "scheduling/render/render_options.hpp"
 #include "scheduling/render/safety.hpp"
 
@@ -22,9 +22,16 @@ class ForceOutput {
     double started = 0, beat = 0;  // of the frame, of the planner's last step [s]
     bool ending = false;           // the force goes to zero
   };
+  // Once a frame; came: there is a new model.
+  bool wants_model(bool came) noexcept { return control_ && (control_->wants_model() || came); }
+  void note_model(const Vec3& tip, const ModelView& model, bool came) noexcept {
+    control_->note_model(tip, model, came);
+  }
+  void rest_at(const Vec3& rest) noexcept {
+    if (control_) control_->rest_at(rest);
+  }
   // Returns the force for the device [N].
-  const Vec3& send(const Vec3& rendered, const HipSample& tip, const LoopModels& models,
-                   const Frame& frame) noexcept;
+  const Vec3& send(const Vec3& rendered, const HipSample& tip, const Frame& frame) noexcept;
 
   const Vec3& sent() const { return sent_; }
   double sent_at() const { return sent_at_; }  // by now() [s]; 0 without it
@@ -35,8 +42,6 @@ class ForceOutput {
   PassivityReport passivity() const { return control_ ? control_->report() : PassivityReport{}; }
 
  private:
-  void note_model(const Vec3& x, const LoopModels& models) noexcept;
-
   std::function<double()> now_;
   Safety safety_;
   std::optional<PassivityControl> control_;  // none: passivity is observed only

@@ -53,13 +53,14 @@ PassivityControl::PassivityControl(const PassivityOptions& options, double frame
 void PassivityControl::note_model(const Vec3& x, const ModelView& model, bool taken) noexcept {
   since_ = 0;
   stiffness_ = largest_stiffness(model.jacobian, options_.coupling);
-  const double end = -model.here.dot(x), middle = -model.half_way.dot(x);
+  const Vec3 from_rest = x - tank_.rest;
+  const double end = -model.here.dot(from_rest), middle = -model.half_way.dot(from_rest);
   // Simpson's rule against the energies of tight solves on a liver phantom, 60 places: within 1 % of U for the
   // neo-Hookean law; for St. Venant-Kirchhoff p50 1 %, p95 50 %, since a model of states near x is poor half way to
   // rest. A wrong U costs force or work of the controller; the tank's own energy E does not depend on it.
   share_ = end > 0 ? std::clamp((4 * middle / end + 1) / 6, 0.1, 1.0) : 0.5;
   if (!taken) return;
-  const double now = stored_energy(coupling_ * model.here, x, share_, options_.force_limit);
+  const double now = stored_energy(coupling_ * model.here, from_rest, share_, options_.force_limit);
   report_.refused += std::max(0.0, gain_ * now - std::max(tank_.energy + quantum(), gain_ * tank_.potential));
 }
 
@@ -67,7 +68,7 @@ Vec3 PassivityControl::shape(const Vec3& force, const Vec3& x) noexcept {
   const double s = stiffness_ > options_.coupling ? options_.coupling / stiffness_ : 1;
   coupling_ = s < coupling_ ? s : coupling_ + (1 - std::exp(-frame_ / options_.recovery)) * (s - coupling_);
   const Vec3 coupled = coupling_ * force;
-  tank_.potential = stored_energy(coupled, x, share_, options_.force_limit);
+  tank_.potential = stored_energy(coupled, x - tank_.rest, share_, options_.force_limit);
   report_.coupled += coupling_ < 0.999;
   return coupled;
 }
@@ -119,7 +120,8 @@ void PassivityControl::account(const Vec3& sent, const Vec3& x, const Vec3& befo
   motion_.begun = true;
   motion_.last_x = x;
   tank_.most_sent = std::max(tank_.most_sent, sent.norm());
-  tank_.energy = std::min(tank_.energy - 0.5 * (sent + before).dot(dx), tank_.most_sent * x.norm());
+  tank_.energy =
+      std::min(tank_.energy - 0.5 * (sent + before).dot(dx), tank_.most_sent * (x - tank_.rest).norm());
   report_.lowest = std::min(report_.lowest, tank_.energy + quantum());
 }
 

@@ -25,6 +25,8 @@
 // grew in none. The price: the hand stores |F|^2 / (2 K) in a spring K. So a hand faster than S / (2 K) feels a spring
 // softer than K. And a force that appears without work of the hand, as after a switch of models, stays small until the
 // hand presses further.
+// Where a body is touched anywhere, |x| and "rest" count from the site of the touch (rest_at()), and without a touch
+// from the tip itself: then the tank is empty.
 // q [J]: dead zone of one quantum of the encoder, sqrt(3) r |F|max, because the rounding of positions is not energy of
 // the loop. Energy tanks: F. Ferraguti, C. Secchi, C. Fantuzzi, ICRA 2013. Virtual coupling: J. E. Colgate, M. C.
 // Stanley, J. M. Brown, IROS 1995. The reserve follows from the equations above. Nothing here allocates, locks or
@@ -52,6 +54,8 @@ class PassivityControl {
  public:
   PassivityControl(const PassivityOptions& options, double frame);  // frame [s]
 
+  // The place of the tip without force; zero until it is called.
+  void rest_at(const Vec3& rest) noexcept { tank_.rest = rest; }
   // The newest model at x; taken: it is new in this frame. Call this when a model is taken, and every few frames.
   void note_model(const Vec3& x, const ModelView& model, bool taken) noexcept;
   // f: after guard, watchdog and ramp, before the force limit. Returns s f.
@@ -68,6 +72,7 @@ class PassivityControl {
  private:
   struct Tank {
     double energy = 0, potential = 0, most_sent = 0;  // E [J], U [J], |F|max [N]
+    Vec3 rest = Vec3::Zero();                         // [m]
   };
   struct Motion {
     Vec3 last_x = Vec3::Zero(), smooth_step = Vec3::Zero();  // [m]

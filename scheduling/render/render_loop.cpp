@@ -83,8 +83,14 @@ void RenderLoop::send(double started) noexcept {
   const std::size_t needed = safety().frames_to_zero();
   end_.ending = end_.ending || left <= needed + needed / 4 + 1;
   input_.beat = link_.planner_beat.load(std::memory_order_relaxed);
-  input_.sent = output_.send(input_.rendered, hip(), models_,
-                             {.started = started, .beat = input_.beat, .ending = end_.ending});
+  if (const Model* newest = models_.newest(); output_.wants_model(models_.came()) && newest) {
+    ModelView view;
+    newest->evaluate(hip().at, view.here, view.jacobian);
+    view.half_way = newest->force(0.5 * hip().at);
+    output_.note_model(hip().at, view, models_.came());
+  }
+  input_.sent =
+      output_.send(input_.rendered, hip(), {.started = started, .beat = input_.beat, .ending = end_.ending});
   input_.now = output_.sent_at();
 }
 

@@ -14,6 +14,17 @@
 #include "scheduling/workers/reference_service.hpp"
 
 namespace forefeel {
+
+std::vector<std::string> schedules_to_rehearse() {
+  std::vector<std::string> names = policy_names();
+  std::erase_if(names, [](const std::string& name) {
+    return name == "clairvoyant" || name.find("shuffled") != std::string::npos;
+  });
+  std::stable_partition(names.begin(), names.end(),
+                        [](const std::string& name) { return name == "clairvoyant-greedy"; });
+  return names;
+}
+
 namespace {
 
 // Share of first visits within the JND; negative if there are no first visits.
@@ -26,17 +37,6 @@ double first_visits_within(const SessionResult& result, const SwitchOptions& jnd
               std::max(jnd.jnd_share * f.judged.reference.norm(), jnd.jnd_floor);
   }
   return visits > 0 ? static_cast<double>(within) / static_cast<double>(visits) : -1.0;
-}
-
-// clairvoyant-greedy comes first: it is usually the best.
-std::vector<std::string> schedules_to_try() {
-  std::vector<std::string> names = policy_names();
-  std::erase_if(names, [](const std::string& name) {
-    return name == "clairvoyant" || name.find("shuffled") != std::string::npos;
-  });
-  std::stable_partition(names.begin(), names.end(),
-                        [](const std::string& name) { return name == "clairvoyant-greedy"; });
-  return names;
 }
 
 ShowProgress as_rehearsal(const ShowProgress& show, std::size_t which, std::size_t of) {
@@ -67,7 +67,7 @@ struct Rehearsals {
 };
 
 Rehearsals rehearse(const SessionPlan& plan, const ShowProgress& show) {
-  const std::vector<std::string> schedules = schedules_to_try();
+  const std::vector<std::string> schedules = schedules_to_rehearse();
   Rehearsals found{.best = schedules.front(), .of = schedules.size(), .cut = {}};
   double most = -2;
   for (; found.tried < schedules.size() && most < 1; ++found.tried) {  // a share of 1 cannot be exceeded

@@ -2,68 +2,36 @@
 
 #include <omp.h>
 
-#include <Eigen/Geometry>
 #include <algorithm>
 #include <array>
 #include <cmath>
 #include <set>
 #include <span>
+#include <utility>
 
-#include "geometry/coverage/state_space.hpp"
+#include "geometry/coverage/sited_labels.hpp"
 
 namespace forefeel {
 namespace {
 
-Mat3 turned(const Vec3& from, const Vec3& to) {
-  return Eigen::Quaterniond::FromTwoVectors(from, to).toRotationMatrix();
+// Of all frames in touch, with the states known in each.
+void set_labels(const TouchSessionInput& input, const std::vector<State>& states,
+                std::vector<TouchFrameRecord>& frames) {
+  const RestSites& rest = input.task.field->rest();
+  const std::size_t sites = input.task.field->size();
+  std::vector<SitedState> all;
+  for (std::size_t i = 0; i < sites; ++i) {
+    const SurfacePlace& place = input.task.field->place(i);
+    all.push_back({place.at, rest.pad().normal(place), Vec3::Zero()});
+  }
+  for (const State& state : states)
+    all.push_back({state.site, rest.pad().normal(rest.map().nearest(state.site)), state.at});
+  SitedLabels labels(std::move(all), input.task.tips, input.task.depth, input.site_spacing);
+  for (TouchFrameRecord& frame : frames)
+    if (frame.touch != TouchKind::none)
+      frame.label =
+          labels.at({frame.site.at, frame.normal, frame.tip - frame.site.at}, sites + frame.source.known);
 }
-
-// The states near one site, in its frame.
-class LabelsAt {
- public:
-  LabelsAt(const TouchSessionInput& input, const std::vector<State>& states)
-      : input_(input), states_(states) {
-    for (const State& state : states) {
-      const SurfacePlace place = input.task.field->rest().map().nearest(state.site);
-      normals_.push_back(input.task.field->rest().pad().normal(place));
-    }
-    for (std::size_t i = 0; i < input.task.field->size(); ++i)
-      rest_normals_.push_back(input.task.field->rest().pad().normal(input.task.field->place(i)));
-  }
-
-  Label at(const TouchFrameRecord& frame) {
-    if (!space_ || known_ != frame.source.known ||
-        (site_ - frame.site.at).norm() > 0.25 * input_.site_spacing)
-      gather(frame);
-    return space_->label(turned(frame.normal, normal_) * (frame.tip - frame.site.at));
-  }
-
- private:
-  void gather(const TouchFrameRecord& frame) {
-    StateSpaceOptions options = input_.task.tips;
-    const double reach = input_.task.depth;
-    options.box = {Vec3::Constant(-reach), Vec3::Constant(reach)};
-    space_.emplace(options);
-    known_ = frame.source.known, site_ = frame.site.at, normal_ = frame.normal;
-    const auto put = [&](const Vec3& site, const Vec3& normal, const Vec3& x) {
-      if (!((site - site_).norm() <= input_.site_spacing) || !(normal.dot(normal_) >= 0.5)) return;
-      State state;
-      state.at = turned(normal, normal_) * x;
-      space_->insert(std::move(state));
-    };
-    for (std::size_t i = 0; i < input_.task.field->size(); ++i)
-      put(input_.task.field->place(i).at, rest_normals_[i], Vec3::Zero());
-    for (std::size_t i = 0; i < std::min<std::size_t>(known_, states_.size()); ++i)
-      put(states_[i].site, normals_[i], states_[i].at);
-  }
-
-  const TouchSessionInput& input_;
-  const std::vector<State>& states_;
-  std::vector<Vec3> normals_, rest_normals_;
-  std::optional<StateSpace> space_;
-  std::uint32_t known_ = 0;
-  Vec3 site_ = Vec3::Zero(), normal_ = Vec3::Zero();
-};
 
 // Of the frames in touch, from `first` on.
 void set_trust(const TouchSessionInput& input, const std::vector<std::shared_ptr<const DeepStates>>& models,
@@ -120,10 +88,14 @@ void choose_samples(const TouchSessionInput& input, const JudgingOptions& judgin
 
 }  // namespace
 
+bool is_within_jnd(const TouchFrameRecord& frame, const SwitchOptions& jnd) {
+  const Vec3& reference = frame.judged.reference;
+  return (frame.force.elastic - reference).norm() <=
+         std::max(jnd.jnd_share * reference.norm(), jnd.jnd_floor);
+}
+
 void judge(const TouchSessionInput& input, const TouchJudging& how, TouchSessionResult& result) {
-  LabelsAt labels(input, result.states);
-  for (TouchFrameRecord& frame : result.frames)
-    if (frame.touch != TouchKind::none) frame.label = labels.at(frame);
+  set_labels(input, result.states, result.frames);
   const std::size_t parts = 8, all = result.frames.size();
 #pragma omp parallel for schedule(dynamic) num_threads(how.threads)
   for (std::size_t part = 0; part < parts; ++part)

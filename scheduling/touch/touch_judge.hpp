@@ -1,8 +1,6 @@
 #pragma once
 // After a touch session, with exactly the states known in each frame:
-//   label  of every frame in touch: that of x among the states whose sites lie within `site_spacing` of the site and
-//          whose normals are within 60 degrees, turned into its frame; jets at rest are states at x = 0. Made anew
-//          where the site has moved by a quarter of that, or states became known
+//   label  of every frame in touch (geometry/coverage/sited_labels.hpp); jets at rest are states at x = 0
 //   trust  by the states' own estimate (DeepStates::trusted), at the exact field of the site; made anew where the tip
 //          has moved by a millimetre or a new model came
 //   error  at sampled frames, |F - f| / max(|f|, f0), f of a tight solve at (s, x); of a viscous body before its filter

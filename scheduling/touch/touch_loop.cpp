@@ -2,6 +2,7 @@
 
 #include <algorithm>
 #include <cmath>
+#include <utility>
 
 namespace forefeel {
 
@@ -19,7 +20,7 @@ std::size_t spare_frames(const RenderOptions& render) {
 }  // namespace
 
 TouchLoop::TouchLoop(Device& device, FieldOfSites& field, TouchLink& link, const TouchLoopOptions& options,
-                     std::size_t frames)
+                     std::size_t frames, std::function<double()> now)
     : field_(field),
       link_(link),
       options_(options),
@@ -30,9 +31,11 @@ TouchLoop::TouchLoop(Device& device, FieldOfSites& field, TouchLink& link, const
                         ? std::optional<RelaxationFilter>()
                         : std::optional<RelaxationFilter>(options.render.viscosity)),
       filter_(fresh_filter_),
-      safety_(options.render.safety, options.render.frame),
+      output_(options.render, std::move(now)),
       ramp_(std::min(spare_frames(options.render), frames)),
-      log_(frames + 2 * spare_frames(options.render)) {}
+      log_(frames + 2 * spare_frames(options.render)) {
+  if (output_.controlled()) uncontrolled_.resize(log_.size());
+}
 
 Vec3 TouchLoop::rendered(const TouchFrame& frame, const TouchModel* came, double dt,
                          TouchFrameRecord& record) {
@@ -72,8 +75,28 @@ void TouchLoop::note_source(const TouchFrame& frame, TouchFrameRecord& record) {
   record.source.slope = push > 0 ? frame.drive.norm() / push : unknown;
 }
 
-void TouchLoop::frame(std::size_t k, double now) {
-  const HipSample& tip = tip_.read(k, sent_);
+void TouchLoop::send(const TouchFrame& frame, bool came, double started, TouchFrameRecord& record) {
+  const bool touching = frame.touch.kind != TouchKind::none;
+  const Vec3 rest = touching ? frame.touch.site.at : frame.touch.tip, x = frame.touch.tip - rest;
+  output_.rest_at(rest);
+  if (output_.wants_model(came)) {
+    ModelView view;
+    if (touching) {
+      const SiteTerms terms = field_.at(frame.touch.site, x).at;
+      view.here = terms.force, view.jacobian = -terms.stiffness;
+      view.half_way = field_.at(frame.touch.site, 0.5 * x).at.force;
+    }
+    output_.note_model(frame.touch.tip, view, came);
+  }
+  record.force.sent = output_.send(record.force.rendered, tip_.tip(),
+                                   {.started = started,
+                                    .beat = link_.planner_beat.load(std::memory_order_relaxed),
+                                    .ending = ending_ || frame_ + ramp_ >= frames_});
+}
+
+void TouchLoop::frame(std::size_t k, double started) {
+  frame_ = k;
+  const HipSample& tip = tip_.read(k, output_.sent());
   const TouchModel* came = link_.models.take().value_or(nullptr);
   TouchFrameRecord record;
   record.t = tip.t, record.tip = tip.at;
@@ -84,13 +107,12 @@ void TouchLoop::frame(std::size_t k, double now) {
   const double dt = done_ > 0 ? tip.t - last_t_ : options_.render.frame;
   record.force.rendered = rendered(frame, came, dt, record);
   note_source(frame, record);
-  const SafetyMoment moment{.t = tip.t,
-                            .age = now - link_.planner_beat.load(std::memory_order_relaxed),
-                            .ending = ending_ || k + ramp_ >= frames_};
-  record.force.sent = sent_ = safety_.apply(record.force.rendered, tip.at, moment);
+  send(frame, came != nullptr, started, record);
   link_.seen.publish({.tip = tip, .touching = touch_.kind != TouchKind::none, .site = touch_.site});
   last_tip_ = tip.at, last_t_ = tip.t;
-  if (done_ < log_.size()) log_[done_++] = record;
+  if (done_ >= log_.size()) return;
+  if (output_.controlled()) uncontrolled_[done_] = output_.uncontrolled();
+  log_[done_++] = record;
 }
 
 void TouchLoop::note_timing(double cost_us, double lateness_us) noexcept {
@@ -100,6 +122,11 @@ void TouchLoop::note_timing(double cost_us, double lateness_us) noexcept {
 std::vector<TouchFrameRecord> TouchLoop::take_log() {
   log_.resize(done_);
   return std::move(log_);
+}
+
+std::vector<Vec3> TouchLoop::take_uncontrolled() {
+  if (output_.controlled()) uncontrolled_.resize(done_);
+  return std::move(uncontrolled_);
 }
 
 }  // namespace forefeel

@@ -4,12 +4,13 @@
 // A viscous law's memory belongs to the touch: it begins anew with the next one. Outside the body the force is zero at
 // once; the slew limit of the safety rules bounds what a hand feels of a touch that ends under force.
 
+#include <functional>
 #include <optional>
 
 #include "approx/switch/force_switch.hpp"
 #include "approx/switch/relaxation.hpp"
+#include "scheduling/render/force_output.hpp"
 #include "scheduling/render/render_options.hpp"
-#include "scheduling/render/safety.hpp"
 #include "scheduling/render/tip_reader.hpp"
 #include "scheduling/touch/touch_link.hpp"
 #include "scheduling/touch/touch_records.hpp"
@@ -23,20 +24,23 @@ struct TouchLoopOptions {
 
 class TouchLoop {
  public:
-  // field: of this loop alone. All outlive the loop.
+  // field: of this loop alone. All outlive the loop. now(): wall time since the session's start [s]; empty: each frame
+  // takes place at its nominal time.
   TouchLoop(Device& device, FieldOfSites& field, TouchLink& link, const TouchLoopOptions& options,
-            std::size_t frames);
+            std::size_t frames, std::function<double()> now = {});
 
-  // now: wall time since the session's start [s]; under the virtual clock the frame's time.
-  void frame(std::size_t k, double now);
+  // started: by now() [s]; without it not read.
+  void frame(std::size_t k, double started);
   void end() noexcept { ending_ = true; }  // the force goes to zero from the next frame on
   bool finished() const noexcept {
-    return sent_.isZero(0) && (ending_ || tip_.next() >= frames_) && tip_.next() > 0;
+    return output_.sent().isZero(0) && (ending_ || tip_.next() >= frames_) && tip_.next() > 0;
   }
   void note_timing(double cost_us, double lateness_us) noexcept;
 
   std::vector<TouchFrameRecord> take_log();  // of the frames done so far
-  const Safety& safety() const { return safety_; }
+  std::vector<Vec3> take_uncontrolled();     // as SafetyReport::uncontrolled
+  const Safety& safety() const { return output_.safety(); }
+  PassivityReport passivity() const { return output_.passivity(); }
   const DeviceFaults& faults() const { return tip_.faults(); }
   const HipSample& tip() const { return tip_.tip(); }
   const Touch& touched() const { return touch_; }
@@ -44,22 +48,24 @@ class TouchLoop {
  private:
   Vec3 rendered(const TouchFrame& frame, const TouchModel* came, double dt, TouchFrameRecord& record);
   void note_source(const TouchFrame& frame, TouchFrameRecord& record);
+  void send(const TouchFrame& frame, bool came, double started, TouchFrameRecord& record);
 
   FieldOfSites& field_;
   TouchLink& link_;
   TouchLoopOptions options_;
   TipReader tip_;
-  std::size_t frames_;
+  std::size_t frames_, frame_ = 0;
   bool ending_ = false;
   Touch touch_;
   const TouchModel* model_ = nullptr;
   ForceSwitch switch_;
   std::optional<RelaxationFilter> fresh_filter_, filter_;  // none: the body is elastic
-  Safety safety_;
-  Vec3 sent_ = Vec3::Zero(), last_elastic_ = Vec3::Zero(), last_tip_ = Vec3::Zero();
+  ForceOutput output_;
+  Vec3 last_elastic_ = Vec3::Zero(), last_tip_ = Vec3::Zero();
   double last_t_ = 0;
   std::size_t ramp_ = 0;  // frames of the ramp at the end
   std::vector<TouchFrameRecord> log_;
+  std::vector<Vec3> uncontrolled_;  // empty if passivity is observed only
   std::size_t done_ = 0;
 };
 

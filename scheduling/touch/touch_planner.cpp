@@ -53,8 +53,10 @@ void TouchPlanner::predict() {
   const double longest = std::clamp(0.3 + 4 * solve, 0.3, 3.0);
   predicted_.clear();
   for (int i = 0; i <= predictions; ++i) {
-    Prediction p = parts_.predictor->predict(longest * i / predictions);
-    p.horizon = longest * i / predictions;
+    const double horizon = longest * i / predictions;
+    Prediction p = parts_.future ? Prediction{.at = parts_.future(seen_.tip.t + horizon), .deviation = 0}
+                                 : parts_.predictor->predict(horizon);
+    p.horizon = horizon;
     if (!p.at.allFinite()) p.at = seen_.tip.at;
     if (!(p.deviation >= 0)) p.deviation = 0;
     predicted_.push_back(p);

@@ -8,6 +8,7 @@
 // Policies, labels of candidates and pending states are in the space of the tip, p = s + x: the metric is |p - p'|.
 // Sites that are no neighbours never share a tip unless a lobe is pressed through.
 
+#include <functional>
 #include <map>
 #include <optional>
 #include <vector>
@@ -36,7 +37,8 @@ struct TouchPlannerParts {
   std::unique_ptr<Policy> policy;
   std::unique_ptr<Predictor> predictor;
   int workers = 1;
-  double solve_seconds = 0.01;  // expected at first [s]
+  double solve_seconds = 0.01;              // expected at first [s]
+  std::function<Vec3(double)> future = {};  // the true motion by time [s], for policies that read it
 };
 
 class TouchPlanner {

@@ -6,6 +6,7 @@
 #include <string>
 #include <vector>
 
+#include "approx/switch/force_switch.hpp"
 #include "geometry/coverage/coverage.hpp"
 #include "geometry/states/state.hpp"
 #include "scheduling/common/records.hpp"
@@ -54,5 +55,7 @@ struct TouchDispatch {
 };
 
 std::string_view name(TouchKind kind);
+// Of a judged frame: the error is at most the just noticeable difference.
+bool is_within_jnd(const TouchFrameRecord& frame, const SwitchOptions& jnd);
 
 }  // namespace forefeel

@@ -28,6 +28,8 @@ struct TouchProgress {
   double done = 0, whole = 1;  // seconds of the session, or references
   bool references = false;
   std::size_t known = 0;
+  std::size_t rehearsal = 0,
+              rehearsals = 0;  // schedule that is simulated in advance, and of how many; 0: none
 };
 
 struct TouchSessionResult {

@@ -14,6 +14,8 @@
 #include "scheduling/motion/device.hpp"
 #include "scheduling/render/frame_pacer.hpp"
 #include "scheduling/render/loop_thread.hpp"
+#include "scheduling/session/passivity_plan.hpp"
+#include "scheduling/session/rehearsal.hpp"
 #include "scheduling/touch/touch_judge.hpp"
 #include "scheduling/touch/touch_loop.hpp"
 #include "scheduling/touch/touch_workers.hpp"
@@ -40,6 +42,8 @@ struct Parts {
   std::unique_ptr<StateWriter> file;
   std::string file_failure = {};
 
+  std::int64_t started = 0;  // of the real clock [ns]
+
   Parts(const TouchSessionInput& given, const SessionOptions& chosen)
       : input(given),
         options(chosen),
@@ -50,7 +54,7 @@ struct Parts {
         field(given.task.field, given.task.grid, farthest_of(given.task.depth), given.task.patches),
         planner(given.task, planner_parts(), given.known),
         frames(frames_of()),
-        loop(*device, field, link, loop_options(), frames) {
+        loop(*device, field, link, loop_options(), frames, wall_clock()) {
     link.models.publish(planner.model());
     if (given.states.empty()) return;
     StateFileHeader header;
@@ -58,6 +62,11 @@ struct Parts {
     header.spacing = given.task.tips.spacing;
     header.box = given.task.tips.box;
     file = std::make_unique<StateWriter>(StateFile::open_or_create(given.states, header));
+  }
+
+  std::function<double()> wall_clock() const {
+    if (options.clock.kind != Clock::real) return {};
+    return [this] { return static_cast<double>(monotonic() - started) / 1e9; };
   }
 
   static RecordedCosts refuse_recorded() {
@@ -68,10 +77,19 @@ struct Parts {
 
   TouchPlannerParts planner_parts() const {
     FactoryContext with = context;
-    return {.policy = make_policy(options.planning.policy, with),
-            .predictor = make_predictor(options.motion.predictor, with),
-            .workers = options.workers.count,
-            .solve_seconds = checked_seconds(*cost, Vec3::Zero())};
+    TouchPlannerParts parts{.policy = make_policy(options.planning.policy, with),
+                            .predictor = make_predictor(options.motion.predictor, with),
+                            .workers = options.workers.count,
+                            .solve_seconds = checked_seconds(*cost, Vec3::Zero())};
+    if (!parts.policy->reads_future()) return parts;
+    std::vector<Vec3> motion;
+    for (std::size_t k = 0; k < frames_of(); ++k)
+      motion.push_back(device->position(frame_time(k, options.clock.frame), Vec3::Zero()));
+    parts.future = [motion = std::move(motion), frame = options.clock.frame](double t) {
+      const double k = std::clamp(std::round(t / frame), 0.0, static_cast<double>(motion.size() - 1));
+      return motion[static_cast<std::size_t>(k)];
+    };
+    return parts;
   }
 
   std::size_t frames_of() const {
@@ -90,6 +108,7 @@ struct Parts {
     loop_options.render.safety.force_limit = std::min(options.safety.force_limit, device->limits().force);
     loop_options.render.frame = options.clock.frame;
     loop_options.render.viscosity = input.viscosity;
+    loop_options.render.passivity = passivity_options(options.safety, device->limits(), options.clock.frame);
     loop_options.friction = input.task.friction;
     return loop_options;
   }
@@ -123,6 +142,8 @@ struct Parts {
     result.safety.clamped = safety.counts().clamped, result.safety.slewed = safety.counts().slewed;
     result.safety.stale = safety.counts().stale, result.safety.non_finite = safety.counts().non_finite;
     result.safety.generated = safety.generated(), result.safety.work = safety.work();
+    result.safety.passivity = loop.passivity(), result.safety.uncontrolled = loop.take_uncontrolled();
+    result.loop.ending_frames = safety.counts().ending;
     result.loop.device_held = loop.faults().held, result.loop.device_jumps = loop.faults().jumps;
   }
 };
@@ -183,8 +204,9 @@ struct LoopThread {
 };
 
 void run_real(Parts& parts, TouchSessionResult& result, const Show& show) {
-  LoopThread loop{parts, FramePacer(parts.options.clock.frame, parts.frames), monotonic()};
-  const auto now = [start = loop.start] { return static_cast<double>(monotonic() - start) / 1e9; };
+  const std::int64_t start = parts.started = monotonic();
+  LoopThread loop{parts, FramePacer(parts.options.clock.frame, parts.frames), start};
+  const auto now = [start] { return static_cast<double>(monotonic() - start) / 1e9; };
   RealTouchWorkers workers(parts.input.task.field->rest_shared(), parts.input.task.tips.spacing,
                            parts.options.workers.count, now);
   std::jthread thread([&] { loop.run(parts.options.stop); });
@@ -226,23 +248,26 @@ void check_touch_session(const TouchSessionInput& input, const SessionOptions& o
     throw InputError(
         "session.switch",
         "is paper, which needs two models in every frame, expected smooth or none with contact.anywhere");
-  if (options.safety.passivity == Passivity::control)
-    throw InputError("session.passivity", "control is for one place, expected observe with contact.anywhere");
-  if (options.planning.policy.name == "clairvoyant")
-    throw InputError("session.policy",
-                     "clairvoyant is for one place, expected another policy with contact.anywhere");
   if (options.workers.count < 1) throw InputError("session.workers", "is 0, expected at least one");
   const SessionSurface surface(input.task.field->rest(), *input.task.grid, input.task.depth, input.draw);
   const FactoryContext context{
       .box = surface.box(), .seed = options.seed, .folder = input.folder, .surface = &surface};
-  make_device(options.motion.device, context);
-  make_policy(options.planning.policy, context);
+  const std::unique_ptr<Device> device = make_device(options.motion.device, context);
+  FactoryContext with = context;
+  if (make_policy(options.planning.policy, with)->reads_future() && device->answers_force())
+    throw InputError(
+        "session.policy",
+        fmt::format("'{}' knows the motion beforehand, but that of device {} depends on the force; "
+                    "expected path:NAME or trace:FILE",
+                    options.planning.policy.name, to_text(options.motion.device)));
   make_predictor(options.motion.predictor, context);
+  passivity_options(options.safety, device->limits(), options.clock.frame);
 }
 
-TouchSessionResult run_touch_session(const TouchSessionInput& input, const SessionOptions& options,
-                                     const Show& progress) {
-  check_touch_session(input, options);
+namespace {
+
+TouchSessionResult run_and_judge(const TouchSessionInput& input, const SessionOptions& options,
+                                 const Show& progress) {
   TouchSessionResult result;
   {
     Parts parts(input, options);
@@ -260,6 +285,58 @@ TouchSessionResult run_touch_session(const TouchSessionInput& input, const Sessi
          .progress = progress},
         result);
   return result;
+}
+
+// Share of first visits within the JND; negative without any.
+double visits_within(const TouchSessionResult& result, const SwitchOptions& jnd) {
+  std::size_t visits = 0, within = 0;
+  for (const TouchFrameRecord& f : result.frames) {
+    if (!f.judged.first_visit || !std::isfinite(f.judged.error)) continue;
+    ++visits, within += is_within_jnd(f, jnd);
+  }
+  return visits > 0 ? static_cast<double>(within) / static_cast<double>(visits) : -1.0;
+}
+
+// Runs the best of all schedules (scheduling/session/rehearsal.hpp).
+TouchSessionResult rehearse_and_run(const TouchSessionInput& input, SessionOptions options,
+                                    const Show& progress) {
+  const std::vector<std::string> schedules = schedules_to_rehearse();
+  TouchSessionInput trial = input;
+  trial.states.clear();
+  std::string best = schedules.front();
+  double most = -2;
+  std::size_t tried = 0;
+  for (; tried < schedules.size() && most < 1; ++tried) {
+    options.planning.policy = PolicySpec(schedules[tried]);
+    const Show shown = [&](TouchProgress p) {
+      p.rehearsal = tried + 1, p.rehearsals = schedules.size();
+      if (progress) progress(p);
+    };
+    TouchSessionResult result = run_and_judge(trial, options, shown);
+    if (options.stop.is_interrupted()) {
+      result.notes.push_back(fmt::format("interrupted while simulating schedule {} of {}: this is its run",
+                                         tried + 1, schedules.size()));
+      return result;
+    }
+    if (const double share = visits_within(result, options.switching); share > most)
+      most = share, best = schedules[tried];
+  }
+  options.planning.policy = PolicySpec(best);
+  TouchSessionResult result = run_and_judge(input, options, progress);
+  result.notes.push_back(
+      fmt::format("clairvoyant: {} was the best of {} schedules that were simulated{}", best, tried,
+                  most >= 1 ? ": all first visits are within the JND, none can be better" : ""));
+  return result;
+}
+
+}  // namespace
+
+TouchSessionResult run_touch_session(const TouchSessionInput& input, const SessionOptions& options,
+                                     const Show& progress) {
+  check_touch_session(input, options);
+  if (options.planning.policy.name == "clairvoyant" && options.clock.kind == Clock::virtual_time)
+    return rehearse_and_run(input, options, progress);
+  return run_and_judge(input, options, progress);
 }
 
 }  // namespace forefeel

@@ -1,6 +1,8 @@
 #include "scheduling/touch/touch_solver.hpp"
 
+#include <algorithm>
 #include <chrono>
+#include <cmath>
 #include <utility>
 
 #include "geometry/states/energy_jet.hpp"
@@ -19,8 +21,23 @@ Solver& TouchSolver::at(const SurfacePlace& site) {
     there.pad->site = site.at;
     solver_ = std::make_unique<Solver>(std::move(there));
     last_ = site;
+    rest_.reset();
   }
   return *solver_;
+}
+
+bool TouchSolver::is_expected(const SurfacePlace& site, const State& state) {
+  constexpr double agreement = 0.01;
+  if (!rest_) {
+    if (!jets_) jets_ = std::make_unique<SiteJets>(*sites_);
+    rest_ = jets_->at(site);
+  }
+  const Vec3 last = jet_terms(rest_->jet, state.at, 5).gradient,
+             before = jet_terms(rest_->jet, state.at, 4).gradient,
+             first = jet_terms(rest_->jet, state.at, 3).gradient;
+  const double own = std::hypot((last - before).norm(), 0.5 * (before - first).norm());
+  const double off = (state.force + rest_->stiffness * state.at + last).norm();
+  return off <= std::max(own, agreement * state.force.norm());
 }
 
 TouchSolved TouchSolver::solve(const TouchJob& job, const std::stop_token& stop) {
@@ -44,8 +61,16 @@ TouchSolved TouchSolver::solve(const TouchJob& job, const std::stop_token& stop)
   options.tolerance = 1e-9;  // a jet's terms need an equilibrium
   options.jet = most_jet_order;
   SolveOutcome outcome = solver.from(job.start ? *job.start : *solver.rest(), job.x, options, stop);
-  if (!outcome.state.usable() && !stop.stop_requested())
-    outcome = solver.reference(job.x, step_, {.jet = most_jet_order});
+  if (!stop.stop_requested() && !(outcome.state.usable() && is_expected(job.site, outcome.state))) {
+    SolveOutcome straight = solver.reference(job.x, step_, options);
+    if (straight.state.usable()) {
+      straight.state.solve.multivalued |=
+          outcome.state.usable() &&
+          (straight.state.force - outcome.state.force).norm() > 1e-6 * straight.state.force.norm();
+      straight.state.solve.seconds += outcome.state.solve.seconds;
+      outcome = std::move(straight);
+    }
+  }
   if (!outcome.state.usable() && stop.stop_requested()) outcome.state.solve.status = SolveStatus::cancelled;
   solved.state = std::move(outcome.state);
   solved.state.site = job.site.at;

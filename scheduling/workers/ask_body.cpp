@@ -60,7 +60,7 @@ bool BodyAnswer::fits() const {
   return !too_far && fitting() + unsolved == asked.size() && 2 * unsolved <= asked.size();
 }
 
-BodyAnswer ask_body(std::span<const State> states, double farthest, ReferenceService& references) {
+BodyAnswer ask_body(std::span<const State> states, double farthest, const SolveStates& solve) {
   BodyAnswer answer;
   double strongest = 0;
   for (const State& s : states) {
@@ -72,11 +72,11 @@ BodyAnswer ask_body(std::span<const State> states, double farthest, ReferenceSer
     strongest = std::max(strongest, s.force.norm());
   }
   const std::vector<const State*> chosen = choose(states);
-  for (const State* s : chosen) references.request(s->at);
-  for (const State* s : chosen) {
-    const State solved = references.get(s->at);
-    AskedPosition& asked =
-        answer.asked.emplace_back(AskedPosition{.at = s->at, .given = s->force, .solved = {}});
+  const std::vector<State> answers = solve(chosen);
+  for (std::size_t i = 0; i < chosen.size(); ++i) {
+    const State *s = chosen[i], &solved = answers.at(i);
+    AskedPosition& asked = answer.asked.emplace_back(
+        AskedPosition{.at = s->at, .given = s->force, .site = s->site, .solved = {}});
     if (!solved.usable()) continue;
     asked.solved = solved.force;
     const double scale = std::max({s->force.norm(), solved.force.norm(), 0.1 * strongest});
@@ -99,9 +99,11 @@ std::string in_words(const BodyAnswer& answer) {
   differing.resize(std::min(count, most_told));
   std::string text = fmt::format("the forces differ at {} of {} positions asked", count, answer.asked.size());
   for (std::size_t i = 0; i < differing.size(); ++i)
-    text += fmt::format("{}at {} m they are {} N, those of the body {} N", i == 0 ? ": " : "; ",
-                        vector_text(differing[i].at), vector_text(differing[i].given),
-                        vector_text(*differing[i].solved));
+    text += fmt::format(
+        "{}at {} m{} they are {} N, those of the body {} N", i == 0 ? ": " : "; ",
+        vector_text(differing[i].at),
+        differing[i].site.allFinite() ? " of the site " + vector_text(differing[i].site) + " m" : "",
+        vector_text(differing[i].given), vector_text(*differing[i].solved));
   return text;
 }
 

@@ -30,7 +30,7 @@ namespace forefeel {
 
 struct DeepOptions {
   double site_reach = 1;    // reach_s over the pad's radius
-  double reach = 0.8;       // reach_k over |x_k|
+  double reach = 0.8;       // reach_k over |x_k|, or less where the state's series ends before
   double field_weight = 2;  // p_0
   double rest_reach = 1;    // reach_r over the field's spacing
   double rest_weight = 1;   // r_0
