@@ -15,6 +15,8 @@ DeclaredTable generate_output();             // generate --json
 DeclaredTable generate_sites_output();       // generate --json with contact.anywhere
 DeclaredTable placement_output();            // generate --error --json
 DeclaredTable evaluate_output();             // evaluate --json
+DeclaredTable classify_sites_output();       // classify --json of states with sites
+DeclaredTable labelled_sites_output();       // classify -o of states with sites
 DeclaredTable evaluate_sites_output();       // evaluate --json with sites
 DeclaredTable sited_forces_output();         // evaluate -o with sites
 DeclaredTable forces_output();               // evaluate -o

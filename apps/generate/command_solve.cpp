@@ -237,6 +237,8 @@ const JsonKeys<SolveResult>& solve_keys() {
        [](const S& s) { return s.sited ? std::optional(s.sited->body->pad->site) : std::nullopt; }},
       {"clamped_share", "1", "with --site: share of the pad's springs that pull on clamped nodes",
        [](const S& s) { return s.sited ? std::optional(s.sited->clamped_share) : std::nullopt; }},
+      {"thickness", "m", "with --site: of the body at rest under the pad, against its normal",
+       [](const S& s) { return s.sited ? std::optional(s.sited->thickness) : std::nullopt; }},
       {"force", "N", "force of the body on the tip", [](const S& s) { return s.state.force; }},
       {"stiffness", "N/m", "rows of K = -df/dx", [](const S& s) { return rows_of(s.state.stiffness); }},
       {"energy", "J", "stored energy", [](const S& s) { return s.state.energy; }},
@@ -339,6 +341,8 @@ int run_solve(const Globals& globals, const SolveArguments& arguments) {
             1e3 * scene.space.spacing));
   if (sited)
     for (const std::string& warning : sited->warnings) warn(globals, warning);
+  for (const Vec3& x : points)
+    if (const auto line = sited ? sited->beyond(x) : std::nullopt) warn(globals, *line);
   SolveResult result = solve(globals, arguments, scene, points);
   result.sited = sited;
   for (const SolveOutcome& outcome : result.outcomes)

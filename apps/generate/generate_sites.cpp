@@ -30,7 +30,7 @@ namespace {
 constexpr std::size_t checked_places = 100;
 
 struct SitesResult {
-  std::size_t sites = 0, jets = 0, states = 0, solved = 0, failed = 0, clamped = 0;
+  std::size_t sites = 0, jets = 0, states = 0, solved = 0, failed = 0, clamped = 0, through = 0;
   double field_seconds = 0, seconds = 0;
   bool kept = false, interrupted = false;
   FieldErrors error;  // of places whose pad is free of the clamp
@@ -48,6 +48,7 @@ const JsonKeys<SitesResult>& sites_keys() {
       {"solved", "", "of this run", &S::solved},
       {"failed", "", "solves that failed", &S::failed},
       {"clamped", "", "states in the file whose pad reaches over the clamp", &S::clamped},
+      {"through", "", "states in the file that press deeper than the body is thick there", &S::through},
       {"field_seconds", "s", "that making or reading the field took", &S::field_seconds},
       {"field_kept", "", "true: the field was read from the cache", &S::kept},
       {"seconds", "s", "of all", &S::seconds},
@@ -192,7 +193,10 @@ void measure(const Scene& scene, const SiteField& field, const std::vector<State
     at_rest += state.has_site() && state.at.isZero();
     if (!state.has_site() || state.at.isZero() || !state.usable()) continue;
     deep.push_back(state);
-    if (rest.at(rest.map().nearest(state.site), false).clamped_share > 0)
+    const SurfacePlace place = rest.map().nearest(state.site);
+    const SiteRest here = rest.at(place, false);
+    result.through += -state.at.dot(here.normal) > rest.map().thickness(place, here.normal);
+    if (here.clamped_share > 0)
       ++result.clamped;
     else
       free_of_clamp.push_back(state);
@@ -220,6 +224,8 @@ void tell_sites(const Globals& globals, const GenerateSites& wanted, const Sites
                        "{:.2g} %",
                        result.jets, result.states, result.deep.error.states, 100 * result.deep.error.p50,
                        100 * result.deep.error.p95, 100 * result.deep.error.max));
+  if (result.through > 0)
+    say(globals, fmt::format("  {} states press deeper than the body is thick there", result.through));
   if (result.clamped > 0)
     answer(globals,
            fmt::format("  with the {} whose pad reaches over the clamp: p50 {:.2g} %, p95 {:.2g} %, max "

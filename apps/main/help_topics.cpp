@@ -69,7 +69,7 @@ HelpTopic outputs_topic() {
        {summary_output(), info_scene_output(), cells_output(), forces_output(), coverage_output(),
         left_out_output(), solve_output(), mesh_output(), generate_output(), generate_sites_output(),
         placement_output(), evaluate_output(), evaluate_sites_output(), sited_forces_output(),
-        classify_output()})
+        classify_sites_output(), labelled_sites_output(), classify_output()})
     topic.tables.push_back(table);
   for (const DeclaredTable& table : declared_bench_json()) topic.tables.push_back(table);
   topic.tables.push_back(mesh_study_output());

@@ -110,8 +110,9 @@ struct StatesInFrame {
 // A .states file, a CSV, or setup:NAME (setups.hpp).
 StatesInFrame load_set(const std::string& file);
 
+// set: of load_set(file).
 Classified classify_states(const Globals& globals, const ClassifyArguments& arguments,
-                           const std::string& file);
+                           const std::string& file, StatesInFrame set);
 // Spacing, box and outline, without labels. If a box is given, the states may be empty.
 Classified prepare_states(const ClassifyArguments& arguments, const std::string& where,
                           std::vector<State> states, const OwnFrame& own, const Globals& globals);

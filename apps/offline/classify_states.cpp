@@ -323,9 +323,8 @@ StatesInFrame load_set(const std::string& file) {
 }
 
 Classified classify_states(const Globals& globals, const ClassifyArguments& arguments,
-                           const std::string& file) {
-  StatesInFrame loaded = load_set(file);
-  Classified result = prepare_states(arguments, file, std::move(loaded.states), loaded.own, globals);
+                           const std::string& file, StatesInFrame set) {
+  Classified result = prepare_states(arguments, file, std::move(set.states), set.own, globals);
   const Wanted wanted(result, arguments);
   check_memory(result, wanted, file, globals);
   if (wanted.map)

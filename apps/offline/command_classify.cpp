@@ -16,6 +16,7 @@
 #include "apps/console/values.hpp"
 #include "apps/offline/calibrate_labels.hpp"
 #include "apps/offline/classify.hpp"
+#include "apps/offline/classify_sites.hpp"
 #include "apps/offline/error_known.hpp"
 #include "apps/offline/offline_bars.hpp"
 #include "apps/offline/print_classified.hpp"
@@ -248,10 +249,12 @@ int run_classify(const Globals& globals, const ClassifyArguments& arguments) {
   if (!arguments.input.diff.empty()) return classify_diff(globals, arguments);
   if (fs::is_directory(arguments.input.states)) return classify_run(globals, arguments);
   const auto start = std::chrono::steady_clock::now();
+  StatesInFrame loaded = load_set(arguments.input.states);
+  if (has_sites(loaded)) return classify_sites(globals, arguments, loaded);
   std::vector<Vec3> points;
   if (!arguments.places.points.empty()) points = read_points_csv(arguments.places.points);
   if (!arguments.places.line.empty()) points = parse_line(arguments.places.line);
-  const Classified set = classify_states(globals, arguments, arguments.input.states);
+  const Classified set = classify_states(globals, arguments, arguments.input.states, std::move(loaded));
   if (arguments.space.spacing)
     if (const auto line = spacing_beyond("--spacing", set.spacing, set.box, "the states"))
       warn(globals, *line);
@@ -312,7 +315,9 @@ void add_classify(CommandLine& line) {
       .shows("H");
   sub.option("--box", arguments->space.box, "Box [m]; default: the scene's, else that of the states")
       .shows("X0,Y0,Z0:X1,Y1,Z1");
-  sub.option("--points", arguments->places.points, "Label these positions (CSV x,y,z)").shows("Q.csv");
+  sub.option("--points", arguments->places.points,
+             "Label these positions (CSV x,y,z; of states with sites sx,sy,sz,x,y,z)")
+      .shows("Q.csv");
   sub.option("--line", arguments->places.line, "Label N positions along a line").shows("X,Y,Z:X,Y,Z:N");
   sub.option("--grid", arguments->places.grid, "Label a grid of this step over the box [m]").shows("H");
   sub.option("-o,--output", arguments->output,
@@ -322,7 +327,9 @@ void add_classify(CommandLine& line) {
       .takes(2)
       .shows("A B");
   sub.flag("--agreement", arguments->agreement, "Compare both indexes by volume");
-  sub.option("--scene", arguments->input.scene, "Scene: spacing, box and the outline of the body")
+  sub.option("--scene", arguments->input.scene,
+             "Scene: spacing, box and the outline of the body; of states with sites the one with "
+             "contact.anywhere")
       .shows("SCENE");
   sub.flag("--foreign", arguments->input.foreign, foreign_help);
   sub.flag(

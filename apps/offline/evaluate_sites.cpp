@@ -22,7 +22,9 @@ namespace {
 struct SitedForce {
   Vec3 site = Vec3::Zero(), at = Vec3::Zero();  // as given; the site on the surface [m]
   FieldForce found;
-  bool trusted = false;
+  double thickness = 0;  // of the body under the site [m]
+  bool through = false;  // deeper than that
+  bool trusted = false;  // never through the body
 };
 
 struct SitedForces {
@@ -41,7 +43,9 @@ const CsvColumns<SitedForce>& sited_columns() {
       {"fx,fy,fz", "N", "force of the body on the tip", [](const F& f) { return cells(f.found.force); }},
       {"estimate", "N", "of the force's error, from the last degrees of the jets and what states differ by",
        [](const F& f) { return fmt::format("{:.6g}", f.found.estimate); }},
-      {"trusted", "", "1: three times the estimate is within state_space.tolerance",
+      {"thickness", "m", "of the body at rest under the site, against the normal",
+       [](const F& f) { return known_cell(f.thickness); }},
+      {"trusted", "", "1: three times the estimate is within state_space.tolerance, no deeper than thick",
        [](const F& f) { return std::string(f.trusted ? "1" : "0"); }}};
   return columns;
 }
@@ -52,6 +56,8 @@ const JsonKeys<SitedForces>& sited_keys() {
       {"points", "", "that were asked for", [](const S& s) { return s.all.size(); }},
       {"trusted", "", "points where three times the estimate is within state_space.tolerance",
        [](const S& s) { return std::ranges::count(s.all, true, &SitedForce::trusted); }},
+      {"through", "", "points deeper than the body is thick there; they are not trusted",
+       [](const S& s) { return std::ranges::count(s.all, true, &SitedForce::through); }},
       {"sites", "", "of the field", &S::sites},
       {"corrections", "",
        "jets at rest of other sites, and states, of the file, that correct the field near them",
@@ -67,6 +73,7 @@ const JsonKeys<SitedForces>& sited_keys() {
       {"forces[].at", "m", "displacement of the tip"},
       {"forces[].force", "N", "of the body on the tip"},
       {"forces[].estimate", "N", "of its error"},
+      {"forces[].thickness", "m", "of the body at rest under the site; null: beside a sharp rim"},
       {"forces[].trusted", "", "three times the estimate is within state_space.tolerance"}};
   return keys;
 }
@@ -85,11 +92,16 @@ SitedForce force_at(const Scene& scene, const DeepStates& known, const SitedPoin
                      fmt::format("the site ({:.6g}, {:.6g}, {:.6g}) is on a clamped facet, expected "
                                  "a place that can move",
                                  point.site[0], point.site[1], point.site[2]));
-  SitedForce force{
-      .site = place.at, .at = point.at, .found = field_force(known, field.at(place, false), place, point.at)};
-  force.trusted =
-      3 * force.found.estimate <=
-      scene.spacing.tolerance * std::max(force.found.force.norm(), scene.session.judging.error_floor);
+  const SiteModel model = field.at(place, false);
+  const Vec3& normal = model.rest().normal;
+  SitedForce force{.site = place.at,
+                   .at = point.at,
+                   .found = field_force(known, model, place, point.at),
+                   .thickness = field.rest().map().thickness(place, normal)};
+  force.through = -point.at.dot(normal) > force.thickness;
+  force.trusted = !force.through && 3 * force.found.estimate <=
+                                        scene.spacing.tolerance * std::max(force.found.force.norm(),
+                                                                           scene.session.judging.error_floor);
   return force;
 }
 
@@ -109,6 +121,7 @@ void print_sited(const Globals& globals, const SitedForces& result, bool with_fo
                                     {"at", vector3(f.at)},
                                     {"force", vector3(f.found.force)},
                                     {"estimate", number(f.found.estimate)},
+                                    {"thickness", number(f.thickness)},
                                     {"trusted", f.trusted}});
     print_json(document);
     return;
@@ -116,11 +129,14 @@ void print_sited(const Globals& globals, const SitedForces& result, bool with_fo
   for (const SitedForce& f : result.all) {
     if (!with_forces) break;
     const Vec3 &s = f.site, &x = f.at, &force = f.found.force;
-    answer(globals,
-           fmt::format("s = ({:.6g}, {:.6g}, {:.6g}) m  x = ({:.6g}, {:.6g}, {:.6g}) m  f = ({:.9g}, "
-                       "{:.9g}, {:.9g}) N +- {:.2g} N{}",
-                       s[0], s[1], s[2], x[0], x[1], x[2], force[0], force[1], force[2], f.found.estimate,
-                       f.trusted ? "" : ", not trusted"));
+    answer(
+        globals,
+        fmt::format("s = ({:.6g}, {:.6g}, {:.6g}) m  x = ({:.6g}, {:.6g}, {:.6g}) m  f = ({:.9g}, "
+                    "{:.9g}, {:.9g}) N +- {:.2g} N{}",
+                    s[0], s[1], s[2], x[0], x[1], x[2], force[0], force[1], force[2], f.found.estimate,
+                    f.through   ? fmt::format(", deeper than the body is thick: {:.3g} mm", 1e3 * f.thickness)
+                    : f.trusted ? ""
+                                : ", not trusted"));
   }
   say(globals, fmt::format("{} points from a field of {} sites and {} corrections", result.all.size(),
                            result.sites, result.corrections));

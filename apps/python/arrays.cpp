@@ -24,7 +24,7 @@ void expect(bool fits, const py::array& array, const char* argument, const char*
 }  // namespace
 
 void register_state_dtype() {
-  PYBIND11_NUMPY_DTYPE(StateRow, at, force, stiffness, energy, spacing, residual, seconds, min_jacobian,
+  PYBIND11_NUMPY_DTYPE(StateRow, at, site, force, stiffness, energy, spacing, residual, seconds, min_jacobian,
                        iterations, status, multivalued);
 }
 
@@ -77,6 +77,7 @@ py::array_t<StateRow> array_of(std::span<const State> states) {
   for (const State& s : states) {
     StateRow& row = *to++;
     std::copy_n(s.at.data(), 3, row.at);
+    std::copy_n(s.site.data(), 3, row.site);
     std::copy_n(s.force.data(), 3, row.force);
     for (int i = 0; i < 3; ++i)
       for (int j = 0; j < 3; ++j) row.stiffness[i][j] = s.stiffness(i, j);
@@ -110,6 +111,7 @@ std::vector<State> states_of(const py::array_t<StateRow>& rows) {
   for (State& s : states) {
     const StateRow& row = *from++;
     s.at = Vec3(row.at[0], row.at[1], row.at[2]);
+    s.site = Vec3(row.site[0], row.site[1], row.site[2]);
     s.force = Vec3(row.force[0], row.force[1], row.force[2]);
     for (int i = 0; i < 3; ++i)
       for (int j = 0; j < 3; ++j) s.stiffness(i, j) = row.stiffness[i][j];

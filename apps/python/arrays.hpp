@@ -34,7 +34,7 @@ using Doubles = py::array_t<double, py::array::c_style | py::array::forcecast>;
 
 // One row of a structured array of states; the fields of State (geometry/states/state.hpp).
 struct StateRow {
-  double at[3], force[3], stiffness[3][3];
+  double at[3], site[3], force[3], stiffness[3][3];  // site: NaN without one
   double energy, spacing, residual, seconds, min_jacobian;
   std::int32_t iterations;
   std::uint8_t status;  // index in status_names

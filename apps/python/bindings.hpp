@@ -10,6 +10,7 @@ void bind_models(pybind11::module_& module);   // Model, evaluate
 void bind_body(pybind11::module_& module);     // Body, read_mesh
 void bind_inputs(pybind11::module_& module);   // read_inputs
 void bind_scene(pybind11::module_& module);    // Scene
+void bind_field(pybind11::module_& module);    // SurfaceField
 void bind_session(pybind11::module_& module);  // run_session, policies, predictors and devices in Python
 void bind_command(pybind11::module_& module);  // the commands of forefeel, with parts registered from Python
 

@@ -19,6 +19,7 @@ PYBIND11_MODULE(_core, module) {
   bind_body(module);
   bind_inputs(module);
   bind_scene(module);
+  bind_field(module);
   bind_session(module);
   bind_command(module);
 }

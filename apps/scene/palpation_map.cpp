@@ -16,14 +16,20 @@ Json range_json(const std::optional<StiffnessRange>& range) {
   return range ? json_numbers({range->least, range->median, range->greatest}) : Json();
 }
 
-}  // namespace
-
-std::vector<SurfaceStiffness> palpation_map(const RestSites& rest, const Body& body, int threads) {
+// Of the free nodes of the surface, a third of each of their facets [m^2].
+std::map<NodeIndex, double> areas_of_nodes(const Body& body) {
   const SurfaceMap surface(body);
   std::map<NodeIndex, double> areas;
   for (const SurfaceMap::Facet& facet : surface.facets())
     for (const NodeIndex node : facet.corners)
       if (!facet.clamped && !std::ranges::binary_search(body.clamp, node)) areas[node] += facet.area / 3;
+  return areas;
+}
+
+}  // namespace
+
+std::vector<SurfaceStiffness> palpation_map(const RestSites& rest, const Body& body, int threads) {
+  const std::map<NodeIndex, double> areas = areas_of_nodes(body);
   std::vector<SurfaceStiffness> list;
   for (const auto& [node, area] : areas) list.push_back({.node = node, .area = area});
 #pragma omp parallel for schedule(dynamic) num_threads(threads > 0 ? threads : omp_get_max_threads())
@@ -34,6 +40,22 @@ std::vector<SurfaceStiffness> palpation_map(const RestSites& rest, const Body& b
     list[i].alone = at.normal.dot(at.body_stiffness() * at.normal);
   }
   std::erase_if(list, [](const SurfaceStiffness& at) { return at.with_pad == 0; });
+  return list;
+}
+
+std::vector<SurfaceError> error_map(const DeepStates& known, const Body& body, double depth, double floor,
+                                    int threads) {
+  std::vector<SurfaceError> list;
+  for (const auto& [node, area] : areas_of_nodes(body)) list.push_back({.node = node, .area = area});
+  const SiteField& field = known.field();
+#pragma omp parallel for schedule(dynamic) num_threads(threads > 0 ? threads : omp_get_max_threads())
+  for (std::size_t i = 0; i < list.size(); ++i) {
+    const SurfacePlace place = field.rest().map().nearest(body.mesh.nodes[list[i].node]);
+    const SiteModel model = field.at(place, false);
+    const Vec3 x = -depth * model.rest().normal;
+    list[i].error =
+        3 * known.estimated_error(model, place, x) / std::max(known.at(model, place, x).force.norm(), floor);
+  }
   return list;
 }
 

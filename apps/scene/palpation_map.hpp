@@ -7,6 +7,7 @@
 
 #include "apps/console/document_keys.hpp"
 #include "apps/scene/scene_field.hpp"
+#include "solver/jet/deep_states.hpp"
 #include "solver/jet/rest_sites.hpp"
 
 namespace forefeel {
@@ -22,6 +23,15 @@ struct SurfaceStiffness {
 // At the free nodes of the surface of `body`, at the places of the surface of `rest` that are nearest: it may be that
 // of a fine body. threads 0: all cores. Ascending by node. Places where the mean normal vanishes are left out.
 std::vector<SurfaceStiffness> palpation_map(const RestSites& rest, const Body& body, int threads = 0);
+
+// At one node, where the tip is pressed straight in, x = -depth n: three times the estimated error over max(|f|, floor).
+struct SurfaceError {
+  NodeIndex node = 0;
+  double area = 0;   // [m^2]
+  double error = 0;  // [1]
+};
+std::vector<SurfaceError> error_map(const DeepStates& known, const Body& body, double depth, double floor,
+                                    int threads = 0);
 
 // Over the area.
 struct StiffnessRange {

@@ -82,8 +82,11 @@ SitedBody put_at(const Scene& scene, const Vec3& wanted, bool quiet) {
                                  in_words(site.at), in_words(wanted)));
   auto body = std::make_shared<Body>(*scene.body);
   body->pad->site = site.at;
+  const PadSurface under = pad_surface(body->mesh, *body->pad);
   SitedBody sited{.body = body,
-                  .clamped_share = clamped_share(*body, pad_surface(body->mesh, *body->pad)),
+                  .clamped_share = clamped_share(*body, under),
+                  .thickness = map.thickness(site, under.normal),
+                  .normal = under.normal,
                   .warnings = check(*body, scene.source.file.string())};
   if (scene.touch.anywhere->fine) body->fine = fine_jet_at(scene, *body, quiet);
   if (sited.clamped_share > 0)
@@ -92,6 +95,13 @@ SitedBody put_at(const Scene& scene, const Vec3& wanted, bool quiet) {
                     "nodes",
                     in_words(site.at), 100 * sited.clamped_share));
   return sited;
+}
+
+std::optional<std::string> SitedBody::beyond(const Vec3& x) const {
+  const double depth = -x.dot(normal);
+  if (!(depth > thickness)) return {};
+  return fmt::format("({:.6g}, {:.6g}, {:.6g}) presses {:.3g} mm deep where the body is {:.3g} mm thick",
+                     x[0], x[1], x[2], 1e3 * depth, 1e3 * thickness);
 }
 
 }  // namespace forefeel

@@ -31,7 +31,11 @@ Vec3 free_site(const Body& body, const InputPlace& where);
 struct SitedBody {
   std::shared_ptr<const Body> body;
   double clamped_share = 0;           // of the springs, carried by clamped nodes
+  double thickness = 0;               // of the body at rest under it (SurfaceMap::thickness) [m]
+  Vec3 normal = Vec3::Zero();         // mean, under the pad
   std::vector<std::string> warnings;  // of the pad there
+  // A line where the displacement x [m] goes deeper than the body is thick there.
+  std::optional<std::string> beyond(const Vec3& x) const;
 };
 // InputError at --site: the place is on a clamped facet, or farther from the surface than the body is long. quiet: no
 // progress line.

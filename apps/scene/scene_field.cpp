@@ -131,15 +131,24 @@ void write_cached(const fs::path& file, const std::string& bytes) {
   }
 }
 
+// That a touch anywhere is answered for.
+std::shared_ptr<const Body> answered_body(const Scene& scene) {
+  const std::shared_ptr<const FineBodies>& fine = scene.touch.anywhere->fine;
+  return fine ? std::shared_ptr<const Body>(fine, &fine->first) : scene.body;
+}
+
 }  // namespace
+
+std::shared_ptr<const RestSites> rest_sites_of(const Scene& scene) {
+  return std::make_shared<const RestSites>(answered_body(scene), 1);
+}
 
 FieldFound find_field(const Scene& scene, const Globals& globals, const std::stop_token& stop) {
   const auto start = std::chrono::steady_clock::now();
   SiteFieldOptions options;
   options.threads = globals.threads > 0 ? globals.threads : omp_get_max_threads();
   options.spacing = scene.touch.anywhere->site_spacing.value_or(options.spacing);
-  const std::shared_ptr<const FineBodies>& fine = scene.touch.anywhere->fine;
-  const auto body = fine ? std::shared_ptr<const Body>(fine, &fine->first) : scene.body;
+  const std::shared_ptr<const Body> body = answered_body(scene);
   const fs::path file = file_of_field(scene, options.spacing, field_magic, ".sites");
   FieldFound found;
   if (const std::optional<KeptField> kept = read_cached(file, field_of_bytes)) {

@@ -26,6 +26,8 @@ FieldFound find_field(const Scene& scene, const Globals& globals, const std::sto
 // The field for a moving hand (solver/jet/field_patches.hpp), kept in the cache beside it.
 std::shared_ptr<const FieldPatches> find_patches(const Scene& scene, std::shared_ptr<const SiteField> field,
                                                  const Globals& globals, const std::stop_token& stop = {});
+// Without a field: for other processes that solve. One thread.
+std::shared_ptr<const RestSites> rest_sites_of(const Scene& scene);
 std::shared_ptr<const SiteField> site_field_of(const Scene& scene, const Globals& globals,
                                                const std::stop_token& stop = {});
 

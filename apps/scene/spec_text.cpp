@@ -46,9 +46,11 @@ std::vector<Declared> trait_settings() {
 }
 
 std::vector<Declared> hand_settings() {
-  std::vector<Declared> all{{"target", "", "press", "path that the hand tries to follow: a NAME of path"},
-                            {"grip", "N/m", fmt::format("{}", HandMotion{}.grip),
-                             "stiffness of the grip; also light, medium or firm"}};
+  std::vector<Declared> all{
+      {"target", "", "press",
+       "path that the hand tries to follow: a NAME of path; with contact.anywhere palpation"},
+      {"grip", "N/m", fmt::format("{}", HandMotion{}.grip),
+       "stiffness of the grip; also light, medium or firm"}};
   for (Declared& setting : path_settings()) all.push_back(std::move(setting));
   for (Declared& setting : trait_settings()) all.push_back(std::move(setting));
   return all;

@@ -30,6 +30,7 @@
 #include "apps/scene/given_states.hpp"
 #include "apps/scene/scene_anywhere.hpp"
 #include "apps/scene/scene_contact.hpp"
+#include "apps/scene/scene_field.hpp"
 #include "apps/scene/scene_mesh_error.hpp"
 #include "apps/session/away_from_states.hpp"
 #include "apps/session/report.hpp"
@@ -47,6 +48,7 @@
 #include "scheduling/record/notes.hpp"
 #include "scheduling/record/run_files.hpp"
 #include "scheduling/render/input_replay.hpp"
+#include "scheduling/touch/touch_ranks.hpp"
 #include "scheduling/workers/rank_workers.hpp"
 
 namespace forefeel {
@@ -240,7 +242,11 @@ int run_session_command(const Globals& globals, const SessionArguments& given,
                         const std::shared_ptr<RankPool>& ranks) {
   take_figures(given.figures);
   const Scene scene = load_scene_with_sites(given.scene, globals.set, {.quiet = globals.quiet});
-  if (is_anywhere(scene)) return run_touch_command(globals, given, scene);
+  if (is_anywhere(scene)) {
+    const auto gathered = [&] { return gather(globals, *ranks, scene), ranks; };
+    return run_touch_command(globals, given, scene,
+                             ranks ? gathered : std::function<std::shared_ptr<RankPool>()>());
+  }
   const ShapeOptions shape = shape_options(scene, given);
   SessionPlan plan = planned_run(globals, given, scene, ranks, shape.rate > 0);
   const SessionOptions& options = plan.options;
@@ -302,7 +308,11 @@ int run_with_mpi(const Globals& globals, const SessionArguments& given) {
     return run_session_command(globals, given, shared);
   };
   const auto load = [&](const RankContext& rank) {
-    const Scene scene = load_scene(given.scene, globals.set, nullptr, {.spacing = false});
+    const Scene scene = load_scene_with_sites(given.scene, globals.set, {.spacing = false});
+    if (is_anywhere(scene))
+      return LoadedWorker{
+          .worker = make_touch_rank_worker(rest_sites_of(scene), received_spacing(scene, rank)),
+          .identity = rank_identity(scene.source.hash)};
     const StateSolverOptions solving{
         .spacing = received_spacing(scene, rank),
         .tolerance = 1e-6,

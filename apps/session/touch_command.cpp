@@ -4,6 +4,7 @@
 
 #include <algorithm>
 #include <random>
+#include <variant>
 
 #include "apps/console/interrupt.hpp"
 #include "apps/console/json.hpp"
@@ -38,14 +39,20 @@ void refuse_options(const SessionArguments& given) {
   refuse(given.select.has_value(), "--select", "none");
   refuse(given.solving.workers_kind.has_value(), "--workers-kind", "threads");
   refuse(!given.figures.formats.empty(), "--figures", "report.html");
-  refuse(given.mpi.on, "--mpi", "--workers");
 }
 
-// Palpation where neither the scene nor the command line says more: pressing at one place is no use of such a scene.
+// Palpation where neither the scene nor the command line says more: pressing at one place is no use of such a scene,
+// and a hand's usual target.
 SessionOptions touch_options(const Globals& globals, const SessionArguments& given, const Scene& scene) {
   SessionOptions options = session_options_of(globals, given, scene);
   if (!given.motion.device && !scene.written.device)
     options.motion.device = DeviceSpec(PathMotion{.path = PathName::palpation});
+  if (const auto* hand = std::get_if<HandMotion>(&options.motion.device.motion());
+      hand && hand->target.path == PathName::press) {
+    HandMotion palpating = *hand;
+    palpating.target.path = PathName::palpation;
+    options.motion.device = DeviceSpec(palpating);
+  }
   return options;
 }
 
@@ -94,7 +101,8 @@ TouchSessionInput touch_input(const Globals& globals, const SessionArguments& gi
                           .draw = draw_from(rest),
                           .known = {},
                           .folder = fs::absolute(scene.source.file).parent_path(),
-                          .states = fs::path(given.output) / "session.states"};
+                          .states = fs::path(given.output) / "session.states",
+                          .ranks = {}};
   if (given.states.file.empty()) return input;
   GivenStates known = given_states(globals, scene, given.states.file, false);
   // Files of `generate` hold the field's own jets too.
@@ -135,7 +143,8 @@ void tell_touch(const Globals& globals, const TouchSummary& s, const fs::path& r
 
 }  // namespace
 
-int run_touch_command(const Globals& globals, const SessionArguments& given, const Scene& scene) {
+int run_touch_command(const Globals& globals, const SessionArguments& given, const Scene& scene,
+                      const std::function<std::shared_ptr<RankPool>()>& gather) {
   refuse_options(given);
   const fs::path run = given.output;
   SessionOptions options = touch_options(globals, given, scene);
@@ -143,6 +152,12 @@ int run_touch_command(const Globals& globals, const SessionArguments& given, con
   end_if_interrupted("the session began");
   TouchSessionInput input = touch_input(globals, given, scene, *found.field, found.field);
   check_touch_session(input, options);
+  if (gather) {
+    if (options.clock.kind != Clock::real)
+      throw InputError("--mpi", "needs other processes that solve, expected --clock real");
+    input.ranks = gather();
+    options.workers.count = input.ranks->taking_jobs();
+  }
   input.task.patches = find_patches(scene, found.field, globals);
   end_if_interrupted("the session began");
   claim_run_folder(globals, given, {}, run);

@@ -13,6 +13,7 @@
 #include "apps/console/commands.hpp"
 #include "apps/console/console.hpp"
 #include "apps/console/json.hpp"
+#include "apps/console/values.hpp"
 #include "apps/picture/figure_files.hpp"
 #include "apps/scene/given_states.hpp"
 #include "apps/show/gather.hpp"
@@ -48,6 +49,9 @@ void check_arguments(const Globals& globals, const ShowArguments& arguments) {
                      fmt::format("has the ending '{}', expected {}", extension, fmt::join(known, ", ")));
   if (arguments.request.foreign && arguments.request.scene.empty())
     throw InputError("--foreign", "is about states beside a scene, expected it with --scene");
+  if (arguments.request.trust && !(*arguments.request.trust < 1))
+    throw InputError("--trust",
+                     fmt::format("is {:g} m, expected a depth in metres", *arguments.request.trust));
   const bool scene = lower_case(fs::path(arguments.request.what).extension().string()) == ".toml";
   if (!globals.set.empty() && arguments.request.scene.empty() && !scene)
     throw InputError("--set", "overrides keys of a scene, expected it with a scene, or with --scene");
@@ -100,6 +104,7 @@ nlohmann::ordered_json to_json(const ShowResult& result) {
   out["body"] = nullptr;
   if (content.body) {
     const ShownBody& body = *content.body;
+    const auto of_shade = [&](PadShade shade) { return body.pad && body.pad->shade == shade; };
     nlohmann::ordered_json groups = nlohmann::ordered_json::array();
     for (const ShownGroup& group : body.groups) groups.push_back(group.name);
     out["body"] = {
@@ -108,9 +113,10 @@ nlohmann::ordered_json to_json(const ShowResult& result) {
         {"elements", body.mesh.tets.size()},
         {"clamp", std::ranges::count(body.role, Role::clamp)},
         {"contact", std::ranges::count(body.role, Role::contact)},
-        {"pad", body.pad && !body.pad->anywhere ? number(body.pad->peak) : Json()},
+        {"pad", of_shade(PadShade::springs) ? number(body.pad->peak) : Json()},
         {"stiffness",
-         body.pad && body.pad->anywhere ? Json{number(body.pad->least), number(body.pad->peak)} : Json()},
+         of_shade(PadShade::stiffness) ? Json{number(body.pad->least), number(body.pad->peak)} : Json()},
+        {"untrusted", of_shade(PadShade::error) ? number(body.pad->share) : Json()},
         {"groups", groups},
         {"regions", nlohmann::ordered_json::array()}};
     for (const ShownRegion& region : body.regions.all)
@@ -165,6 +171,12 @@ void add_show(CommandLine& line) {
          "unchanged")
       .shows("SCENE");
   sub.flag("--foreign", arguments->request.foreign, foreign_help);
+  sub.option("--trust", arguments->request.trust,
+             "With contact.anywhere: colour the body by the estimated error of the force this deep [m], in "
+             "place of "
+             "its stiffness; the states shown count")
+      .shows("DEPTH")
+      .check(above_zero);
   add_palette(sub, arguments->palette);
 }
 

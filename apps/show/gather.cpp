@@ -31,21 +31,41 @@ Scene scene_at(const Globals& globals, const std::string& file) {
   return load_scene_with_sites(file, globals.set, {.quiet = globals.quiet});
 }
 
-void take_scene(const Globals& globals, const Scene& scene, ShowContent& content) {
+// states: known, of a scene with contact.anywhere.
+void take_scene(const Globals& globals, const ShowRequest& request, const Scene& scene,
+                std::span<const State> states, ShowContent& content) {
   if (is_anywhere(scene)) {
-    content.body = shown_anywhere(scene, globals);
+    content.body = shown_anywhere(scene, globals, request.trust, states);
     return;
   }
+  if (request.trust)
+    throw InputError("--trust",
+                     "is for a body that is touched anywhere, expected a scene with contact.anywhere");
   content.body = shown_body(*scene.body);
   content.box = scene.space.box;
   content.spacing = scene.space.spacing;
 }
 
-ShowContent of_scene(const Globals& globals, const std::string& file) {
+// States with sites are shown where the tip is, s + x. Returns whether there are any.
+bool at_tips(std::vector<ShownState>& states) {
+  bool any = false;
+  for (ShownState& s : states)
+    if (s.state.has_site()) s.state.at += s.state.site, any = true;
+  return any;
+}
+
+std::vector<State> states_of(const std::vector<ShownState>& shown) {
+  std::vector<State> states;
+  for (const ShownState& s : shown) states.push_back(s.state);
+  return states;
+}
+
+ShowContent of_scene(const Globals& globals, const ShowRequest& request) {
+  const std::string& file = request.what;
   const Scene scene = scene_at(globals, file);
   ShowContent content;
   content.kind = "scene";
-  take_scene(globals, scene, content);
+  take_scene(globals, request, scene, {}, content);
   content.warnings = scene.source.warnings;
   content.title =
       fmt::format("{}: {} elements, {}", fs::path(file).filename().string(), scene.body->mesh.tets.size(),
@@ -82,10 +102,9 @@ ShowContent of_surface(const std::string& file) {
 LabelFrame with_scene(const Globals& globals, const ShowRequest& request, const Scene& scene,
                       const BodyIdentity& identity, const std::vector<ShownState>& states, LabelFrame frame,
                       ShowContent& content) {
-  std::vector<State> all;
-  for (const ShownState& s : states) all.push_back(s.state);
+  const std::vector<State> all = states_of(states);
   belonging_of(globals, scene, frame.where, identity, all, request.foreign);
-  take_scene(globals, scene, content);
+  take_scene(globals, request, scene, all, content);
   for (const std::string& warning : scene.source.warnings) content.warnings.push_back(warning);
   frame.spacing = scene.space.spacing;
   frame.box = scene.space.box;
@@ -124,8 +143,9 @@ ShowContent of_states(const Globals& globals, const ShowRequest& request) {
   if (!request.scene.empty())
     frame = with_scene(globals, request, scene_at(globals, request.scene), identity, states, frame, content);
   else if (const std::optional<Scene> scene = scene_of(own); scene && scene->identity == identity)
-    take_scene(globals, *scene, content);
+    take_scene(globals, request, *scene, states_of(states), content);
   if (states.empty()) throw InputError({.file = request.what}, "holds no state, expected some to show");
+  if (at_tips(states)) frame.box.reset();
   const double now = 0;
   take_states(globals, frame, std::move(states), {&now, 1}, content);
   content.title = fmt::format("{}: {} states, spacing {}", fs::path(request.what).filename().string(),
@@ -152,7 +172,7 @@ ShowContent of_run(const Globals& globals, const ShowRequest& request) {
     frame = with_scene(globals, request, scene_at(globals, request.scene), run.identity, run.states, frame,
                        content);
   } else if (const std::optional<Scene> scene = scene_of(run.made_by)) {
-    take_scene(globals, *scene, content);
+    take_scene(globals, request, *scene, states_of(run.states), content);
     frame.box = scene->space.box;
   } else {
     content.warnings.push_back(fmt::format(
@@ -163,6 +183,7 @@ ShowContent of_run(const Globals& globals, const ShowRequest& request) {
   content.spacing = frame.spacing;
   content.box = frame.box;
   const std::size_t known = run.states.size();
+  if (at_tips(run.states)) frame.box.reset();
   if (!run.states.empty()) take_states(globals, frame, std::move(run.states), moments(run.run), content);
   content.run = std::move(run.run);
   const fs::path folder = fs::path(request.what).lexically_normal();
@@ -190,7 +211,7 @@ ShowContent gather(const Globals& globals, const ShowRequest& request) {
     return of_states(globals, request);
   if (!request.scene.empty())
     throw InputError("--scene", "gives the body of states or of a run, expected one of these to show");
-  if (extension == ".toml") return of_scene(globals, request.what);
+  if (extension == ".toml") return of_scene(globals, request);
   if (is_mesh_file(request.what)) return of_mesh(request.what);
   if (is_surface_file(request.what)) return of_surface(request.what);
   throw InputError(

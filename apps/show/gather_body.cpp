@@ -3,6 +3,7 @@
 #include <algorithm>
 #include <utility>
 
+#include "apps/scene/field_check.hpp"
 #include "apps/scene/palpation_map.hpp"
 #include "apps/scene/scene_body.hpp"
 #include "apps/scene/scene_field.hpp"
@@ -76,9 +77,18 @@ ShownBody with_roles(const Body& body) {
 
 }  // namespace
 
-ShownBody shown_anywhere(const Scene& scene, const Globals& globals) {
+ShownBody shown_anywhere(const Scene& scene, const Globals& globals, std::optional<double> trust,
+                         std::span<const State> states) {
   ShownBody shown = with_roles(*scene.body);
-  shown.pad = shown_stiffness(palpation_map(site_field_of(scene, globals)->rest(), *scene.body), shown);
+  const std::shared_ptr<const SiteField> field = site_field_of(scene, globals);
+  if (!trust) {
+    shown.pad = shown_stiffness(palpation_map(field->rest(), *scene.body, globals.threads), shown);
+    return shown;
+  }
+  const auto known = field_with(field, states, std::max(1, globals.threads));
+  shown.pad =
+      shown_error(error_map(*known, *scene.body, *trust, scene.session.judging.error_floor, globals.threads),
+                  scene.spacing.tolerance, *trust, shown);
   return shown;
 }
 

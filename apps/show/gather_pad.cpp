@@ -78,7 +78,10 @@ class Splitter {
 }  // namespace
 
 std::string in_words(const ShownPad& pad) {
-  if (pad.anywhere) return fmt::format("body at rest, {:.0f} to {:.0f} N/m", pad.least, pad.peak);
+  if (pad.shade == PadShade::stiffness)
+    return fmt::format("body at rest, {:.0f} to {:.0f} N/m", pad.least, pad.peak);
+  if (pad.shade == PadShade::error)
+    return fmt::format("error at {:.3g} mm, to {:.2g} %", 1e3 * pad.depth, 100 * pad.peak);
   return fmt::format("pad, up to {:.3g} kPa/mm", 1e-6 * pad.peak);
 }
 
@@ -100,15 +103,10 @@ std::optional<ShownPad> shown_pad(const Body& body, const ShownBody& shown) {
   return splitter.take();
 }
 
-std::optional<ShownPad> shown_stiffness(const std::vector<SurfaceStiffness>& map, const ShownBody& shown) {
-  const std::optional<StiffnessRange> range = range_over(map, &SurfaceStiffness::alone);
-  if (!range) return {};
-  ShownPad pad;
-  pad.anywhere = true;
-  pad.least = range->least, pad.peak = range->greatest;
-  std::map<NodeIndex, double> weight;  // by node of the mesh
-  const double span = std::max(range->greatest - range->least, 1e-12 * range->greatest);
-  for (const SurfaceStiffness& at : map) weight[at.node] = (at.alone - range->least) / span;
+namespace {
+
+// Colours at the nodes of the surface. weight: by node of the mesh; a clamped node has none.
+void colour_nodes(const std::map<NodeIndex, double>& weight, const ShownBody& shown, ShownPad& pad) {
   for (std::size_t t = 0; t < shown.triangles.size(); ++t) {
     const auto known = [&](NodeIndex own) { return weight.contains(shown.node[own]); };
     if (std::ranges::none_of(shown.triangles[t], known)) continue;
@@ -118,10 +116,45 @@ std::optional<ShownPad> shown_stiffness(const std::vector<SurfaceStiffness>& map
       part[i] = static_cast<NodeIndex>(pad.facet.size());
       pad.facet.push_back(static_cast<std::uint32_t>(t));
       pad.at.push_back(Vec3::Unit(static_cast<int>(i)));
-      pad.weight.push_back(known(own) ? weight.at(shown.node[own]) : 1);  // a clamped node
+      pad.weight.push_back(known(own) ? weight.at(shown.node[own]) : 1);
     }
     pad.triangles.push_back(part);
   }
+}
+
+}  // namespace
+
+std::string_view name(PadShade shade) {
+  return shade == PadShade::springs ? "springs" : shade == PadShade::stiffness ? "stiffness" : "error";
+}
+
+std::optional<ShownPad> shown_stiffness(const std::vector<SurfaceStiffness>& map, const ShownBody& shown) {
+  const std::optional<StiffnessRange> range = range_over(map, &SurfaceStiffness::alone);
+  if (!range) return {};
+  ShownPad pad;
+  pad.shade = PadShade::stiffness;
+  pad.least = range->least, pad.peak = range->greatest;
+  std::map<NodeIndex, double> weight;
+  const double span = std::max(range->greatest - range->least, 1e-12 * range->greatest);
+  for (const SurfaceStiffness& at : map) weight[at.node] = (at.alone - range->least) / span;
+  colour_nodes(weight, shown, pad);
+  return pad;
+}
+
+std::optional<ShownPad> shown_error(const std::vector<SurfaceError>& map, double tolerance, double depth,
+                                    const ShownBody& shown) {
+  if (map.empty()) return {};
+  ShownPad pad;
+  pad.shade = PadShade::error;
+  pad.peak = tolerance, pad.depth = depth;
+  std::map<NodeIndex, double> weight;
+  double area = 0, above = 0;
+  for (const SurfaceError& at : map) {
+    weight[at.node] = std::min(1.0, at.error / tolerance);
+    area += at.area, above += at.error > tolerance ? at.area : 0;
+  }
+  pad.share = above / area;
+  colour_nodes(weight, shown, pad);
   return pad;
 }
 

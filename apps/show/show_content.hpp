@@ -7,6 +7,7 @@
 #include <cstdint>
 #include <optional>
 #include <string>
+#include <string_view>
 #include <vector>
 
 #include "geometry/coverage/region_summary.hpp"
@@ -45,11 +46,18 @@ struct ShownRegions {
   ShownInterface inside;
 };
 
-// What a pad says of the surface: its springs at one place, or, with contact.anywhere, the body's stiffness at rest
-// under it. Points, each in a triangle of the body, and triangles between them.
+// springs: of a pad at one place. With contact.anywhere the body's stiffness at rest, or the estimated error of the
+// force where the tip is pressed straight in, over the tolerance.
+enum class PadShade : std::uint8_t { springs, stiffness, error };
+std::string_view name(PadShade shade);
+
+// What a pad says of the surface. Points, each in a triangle of the body, and triangles between them.
 struct ShownPad {
-  bool anywhere = false;             // stiffness
-  double least = 0, peak = 0;        // of a(y) (solver/body/pad.hpp) [N/m^3]; of the stiffness [N/m]
+  PadShade shade = PadShade::springs;
+  double least = 0,
+         peak = 0;   // of a(y) (solver/body/pad.hpp) [N/m^3]; of the stiffness [N/m]; of the error [1]
+  double depth = 0;  // of the error [m]
+  double share = 0;  // of the surface, where the error is above the tolerance [1]
   std::vector<std::uint32_t> facet;  // #P: number of its triangle of the body
   std::vector<Vec3> at;              // #P: barycentric coordinates in it
   std::vector<double> weight;        // #P: 0 at the least value, 1 at the peak and beyond

@@ -71,7 +71,8 @@ Json corners_of(const std::vector<Triangle>& triangles) {
 }
 
 Json pad_json(const ShownPad& pad) {
-  return {{"anywhere", pad.anywhere},
+  return {{"shade", name(pad.shade)},
+          {"depth", pad.depth},
           {"least", pad.least},
           {"peak", pad.peak},
           {"facet", packed("u32", pad.facet)},

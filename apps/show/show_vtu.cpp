@@ -44,7 +44,8 @@ void write_body(const fs::path& file, const ShownBody& body) {
   grid.section("PointData");
   grid.array<std::uint8_t>("role", 1, role);
   if (body.pad)
-    grid.array<double>(body.pad->anywhere ? "stiffness" : "pad", 1, pad_at_nodes(body, points.size()));
+    grid.array<double>(body.pad->shade == PadShade::springs ? "pad" : std::string(name(body.pad->shade)), 1,
+                       pad_at_nodes(body, points.size()));
   for (const auto& [name, nodes] : body.mesh.groups) {
     std::vector<std::uint8_t> in(points.size(), 0);
     for (const NodeIndex node : nodes) in[node] = 1;

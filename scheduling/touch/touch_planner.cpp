@@ -9,7 +9,6 @@
 namespace forefeel {
 namespace {
 
-constexpr std::size_t most_starts = 64;
 constexpr double jets_apart = 0.25;  // of site_spacing
 constexpr int predictions = 8;
 constexpr double trust_factor = 3;  // that of DeepStates::trusted()
@@ -170,18 +169,6 @@ double TouchPlanner::estimated_jnds(const Vec3& tip) const {
   return error / (task_.tolerance * std::max(field_.at(visit.site, x).at.force.norm(), task_.floor));
 }
 
-std::shared_ptr<const Equilibrium> TouchPlanner::start_near(const SurfacePlace& site, const Vec3& x) const {
-  // A neighbour's solution, where it is nearer than rest. The pad moves with the site, so ways over the surface count
-  // as ways of the tip.
-  double least = x.norm();
-  std::shared_ptr<const Equilibrium> best;
-  for (const Start& start : starts_) {
-    const double way = (start.equilibrium->at - x).norm() + (start.site.at - site.at).norm();
-    if (way < least) least = way, best = start.equilibrium;
-  }
-  return best;
-}
-
 TouchJob TouchPlanner::dispatch(const SurfacePlace& site, const Vec3& x, double priority, int worker,
                                 double now) {
   const auto id = static_cast<std::uint32_t>(dispatches_.size());
@@ -192,7 +179,7 @@ TouchJob TouchPlanner::dispatch(const SurfacePlace& site, const Vec3& x, double 
     jets_.push_back(site);
   else
     gone_.emplace(key_of(site, site.at + x), true), pending_.push_back(site.at + x);
-  return {.id = id, .site = site, .x = x, .start = start_near(site, x)};
+  return {.id = id, .site = site, .x = x, .start = starts_.near(site, x)};
 }
 
 std::vector<TouchJob> TouchPlanner::plan(const std::vector<int>& idle, double now) {
@@ -225,11 +212,51 @@ std::vector<TouchJob> TouchPlanner::plan(const std::vector<int>& idle, double no
   return jobs;
 }
 
+std::optional<int> TouchPlanner::preempted(double now) {
+  constexpr double far_more = 20, least_left = 0.1;
+  constexpr int most_often = 2;
+  const double solve = times_.empty() ? parts_.solve_seconds : median(times_);
+  if (now - preemption_.checked < std::max(0.02, 0.25 * solve)) return {};
+  preemption_.checked = now;
+  std::vector<const TouchDispatch*> running;
+  for (const TouchDispatch& d : dispatches_) {
+    if (d.status != DispatchStatus::running || d.x.isZero(0) || preemption_.now.contains(d.id)) continue;
+    const auto before = preemption_.counts.find(key_of(places_[d.id], d.site + d.x));
+    if (before == preemption_.counts.end() || before->second < most_often) running.push_back(&d);
+  }
+  if (running.empty()) return {};
+  predict();
+  pressed_ = visits();
+  const bool jet = missing_jet(pressed_).has_value();
+  double wanted = std::numeric_limits<double>::infinity();
+  if (!jet) {
+    const std::vector<Wanted> open = candidates(pressed_, now);
+    if (open.empty()) return {};
+    parts_.policy->look(view(now));
+    wanted = 0;
+    for (const Wanted& w : open) wanted = std::max(wanted, parts_.policy->priority(w.candidate, view(now)));
+  }
+  const TouchDispatch* weakest = nullptr;
+  double least = wanted / far_more;
+  for (const TouchDispatch* d : running) {
+    const double left = std::max(1 - (now - d->requested) / solve, least_left);
+    const double worth =
+        jet ? 1 / left
+            : parts_.policy->priority({.at = d->site + d->x, .delta = task_.tips.spacing}, view(now)) / left;
+    if (worth < least) least = worth, weakest = d;
+  }
+  if (!weakest) return {};
+  preemption_.now.insert(weakest->id);
+  ++preemption_.counts[key_of(places_[weakest->id], weakest->site + weakest->x)];
+  return weakest->worker;
+}
+
 bool TouchPlanner::receive(std::uint32_t id, TouchSolved solved, double started, double finished,
                            double now) {
   TouchDispatch& record = dispatches_[id];
   record.started = started, record.finished = finished, record.known = now;
   const SurfacePlace& place = places_[id];
+  preemption_.now.erase(id);
   if (const auto at = std::ranges::find(pending_, Vec3(record.site + record.x)); at != pending_.end())
     pending_.erase(at);
   if (solved.state.solve.status == SolveStatus::cancelled) {
@@ -244,10 +271,7 @@ bool TouchPlanner::receive(std::uint32_t id, TouchSolved solved, double started,
     return false;
   }
   record.status = DispatchStatus::solved;
-  if (solved.equilibrium) {
-    starts_.push_back({place, solved.equilibrium});
-    if (starts_.size() > most_starts) starts_.erase(starts_.begin());
-  }
+  starts_.add(place, solved.equilibrium);
   learn(solved.state);
   return true;
 }

@@ -11,6 +11,7 @@
 #include <functional>
 #include <map>
 #include <optional>
+#include <set>
 #include <vector>
 
 #include "scheduling/motion/predictor.hpp"
@@ -48,6 +49,9 @@ class TouchPlanner {
   void observe(const TouchSeen& seen);
   // Jobs for these idle workers, best first; at most one each.
   std::vector<TouchJob> plan(const std::vector<int>& idle, double now);
+  // Where no worker is idle: one whose running solve another is worth twenty times of, or a jet at rest at the hand's
+  // place is waited for. No state is cancelled more than twice. The caller cancels it.
+  std::optional<int> preempted(double now);
   // Of a job that plan() gave. Returns whether there is something new to render.
   bool receive(std::uint32_t id, TouchSolved solved, double started, double finished, double now);
   // The model of all that is known; it lives as long as the planner.
@@ -79,7 +83,6 @@ class TouchPlanner {
   bool near_jet(const SurfacePlace& site) const;
   Key key_of(const SurfacePlace& site, const Vec3& tip) const;
   TouchJob dispatch(const SurfacePlace& site, const Vec3& x, double priority, int worker, double now);
-  std::shared_ptr<const Equilibrium> start_near(const SurfacePlace& site, const Vec3& x) const;
   PlannerView view(double now) const;
   double estimated_jnds(const Vec3& tip) const;
   void learn(const State& state);
@@ -96,11 +99,13 @@ class TouchPlanner {
   std::map<Key, double> asked_;       // when a candidate was first wanted [s]
   std::map<Key, bool> gone_;          // known, being solved or failed
   std::vector<Vec3> pending_;
-  struct Start {
-    SurfacePlace site;
-    std::shared_ptr<const Equilibrium> equilibrium;
+  TouchStarts starts_;
+  struct Preemption {
+    double checked = 0;           // [s]
+    std::map<Key, int> counts;    // how often each was cancelled
+    std::set<std::uint32_t> now;  // dispatches that are told to stop
   };
-  std::vector<Start> starts_;  // the last ones
+  Preemption preemption_;
   std::vector<TouchDispatch> dispatches_;
   std::vector<SurfacePlace> places_;  // by dispatch
   std::vector<std::unique_ptr<TouchModel>> models_;

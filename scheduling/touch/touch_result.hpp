@@ -13,15 +13,18 @@
 
 namespace forefeel {
 
+class RankPool;
+
 struct TouchSessionInput {
   TouchTask task;
-  double site_spacing = 0;       // for labels [m]
-  BodyIdentity identity;         // of the file of states
-  Viscosity viscosity;           // of the body
-  DrawPlaces draw;               // for paths of the hand
-  std::vector<State> known;      // at the start
-  std::filesystem::path folder;  // of the scene, for files of motions
-  std::filesystem::path states;  // new states are appended here; empty: nowhere
+  double site_spacing = 0;          // for labels [m]
+  BodyIdentity identity;            // of the file of states
+  Viscosity viscosity;              // of the body
+  DrawPlaces draw;                  // for paths of the hand
+  std::vector<State> known;         // at the start
+  std::filesystem::path folder;     // of the scene, for files of motions
+  std::filesystem::path states;     // new states are appended here; empty: nowhere
+  std::shared_ptr<RankPool> ranks;  // that solve in place of threads, real clock
 };
 
 struct TouchProgress {

@@ -18,6 +18,7 @@
 #include "scheduling/session/rehearsal.hpp"
 #include "scheduling/touch/touch_judge.hpp"
 #include "scheduling/touch/touch_loop.hpp"
+#include "scheduling/touch/touch_ranks.hpp"
 #include "scheduling/touch/touch_workers.hpp"
 #include "scheduling/workers/cost.hpp"
 
@@ -167,6 +168,8 @@ void run_virtual(Parts& parts, TouchSessionResult& result, const Show& show) {
     if (const auto seen = parts.link.seen.take()) parts.planner.observe(*seen);
     if (!came && now - planned < plan_every) continue;
     planned = now;
+    if (parts.options.planning.preempt && workers.idle().empty())
+      if (const auto worker = parts.planner.preempted(now)) workers.cancel(*worker, now);
     for (TouchJob& job : parts.planner.plan(workers.idle(), now)) {
       const double seconds = job.x.isZero(0) ? checked_rest_seconds(*parts.cost)
                                              : checked_seconds(*parts.cost, job.site.at + job.x);
@@ -207,21 +210,26 @@ void run_real(Parts& parts, TouchSessionResult& result, const Show& show) {
   const std::int64_t start = parts.started = monotonic();
   LoopThread loop{parts, FramePacer(parts.options.clock.frame, parts.frames), start};
   const auto now = [start] { return static_cast<double>(monotonic() - start) / 1e9; };
-  RealTouchWorkers workers(parts.input.task.field->rest_shared(), parts.input.task.tips.spacing,
-                           parts.options.workers.count, now);
+  const std::unique_ptr<TouchWorkers> workers =
+      parts.input.ranks ? make_touch_ranks(*parts.input.ranks, now)
+                        : std::make_unique<RealTouchWorkers>(parts.input.task.field->rest_shared(),
+                                                             parts.input.task.tips.spacing,
+                                                             parts.options.workers.count, now);
   std::jthread thread([&] { loop.run(parts.options.stop); });
   double planned = -1, shown = 0;
   while (!loop.done.load(std::memory_order_acquire)) {
     bool came = false, changed = false;
-    for (TouchDone& done : workers.done(0.0005)) changed |= parts.take(std::move(done), now()), came = true;
+    for (TouchDone& done : workers->done(0.0005)) changed |= parts.take(std::move(done), now()), came = true;
     if (changed) parts.link.models.publish(parts.planner.model());
     if (const auto seen = parts.link.seen.take()) parts.planner.observe(*seen);
     parts.link.planner_beat.store(now(), std::memory_order_relaxed);
     if (came || now() - planned >= plan_every) {
       planned = now();
-      for (TouchJob& job : parts.planner.plan(workers.idle(), planned)) {
+      if (parts.options.planning.preempt && workers->idle().empty())
+        if (const auto worker = parts.planner.preempted(planned)) workers->cancel(*worker);
+      for (TouchJob& job : parts.planner.plan(workers->idle(), planned)) {
         const int worker = parts.planner.dispatches()[job.id].worker;
-        workers.dispatch(worker, std::move(job));
+        workers->dispatch(worker, std::move(job));
       }
     }
     if (show && now() - shown > 0.25) {
@@ -236,6 +244,7 @@ void run_real(Parts& parts, TouchSessionResult& result, const Show& show) {
   result.loop.skipped = loop.pacer.skipped();
   result.loop.longest_pause = loop.pacer.longest_pause(), result.loop.paused_at = loop.pacer.paused_at();
   if (!loop.note.empty()) result.notes.push_back(loop.note);
+  for (std::string& note : workers->notes()) result.notes.push_back(std::move(note));
   if (loop.pacer.skipped() > 0)
     result.notes.push_back(fmt::format("{} of {} frames came a frame or more late and were skipped",
                                        loop.pacer.skipped(), parts.frames));

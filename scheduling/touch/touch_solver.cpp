@@ -3,11 +3,40 @@
 #include <algorithm>
 #include <chrono>
 #include <cmath>
+#include <exception>
 #include <utility>
 
 #include "geometry/states/energy_jet.hpp"
 
 namespace forefeel {
+
+void TouchStarts::add(const SurfacePlace& site, std::shared_ptr<const Equilibrium> equilibrium) {
+  constexpr std::size_t most = 64;
+  if (!equilibrium) return;
+  starts_.push_back({site, std::move(equilibrium)});
+  if (starts_.size() > most) starts_.pop_front();
+}
+
+std::shared_ptr<const Equilibrium> TouchStarts::near(const SurfacePlace& site, const Vec3& x) const {
+  double least = x.norm();
+  std::shared_ptr<const Equilibrium> best;
+  for (const Start& start : starts_) {
+    const double way = (start.equilibrium->at - x).norm() + (start.site.at - site.at).norm();
+    if (way < least) least = way, best = start.equilibrium;
+  }
+  return best;
+}
+
+TouchSolved solved_by(TouchSolver& solver, const TouchJob& job, const std::stop_token& stop) {
+  try {
+    return solver.solve(job, stop);
+  } catch (const std::exception&) {
+    TouchSolved failed;
+    failed.state.at = job.x, failed.state.site = job.site.at;
+    failed.state.solve.status = SolveStatus::diverged;
+    return failed;
+  }
+}
 
 TouchSolver::TouchSolver(std::shared_ptr<const RestSites> sites, double step)
     : sites_(std::move(sites)), step_(step) {}

@@ -2,26 +2,17 @@
 
 #include <algorithm>
 #include <chrono>
-#include <exception>
 #include <tuple>
 #include <utility>
 
 namespace forefeel {
-namespace {
 
-// A solver that throws has failed at the state.
-TouchSolved solved_by(TouchSolver& solver, const TouchJob& job, const std::stop_token& stop) {
-  try {
-    return solver.solve(job, stop);
-  } catch (const std::exception&) {
-    TouchSolved failed;
-    failed.state.at = job.x, failed.state.site = job.site.at;
-    failed.state.solve.status = SolveStatus::diverged;
-    return failed;
-  }
+TouchSolved cancelled(const TouchJob& job) {
+  TouchSolved solved;
+  solved.state.at = job.x, solved.state.site = job.site.at;
+  solved.state.solve.status = SolveStatus::cancelled;
+  return solved;
 }
-
-}  // namespace
 
 VirtualTouchWorkers::VirtualTouchWorkers(std::shared_ptr<const RestSites> sites, double step, int count)
     : sites_(std::move(sites)), step_(step), slots_(static_cast<std::size_t>(count)) {}
@@ -35,7 +26,7 @@ std::vector<int> VirtualTouchWorkers::idle() const {
 
 void VirtualTouchWorkers::dispatch(int worker, TouchJob job, double now, double seconds) {
   Slot& slot = slots_[static_cast<std::size_t>(worker)];
-  slot.job = job;
+  slot.job = job, slot.cancelled = false;
   slot.started = now, slot.finished = now + seconds;
   slot.solved = std::async(std::launch::async, [sites = sites_, step = step_, job = std::move(job)] {
     TouchSolver solver(sites, step);
@@ -43,12 +34,19 @@ void VirtualTouchWorkers::dispatch(int worker, TouchJob job, double now, double 
   });
 }
 
+void VirtualTouchWorkers::cancel(int worker, double now) {
+  Slot& slot = slots_[static_cast<std::size_t>(worker)];
+  slot.finished = std::min(slot.finished, now), slot.cancelled = true;
+}
+
 std::vector<TouchDone> VirtualTouchWorkers::done(double now) {
   std::vector<TouchDone> done;
   for (std::size_t i = 0; i < slots_.size(); ++i) {
     Slot& slot = slots_[i];
     if (!slot.job || slot.finished > now) continue;
-    done.push_back({slot.job->id, static_cast<int>(i), slot.started, slot.finished, slot.solved.get()});
+    TouchSolved solved = slot.solved.get();
+    done.push_back({slot.job->id, static_cast<int>(i), slot.started, slot.finished,
+                    slot.cancelled ? cancelled(*slot.job) : std::move(solved)});
     slot.job.reset();
   }
   std::ranges::sort(done, {}, [](const TouchDone& d) { return std::tuple(d.finished, d.id); });

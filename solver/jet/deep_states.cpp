@@ -237,7 +237,8 @@ std::shared_ptr<const DeepStates::Record> DeepStates::record_of(const State& sta
                            state.at);
     record->correction = product(known - so_far, inverse_growth(state.at));
     record->surprise = (known - so_far).segment<3>(1).norm() / model.estimate(state.at);
-    record->reach = std::min(options_.reach * state.at.norm(), radius_of(state.stiffness, jet));
+    record->reach = std::min(options_.reach * state.at.norm(), radius_of(state.stiffness, jet)) /
+                    std::sqrt(std::max(1.0, record->surprise));
   }
   record->correction.tail(static_cast<Eigen::Index>(series_size - start_of(record->degree + 1))).setZero();
   record->back = model.root().inverse();

@@ -89,6 +89,23 @@ bool SurfaceMap::inside(const Vec3& point) const {
   return angle > 2 * std::numbers::pi;
 }
 
+double SurfaceMap::thickness(const SurfacePlace& place, const Vec3& normal) const {
+  constexpr double in_plane = 1e-9;
+  if (!(facet(place).normal.dot(normal) > 0)) return std::numeric_limits<double>::infinity();
+  double least = std::numeric_limits<double>::infinity();
+  for (std::size_t f = 0; f < facets_.size(); ++f) {
+    if (static_cast<std::int32_t>(f) == place.facet || !(facets_[f].normal.dot(normal) < -in_plane)) continue;
+    const auto [a, b, c] = corners(static_cast<std::int32_t>(f));
+    const double depth = facets_[f].normal.dot(place.at - a) / facets_[f].normal.dot(normal);
+    const Vec3 at = place.at - depth * normal;
+    const auto is_left = [&](const Vec3& p, const Vec3& q) {
+      return (q - p).cross(at - p).dot(facets_[f].normal) >= -in_plane * (q - p).squaredNorm();
+    };
+    if (depth > 0 && depth < least && is_left(a, b) && is_left(b, c) && is_left(c, a)) least = depth;
+  }
+  return least;
+}
+
 SurfacePlace SurfaceMap::random(std::mt19937_64& random) const {
   std::uniform_real_distribution<double> share(0, 1);
   const auto at = std::ranges::upper_bound(sums_, share(random) * free_area_);

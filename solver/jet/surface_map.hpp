@@ -44,6 +44,9 @@ class SurfaceMap {
   SurfacePlace nearest(const Vec3& point) const;  // clamped facets too; O(facets)
   bool inside(const Vec3& point) const;           // of the body at rest, by the solid angle of its surface
   SurfacePlace random(std::mt19937_64& random) const;  // uniform by area, not clamped
+  // Of the body at rest under a place, against `normal`: to where the way leaves it first [m]; infinite where that goes
+  // out at once, as beside a sharp rim. O(facets).
+  double thickness(const SurfacePlace& place, const Vec3& normal) const;
 
   struct Walk {
     SurfacePlace end;

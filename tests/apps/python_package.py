@@ -33,6 +33,37 @@ def field(x):  # [N]
     return -300 * np.asarray(x)
 
 
+class Anywhere(unittest.TestCase):
+    def test_a_linear_body_is_exact_at_every_site(self):
+        with tempfile.TemporaryDirectory() as folder:
+            scene = pathlib.Path(folder) / "any.toml"
+            scene.write_text('[body]\nphantom = "beam"\nelements = 240\n[material]\nlaw = "linear"\nyoung = 5000.0\n'
+                             'poisson = 0.3\n[contact]\nanywhere = true\npad = 400.0\nradius = 0.012\n')
+            touched = ff.SurfaceField(scene)
+            sites = touched.sites[:5]
+            self.assertEqual(touched.sites.shape[1], 3)
+            stiffness, normals = touched.stiffness(sites)
+            x = -0.004 * normals
+            there = touched.evaluate(sites, x)
+            self.assertLess(np.abs(there.force + np.einsum("nij,nj->ni", stiffness, x)).max(), 1e-9)
+            self.assertLess(np.abs(there.energy - 0.5 * np.einsum("ni,nij,nj->n", x, stiffness, x)).max(), 1e-12)
+            self.assertTrue(there.trusted.all())
+            solved = touched.solve(sites, x)
+            self.assertLess(np.abs(solved["force"] - there.force).max(), 1e-6)
+            self.assertTrue(np.array_equal(solved["site"], there.site))
+            with self.assertRaisesRegex(ff.InputError, "clamped"):
+                touched.evaluate([0, 0.01, 0.01], [[0, 0, -0.001]])
+            with self.assertRaisesRegex(ff.InputError, "sites"):
+                touched.evaluate(sites[:2], x)
+            with self.assertRaisesRegex(ff.InputError, "anywhere"):
+                ff.SurfaceField(SCENE)
+            run("generate", scene, "-o", f"{folder}/any.states")
+            known = ff.read_states(f"{folder}/any.states")
+            self.assertTrue(np.isfinite(known["site"]).all())
+            again = ff.SurfaceField(scene, states=f"{folder}/any.states").evaluate(sites, x)
+            self.assertLess(np.abs(again.force - there.force).max(), 1e-9)
+
+
 class Bodies(unittest.TestCase):
     def test_a_body_made_of_arrays_gives_the_states_of_its_scene(self):
         scene = ff.Scene(SCENE)

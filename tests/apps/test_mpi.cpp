@@ -205,6 +205,27 @@ TEST_CASE("a session whose worker rank is killed goes on with the other, where M
   CHECK(summary["interrupted"] == false);
 }
 
+TEST_CASE("a session that touches anywhere has its workers in other processes") {
+  const Workshop shop;
+  if (const std::string why = reason_to_skip(shop); !why.empty()) return forefeel::test::skip(why);
+  shop.write("any.toml",
+             "[body]\nphantom = \"beam\"\nelements = 240\n[material]\nlaw = \"neo-hookean\"\nyoung = 5000.0\n"
+             "poisson = 0.3\n[contact]\nanywhere = true\npad = 400.0\nradius = 0.012\nsite_spacing = 0.02\n"
+             "[state_space]\ndepth = 0.01\ntolerance = 0.001\n");
+  const std::string session = "session any.toml --mpi --seconds 3 --device path:palpation,depth=0.008 ";
+  const Workshop::Outcome by_two = ranks(shop, 3, session + "--clock real -o run --json --quiet");
+  INFO(by_two.err);
+  REQUIRE(by_two.code == 0);
+  const nlohmann::json summary = by_two.json();
+  CHECK(summary["settings"]["workers"] == 2);
+  CHECK(summary["states"]["jets"].get<int>() > 3);
+  CHECK(summary["states"]["solved"].get<int>() > 3);
+  CHECK(summary["error"]["samples"]["p95"].get<double>() < 0.05);
+  const Workshop::Outcome simulated = ranks(shop, 3, session + "--clock virtual -o no --quiet");
+  CHECK(simulated.code != 0);
+  CHECK(simulated.err.find("--clock real") != std::string::npos);
+}
+
 TEST_CASE("a session with its workers in other processes") {
   const Workshop shop;
   shop.write("beam.toml", beam_scene());

@@ -214,7 +214,7 @@ TEST_CASE("a scene with contact.anywhere is coloured by its stiffness at rest", 
   CHECK(report["body"]["stiffness"][1].get<double>() ==
         Approx(info["field"]["body_stiffness"][2].get<double>()));
   const json body = ShownPage(shop.path() / "any.html").data["body"];
-  CHECK(body["pad"]["anywhere"] == true);
+  CHECK(body["pad"]["shade"] == "stiffness");
   const Shown shown = pad_of(body);
   REQUIRE(shown.weight.size() == shown.place.size());
   double near = 0, far = 1;
@@ -228,4 +228,18 @@ TEST_CASE("a scene with contact.anywhere is coloured by its stiffness at rest", 
   CHECK(far < 0.05);
   CHECK(shop.forefeel("show any.toml -o any.vtu").code == 0);
   CHECK(shop.shell("grep -q 'Name=\"stiffness\"' any.vtu").code == 0);
+  // A linear body is known everywhere.
+  const Workshop::Outcome trusted = shop.forefeel("show any.toml --trust 0.01 -o trust.vtu --json");
+  INFO(trusted.err);
+  REQUIRE(trusted.code == 0);
+  CHECK(trusted.json()["body"]["untrusted"] == 0);
+  CHECK(trusted.json()["body"]["stiffness"].is_null());
+  CHECK(shop.shell("grep -q 'Name=\"error\"' trust.vtu").code == 0);
+  shop.write("deep.toml",
+             "[body]\nphantom = \"beam\"\nelements = 240\n[material]\nlaw = \"neo-hookean\"\n"
+             "young = 5000.0\npoisson = 0.3\n[contact]\nanywhere = true\npad = 400.0\nradius = 0.012\n");
+  CHECK(shop.forefeel("show deep.toml --trust 0.03 -o deep.vtu --json")
+            .json()["body"]["untrusted"]
+            .get<double>() > 0.5);
+  check_refused(shop, "show any.toml --trust 5 -o no.vtu", {"--trust", "metres"});
 }

@@ -98,10 +98,101 @@ TEST_CASE("what is for one place is refused, and what is for a surface elsewhere
   check_refused(shop, start + "--device path:line,amplitude=0.01", {"amplitude", "depth"});
   check_refused(shop, start + "--device path:line,where=nowhere", {"where", "nowhere"});
   check_refused(shop, start + "--device path:line,where=5/5/5/0.01", {"where"});
-  check_refused(shop, start + "--policy clairvoyant", {"session.policy", "contact.anywhere"});
+  check_refused(shop, start + "--device hand:touch --policy clairvoyant",
+                {"session.policy", "depends on the force"});
   check_refused(shop, start + "--switch paper", {"session.switch", "contact.anywhere"});
   check_refused(shop, start + "--shape-rate 10", {"--shape-rate", "contact.anywhere"});
   const std::string plain = "session plain.toml --clock virtual --seconds 1 -o run ";
   check_refused(shop, plain + "--device path:line,depth=0.003", {"depth", "contact.anywhere"});
   CHECK_FALSE(std::filesystem::exists(shop.path() / "run/frames.csv"));
+}
+
+TEST_CASE(
+    "states with sites in a table: classified, compared with the body at their sites, refused for another") {
+  const Workshop shop;
+  shop.write("any.toml", beam("neo-hookean"));
+  shop.write("soft.toml", beam("neo-hookean") + "[session]\nseconds = 1\n");
+  shop.write("plain.toml", test::beam_scene());
+  REQUIRE(shop.forefeel("generate any.toml -o any.states").code == 0);
+  REQUIRE(shop.forefeel("export any.states -o any.csv").code == 0);
+  const std::string session =
+      "session any.toml --device path:tour,depth=0.003 --clock virtual --seconds 0.5 ";
+  const Workshop::Outcome known = shop.forefeel(session + "--states any.csv -o run");
+  INFO(known.err);
+  CHECK(known.code == 0);
+  check_refused(shop, session + "--set material.young=6000 --states any.csv -o other",
+                {"any.csv", "of the site", "names no body"});
+  check_refused(shop, "session plain.toml --clock virtual --seconds 1 --states any.csv -o no",
+                {"any.csv", "contact.anywhere"});
+  shop.write("one.csv", "x,y,z,fx,fy,fz\n0,0,-0.001,0,0,0.1\n");
+  check_refused(shop, session + "--states one.csv -o no", {"one.csv", "sx,sy,sz"});
+
+  const Workshop::Outcome all = shop.forefeel("classify any.states --scene any.toml --json");
+  INFO(all.err);
+  REQUIRE(all.code == 0);
+  const nlohmann::json said = all.json();
+  double sum = 0;
+  for (const auto& [label, share] : said["share"].items()) sum += share.get<double>();
+  CHECK(sum == Approx(1));
+  CHECK(said["states"].get<int>() >= 100);
+  CHECK(said["trusted"].get<double>() > 0.9);
+  const Workshop::Outcome table = shop.forefeel("classify any.csv --scene any.toml -o labels.csv");
+  INFO(table.err);
+  REQUIRE(table.code == 0);
+  CHECK(read_csv(shop.path() / "labels.csv", std::array<std::string_view, 2>{"sx", "near"}).rows() == 1000);
+  // At a site of the field x = 0 is a state, and deep below everything none is near.
+  const CsvTable states =
+      read_csv(shop.path() / "any.csv", std::array<std::string_view, 3>{"sx", "sy", "sz"});
+  const auto at = [&](int k) { return std::to_string(states.at(0, static_cast<std::size_t>(k))); };
+  shop.write("points.csv", "sx,sy,sz,x,y,z\n" + at(0) + "," + at(1) + "," + at(2) + ",0,0,0\n" + at(0) + "," +
+                               at(1) + "," + at(2) + ",0.05,0.05,0.05\n");
+  const Workshop::Outcome two = shop.forefeel("classify any.states --scene any.toml --points points.csv");
+  INFO(two.out);
+  REQUIRE(two.code == 0);
+  CHECK(two.out.find("sparse  trusted") != std::string::npos);
+  CHECK(two.out.find("blank   not trusted") != std::string::npos);
+  check_refused(shop, "classify any.states", {"--scene", "contact.anywhere"});
+  check_refused(shop, "classify any.states --scene any.toml --grid 0.01", {"--grid", "without sites"});
+}
+
+TEST_CASE("deeper than the body is thick is said") {
+  const Workshop shop;
+  shop.write("any.toml", beam("linear"));
+  const std::string solve = "solve any.toml --site=0.05,0.01,0.02 --json --at=0,0,";
+  const Workshop::Outcome through = shop.forefeel(solve + "-0.021"), within = shop.forefeel(solve + "-0.019");
+  CHECK(through.json()["thickness"].get<double>() == Approx(0.02).epsilon(1e-6));
+  CHECK(through.err.find("20 mm thick") != std::string::npos);
+  CHECK(within.err.find("thick") == std::string::npos);
+  shop.write("points.csv", "sx,sy,sz,x,y,z\n0.05,0.01,0.02,0,0,-0.021\n0.05,0.01,0.02,0,0,-0.019\n");
+  REQUIRE(shop.forefeel("generate any.toml -o any.states").code == 0);
+  const nlohmann::json said =
+      shop.forefeel("evaluate any.states --scene any.toml --points points.csv --json").json();
+  CHECK(said["through"] == 1);
+  CHECK(said["forces"][0]["trusted"] == false);
+  CHECK(said["forces"][1]["trusted"] == true);
+}
+
+TEST_CASE(
+    "a hand palpates where nothing else is said; passivity is controlled; a clairvoyant policy knows the "
+    "way") {
+  const Workshop shop;
+  shop.write("any.toml", beam("neo-hookean", "friction = 0.3\n"));
+  const Workshop::Outcome hand = shop.forefeel(
+      "session any.toml --device hand:falcon,speed=0.2 --clock virtual --seconds 2 --set "
+      "session.passivity=\\\"control\\\" -o hand --json");
+  INFO(hand.err);
+  REQUIRE(hand.code == 0);
+  const nlohmann::json said = hand.json();
+  CHECK(said["touch"]["count"].get<int>() > 0);
+  CHECK(said["passivity"]["control"] == true);
+  CHECK(said["passivity"]["coupling"].get<double>() > 100);
+  CHECK(said["passivity"]["lowest_J"].get<double>() >= 0);
+  CHECK(said["safety"]["generated_J"].get<double>() < 1e-5);
+  const Workshop::Outcome best = shop.forefeel(
+      "session any.toml --device path:tour,depth=0.003 --clock virtual --seconds 1 --policy clairvoyant -o "
+      "best "
+      "--json");
+  INFO(best.err);
+  REQUIRE(best.code == 0);
+  CHECK(best.json()["notes"].dump().find("clairvoyant: ") != std::string::npos);
 }

@@ -101,8 +101,8 @@ def main():
     parser.add_argument("--policies", default="nearest,direction,coverage,shuffled,error,worth,worth-shuffled,"
                         "clairvoyant-greedy")
     given = parser.parse_args()
-    print("body | path | load | policy | first visits within the JND | against nothing | p95 of the error | against nothing | "
-          "states")
+    print("body | path | load | policy | first visits within the JND | against nothing | p95 of the error | "
+          "against nothing | states")
     for body in given.bodies.split(","):
         material, depth, where = BODIES[body]
         for path in given.paths.split(","):
@@ -134,12 +134,13 @@ def main():
                 for policy, runs in cases.items():
                     gains = [a - b for a, b in zip(shares(runs), shares(nothing))]
                     ratios = [math.log(a / b) for a, b in zip(worst(runs), worst(nothing))]
-                    low, high = (math.exp(statistics.mean(ratios) + sign * interval(ratios)) for sign in (-1, 1))
+                    middle, half = statistics.mean(ratios), interval(ratios)
+                    ratio = f"{math.exp(middle):.2f} ({math.exp(middle - half):.2f} to {math.exp(middle + half):.2f})"
                     solved = statistics.mean(s["states"]["solved"] + s["states"]["jets"] for s in runs)
                     print(f"{body} | {path} | {load:g} | {policy} | {100 * statistics.mean(shares(runs)):.1f} % | "
                           f"{100 * statistics.mean(gains):+.1f} +- {100 * interval(gains):.1f} | "
                           f"{100 * statistics.median(worst(runs)):.2f} % | "
-                          f"{math.exp(statistics.mean(ratios)):.2f} ({low:.2f} to {high:.2f}) | {solved:.0f}", flush=True)
+                          f"{ratio} | {solved:.0f}", flush=True)
 
 
 main()

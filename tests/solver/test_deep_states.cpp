@@ -199,6 +199,31 @@ TEST_CASE("Between states the error falls, and a gain of 0 is a state that is no
   CHECK(after < 0.4 * before);
 }
 
+TEST_CASE("States beyond a fold do not spoil the places before it") {
+  // St. Venant-Kirchhoff: pressed deep enough, the body buckles under the pad, which no series from rest sees.
+  Deep deep = deep_of(Law::st_venant_kirchhoff, 4, 1);
+  const SurfacePlace place = deep.field->rest().map().nearest(deep.states.front().site);
+  std::vector<State> states;
+  for (const double depth : {0.020, 0.022, 0.024, 0.026})
+    if (State state = solved_at(*deep.field, place, deeply(*deep.field, place, depth, 0.05), 4);
+        state.usable())
+      states.push_back(std::move(state));
+  REQUIRE(states.size() >= 2);
+  const auto known = DeepStates(deep.field).with(states);
+  double surprise = 0;
+  for (std::size_t k = 0; k < known->size(); ++k) surprise = std::max(surprise, known->surprise(k));
+  REQUIRE(surprise > 3);
+  const SiteModel model = deep.field->at(place, false);
+  for (const double depth : {0.003, 0.005, 0.007, 0.009}) {
+    const Vec3 x = deeply(*deep.field, place, depth, 0.02);
+    const State truth = solved_at(*deep.field, place, x);
+    const double alone = (model.at(x).force - truth.force).norm(),
+                 with = (known->at(model, place, x).force - truth.force).norm();
+    INFO(depth << " " << alone << " " << with);
+    CHECK(with <= alone + 0.02 * truth.force.norm());
+  }
+}
+
 TEST_CASE("States that cannot serve are left out") {
   const Deep deep = deep_of(Law::neo_hookean, 1, 1);
   State failed = deep.states[0], measured = deep.states[0], lost = deep.states[0];

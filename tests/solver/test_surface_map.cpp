@@ -35,6 +35,16 @@ TEST_CASE("The nearest place of the surface, and on which side of it a point is"
   CHECK((share[0] * a + share[1] * b + share[2] * c - top.at).norm() < 1e-15);
 }
 
+TEST_CASE("Thickness is the way through the block, also slantwise") {
+  const SurfaceMap map = block_map();
+  const SurfacePlace top = map.nearest(Vec3(0.033, 0.011, 0.055)), end = map.nearest(Vec3(0.15, 0.02, 0.02));
+  CHECK(map.thickness(top, Vec3::UnitZ()) == Approx(0.04).epsilon(1e-12));
+  CHECK(map.thickness(end, Vec3::UnitX()) == Approx(0.1).epsilon(1e-12));
+  const Vec3 aslant = Vec3(0, 1, 1).normalized();  // leaves through y = 0 after 0.011
+  CHECK(map.thickness(top, aslant) == Approx(0.011 * std::sqrt(2.0)).epsilon(1e-9));
+  CHECK(std::isinf(map.thickness(top, -Vec3::UnitZ())));
+}
+
 TEST_CASE("Random places are uniform by area and never clamped") {
   const SurfaceMap map = block_map();
   std::mt19937_64 random(1);

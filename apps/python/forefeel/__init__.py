@@ -12,6 +12,8 @@ Units are SI: m, N, N/m, J, s. Arrays of positions have the shape (n, 3). States
     exact = scene.solve([[0, 0, -0.01]])["force"]                 # one exact force, slow
     run = scene.session(clock="virtual", seconds=5, policy=MyPolicy())
     run.frames["rendered"], run.summary["error"]["p95"]
+    field = ff.SurfaceField("anywhere.toml")                      # a body that is touched anywhere
+    field.evaluate([0.1, 0.02, 0.04], [[0, 0, -0.01]]).force
     ff.read("run/")                                               # any file or folder that the command wrote
 
 Errors of input are InputError (a ValueError) with the command's own line.
@@ -44,6 +46,7 @@ from ._core import (InputError, Model, PlannerView, Thresholds, candidate_dtype,
                     register_policy, state_dtype, status_names, switch_cause_names)
 from .bodies import Body, Run, Scene, generate, solve
 from .commands import command, study
+from .field import FieldForces, SurfaceField
 from .files import read, read_inputs, read_pvd, read_run, read_study, read_table, read_vtu
 from .placement import Placement
 from .space import StateSpace, classify, error_bar, evaluate, evaluation
@@ -51,8 +54,9 @@ from .states import States, measured, read_states, write_states
 
 SAFE, SPARSE, GAP, BLANK = range(4)
 
-__all__ = ["BLANK", "Body", "GAP", "InputError", "Model", "Placement", "PlannerView", "Run", "SAFE", "SPARSE", "Scene",
-           "StateSpace", "States", "Thresholds", "candidate_dtype", "classify", "command", "dispatch_status_names",
-           "error_bar", "evaluate", "evaluation", "generate", "label_names", "measured", "read", "read_inputs",
-           "read_pvd", "read_run", "read_states", "read_study", "read_table", "read_vtu", "register_policy", "solve", "state_dtype",
-           "status_names", "study", "switch_cause_names", "write_states"]
+__all__ = ["BLANK", "Body", "FieldForces", "GAP", "InputError", "Model", "Placement", "PlannerView", "Run", "SAFE",
+           "SPARSE", "Scene", "StateSpace", "States", "SurfaceField", "Thresholds", "candidate_dtype", "classify",
+           "command", "dispatch_status_names", "error_bar", "evaluate", "evaluation", "generate", "label_names",
+           "measured", "read", "read_inputs", "read_pvd", "read_run", "read_states", "read_study", "read_table",
+           "read_vtu", "register_policy", "solve", "state_dtype", "status_names", "study", "switch_cause_names",
+           "write_states"]

@@ -15,7 +15,8 @@ from .arrays import numbers, refuse_masked
 class States:
     """States with what their file says about them.
 
-    array     structured array (n,) with `state_dtype`: at [m], force [N], stiffness [N/m], energy [J], …
+    array     structured array (n,) with `state_dtype`: at [m], site [m] (NaN without one), force [N],
+              stiffness [N/m], energy [J], …
     spacing   of a full lattice [m]; nan if unknown
     box       (2, 3): low and high corner [m]
     identity  dict: the body that the states belong to; empty for measured states
@@ -49,7 +50,10 @@ class States:
         """One column for each number, named as `forefeel export` does (x, fx, k11, …; units m, N, N/m, J): a pandas
         DataFrame, or a structured array where pandas is not installed."""
         columns: dict[str, NDArray[Any]] = {}
-        for field, name in (("at", "{}"), ("force", "f{}")):
+        fields = [("at", "{}"), ("force", "f{}")]
+        if np.isfinite(self.array["site"]).any():
+            fields.insert(0, ("site", "s{}"))
+        for field, name in fields:
             for i, axis in enumerate("xyz"):
                 columns[name.format(axis)] = self.array[field][:, i]
         for i in range(3):

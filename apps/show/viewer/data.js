@@ -45,7 +45,7 @@ function unpack(raw) {
                   inside: {nodes: millimetres(b.inside.nodes), triangles: decoded(b.inside.triangles),
                            region: decoded(b.inside.region)}};
     if (b.pad)
-      scene.body.pad = {anywhere: b.pad.anywhere, least: b.pad.least, peak: b.pad.peak, facet: decoded(b.pad.facet), at: decoded(b.pad.at),
+      scene.body.pad = {shade: b.pad.shade, depth: b.pad.depth, least: b.pad.least, peak: b.pad.peak, facet: decoded(b.pad.facet), at: decoded(b.pad.at),
                         weight: decoded(b.pad.weight), triangles: decoded(b.pad.triangles)};
     b.regions.forEach((region, k) => raw.colours['region_' + (k + 1)] = region.colour);
   }

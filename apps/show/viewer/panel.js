@@ -188,7 +188,8 @@ function makePanel() {
   toggle('clamp', 'clamp (held)', 'clamp', true);
   const pad = scene.body && scene.body.pad;
   toggle('contact', !pad ? 'contact (moves with the hand)'
-         : pad.anywhere ? 'stiffness of the body at rest, ' + digits(pad.least, 3) + ' to ' + digits(pad.peak, 3) + ' N/m'
+         : pad.shade === 'stiffness' ? 'stiffness of the body at rest, ' + digits(pad.least, 3) + ' to ' + digits(pad.peak, 3) + ' N/m'
+         : pad.shade === 'error' ? 'estimated error ' + digits(1e3 * pad.depth, 3) + ' mm deep, to ' + digits(100 * pad.peak, 2) + ' % and more'
          : 'pad (springs to the hand), up to ' + digits(1e-6 * pad.peak, 3) + ' kPa/mm', 'contact', true);
   const sides = scene.box ? scene.box.low.map((v, i) => digits(scene.box.high[i] - v, 3)) : [];
   toggle('box', 'box ' + sides.join(' × ') + ' mm', null, true);
