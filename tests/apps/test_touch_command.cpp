@@ -160,7 +160,7 @@ TEST_CASE("deeper than the body is thick is said") {
   shop.write("any.toml", beam("linear"));
   const std::string solve = "solve any.toml --site=0.05,0.01,0.02 --json --at=0,0,";
   const Workshop::Outcome through = shop.forefeel(solve + "-0.021"), within = shop.forefeel(solve + "-0.019");
-  CHECK(through.json()["thickness"].get<double>() == Approx(0.02).epsilon(1e-6));
+  CHECK(through.json()["states"][0]["thickness"].get<double>() == Approx(0.02).epsilon(1e-6));
   CHECK(through.err.find("20 mm thick") != std::string::npos);
   CHECK(within.err.find("thick") == std::string::npos);
   shop.write("points.csv", "sx,sy,sz,x,y,z\n0.05,0.01,0.02,0,0,-0.021\n0.05,0.01,0.02,0,0,-0.019\n");

@@ -76,6 +76,7 @@ TEST_CASE("Far sites and the far side of a lobe label nothing") {
   SitedLabels labels(lattice_states(Vec3::Zero(), Vec3::UnitZ()), spaces(), depth, reach);
   const Vec3 x(0.001, 0.001, -0.009);
   CHECK(labels.at({Vec3(0.009, 0, 0), Vec3::UnitZ(), x}) == Label::safe);
+  CHECK(labels.at({Vec3(0.05, 0, 0), Vec3::UnitZ(), x}) == Label::blank);
   CHECK(labels.at({Vec3(0.011, 0, 0), Vec3::UnitZ(), x}) == Label::blank);
   CHECK(labels.at({Vec3(0, 0, -0.003), -Vec3::UnitZ(), -x}) == Label::blank);
   CHECK(labels.states_near() == 0);

@@ -3,6 +3,7 @@
 #include <Eigen/Geometry>
 #include <catch2/catch.hpp>
 #include <cmath>
+#include <random>
 
 #include "pad_body.hpp"
 #include "solver/equilibrium/solver.hpp"
@@ -201,17 +202,22 @@ TEST_CASE("Between states the error falls, and a gain of 0 is a state that is no
 
 TEST_CASE("States beyond a fold do not spoil the places before it") {
   // St. Venant-Kirchhoff: pressed deep enough, the body buckles under the pad, which no series from rest sees.
-  Deep deep = deep_of(Law::st_venant_kirchhoff, 4, 1);
-  const SurfacePlace place = deep.field->rest().map().nearest(deep.states.front().site);
-  std::vector<State> states;
-  for (const double depth : {0.020, 0.022, 0.024, 0.026})
-    if (State state = solved_at(*deep.field, place, deeply(*deep.field, place, depth, 0.05), 4);
-        state.usable())
-      states.push_back(std::move(state));
-  REQUIRE(states.size() >= 2);
-  const auto known = DeepStates(deep.field).with(states);
+  const Deep deep = deep_of(Law::st_venant_kirchhoff, 4, 1);
+  std::mt19937_64 random(3);
+  SurfacePlace place;
+  std::shared_ptr<const DeepStates> known;
   double surprise = 0;
-  for (std::size_t k = 0; k < known->size(); ++k) surprise = std::max(surprise, known->surprise(k));
+  for (int tries = 0; tries < 12 && !(surprise > 3); ++tries) {
+    place = deep.field->rest().map().random(random);
+    if (deep.field->rest().at(place, false).clamped_share > 0) continue;
+    std::vector<State> states;
+    for (const double depth : {0.016, 0.019, 0.022})
+      if (State state = solved_at(*deep.field, place, deeply(*deep.field, place, depth, 0.05), 4);
+          state.usable())
+        states.push_back(std::move(state));
+    known = DeepStates(deep.field).with(states);
+    for (std::size_t k = 0; k < known->size(); ++k) surprise = std::max(surprise, known->surprise(k));
+  }
   REQUIRE(surprise > 3);
   const SiteModel model = deep.field->at(place, false);
   for (const double depth : {0.003, 0.005, 0.007, 0.009}) {
@@ -220,7 +226,7 @@ TEST_CASE("States beyond a fold do not spoil the places before it") {
     const double alone = (model.at(x).force - truth.force).norm(),
                  with = (known->at(model, place, x).force - truth.force).norm();
     INFO(depth << " " << alone << " " << with);
-    CHECK(with <= alone + 0.02 * truth.force.norm());
+    CHECK(with <= alone + 0.005 * truth.force.norm());
   }
 }
 
