@@ -19,11 +19,11 @@ std::vector<SurfacePlace> sites_of(std::span<const SitedPlace> places) {
   return sites;
 }
 
-std::vector<State> free_of_clamp(const std::vector<SitedPlace>& places, const std::vector<State>& states) {
-  std::vector<State> free;
+std::vector<State> counting(const std::vector<SitedPlace>& places, const std::vector<State>& states) {
+  std::vector<State> kept;
   for (std::size_t i = 0; i < states.size(); ++i)
-    if (!(places[i].clamped_share > 0)) free.push_back(states[i]);
-  return free;
+    if (places[i].counts()) kept.push_back(states[i]);
+  return kept;
 }
 
 }  // namespace
@@ -37,7 +37,7 @@ DeepRounds refine_to(const DeepWork& work) {
     const std::vector<SitedPlace> fresh = work.places(checked, first_seed + seed);
     const std::vector<State> solved = work.solve(fresh);
     if (work.stop.stop_requested()) return result;
-    const std::vector<State> measured = free_of_clamp(fresh, solved);
+    const std::vector<State> measured = counting(fresh, solved);
     result.error = field_errors(*result.known, measured, work.floor);
     work.tell(round, result.error.p95);
     if (result.error.p95 <= work.error || result.error.states == 0 || round == most_rounds) return result;
@@ -47,7 +47,7 @@ DeepRounds refine_to(const DeepWork& work) {
 
     ++result.rounds;
     std::vector<SitedPlace> candidates = work.places(looked_at, others + seed);
-    std::erase_if(candidates, [](const SitedPlace& place) { return place.clamped_share > 0; });
+    std::erase_if(candidates, [](const SitedPlace& place) { return !place.counts(); });
     if (share_between(*work.field, measured, work.error, work.floor) > 0.5) {
       const auto count =
           static_cast<std::size_t>(sites_a_round * static_cast<double>(work.field->size())) + 1;

@@ -30,7 +30,7 @@ struct DeepWork {
 
 struct DeepRounds {
   std::shared_ptr<const DeepStates> known;
-  FieldErrors error;  // at the last fresh places whose pad is free of the clamp
+  FieldErrors error;  // at the last fresh places that count (field_check.hpp)
   int rounds = 0;     // that added something
 };
 DeepRounds refine_to(const DeepWork& work);

@@ -33,7 +33,7 @@ struct SitesResult {
   std::size_t sites = 0, jets = 0, states = 0, solved = 0, failed = 0, clamped = 0, through = 0;
   double field_seconds = 0, seconds = 0;
   bool kept = false, interrupted = false;
-  FieldErrors error;  // of places whose pad is free of the clamp
+  FieldErrors error;  // of places whose pad is free of the clamp, and that are not through the body
   FieldErrors all;
   DeepRounds deep;  // with --error
 };
@@ -53,8 +53,8 @@ const JsonKeys<SitesResult>& sites_keys() {
       {"field_kept", "", "true: the field was read from the cache", &S::kept},
       {"seconds", "s", "of all", &S::seconds},
       {"error.p50", "1",
-       "median of the relative error of the field's force at the states whose pad is free of the clamp; "
-       "null: none",
+       "median of the relative error of the field's force at the states whose pad is free of the clamp and "
+       "that press no deeper than the body is thick; null: none",
        [](const S& s) { return s.error.p50; }},
       {"error.p95", "1", "95th percentile", [](const S& s) { return s.error.p95; }},
       {"error.max", "1", "largest", [](const S& s) { return s.error.max; }},
@@ -64,7 +64,7 @@ const JsonKeys<SitesResult>& sites_keys() {
       {"rounds", "", "of --error that added jets or states", [](const S& s) { return s.deep.rounds; }},
       {"error_with_states.p50", "1",
        "with --error: median of the error of field and states at the random places that were solved last, "
-       "before they were added, where the pad is free of the clamp",
+       "before they were added, the same ones left out",
        [](const S& s) { return s.deep.error.p50; }},
       {"error_with_states.p95", "1", "95th percentile of that", [](const S& s) { return s.deep.error.p95; }},
       {"error_with_states.max", "1", "largest of that", [](const S& s) { return s.deep.error.max; }},
@@ -195,11 +195,10 @@ void measure(const Scene& scene, const SiteField& field, const std::vector<State
     deep.push_back(state);
     const SurfacePlace place = rest.map().nearest(state.site);
     const SiteRest here = rest.at(place, false);
-    result.through += -state.at.dot(here.normal) > rest.map().thickness(place, here.normal);
-    if (here.clamped_share > 0)
-      ++result.clamped;
-    else
-      free_of_clamp.push_back(state);
+    const bool through = -state.at.dot(here.normal) > rest.map().thickness(place, here.normal);
+    result.through += through;
+    result.clamped += here.clamped_share > 0;
+    if (!through && !(here.clamped_share > 0)) free_of_clamp.push_back(state);
   }
   result.states = deep.size();
   result.jets = at_rest - std::min(at_rest, field.size());
@@ -224,13 +223,12 @@ void tell_sites(const Globals& globals, const GenerateSites& wanted, const Sites
                        "{:.2g} %",
                        result.jets, result.states, result.deep.error.states, 100 * result.deep.error.p50,
                        100 * result.deep.error.p95, 100 * result.deep.error.max));
-  if (result.through > 0)
-    say(globals, fmt::format("  {} states press deeper than the body is thick there", result.through));
-  if (result.clamped > 0)
-    answer(globals,
-           fmt::format("  with the {} whose pad reaches over the clamp: p50 {:.2g} %, p95 {:.2g} %, max "
-                       "{:.2g} %",
-                       result.clamped, 100 * result.all.p50, 100 * result.all.p95, 100 * result.all.max));
+  if (result.clamped + result.through > 0)
+    answer(globals, fmt::format("  with those whose pad reaches over the clamp, {}, and those through the "
+                                "body, {}: p50 {:.2g} %, p95 {:.2g} %, max "
+                                "{:.2g} %",
+                                result.clamped, result.through, 100 * result.all.p50, 100 * result.all.p95,
+                                100 * result.all.max));
 }
 
 }  // namespace

@@ -82,6 +82,7 @@ std::vector<SitedPlace> random_places(const RestSites& sites, const SurfacePart&
                  turn = 2 * std::numbers::pi * share(random);
     place.x = -deep * n + far * (std::cos(turn) * e + std::sin(turn) * b);
     place.clamped_share = rest.clamped_share;
+    place.through = deep > sites.map().thickness(place.site, n);
   }
   return places;
 }
@@ -99,7 +100,7 @@ void solve_places(const RestSites& sites, std::span<const SitedPlace> places, do
     Body there = sites.body();
     there.fine.reset();
     there.pad->site = places[i].site.at;
-    State state = Solver(std::move(there)).reference(places[i].x, step).state;
+    State state = Solver(std::move(there)).reference(places[i].x, step, {.jet = most_jet_order}).state;
     state.site = places[i].site.at;
 #pragma omp critical
     done(std::move(state), i);

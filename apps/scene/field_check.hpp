@@ -28,7 +28,9 @@ bool holds(const SurfacePart& part, const SurfaceMap& map, const SurfacePlace& p
 struct SitedPlace {
   SurfacePlace site;
   Vec3 x = Vec3::Zero();
-  double clamped_share = 0;  // of the pad there
+  double clamped_share = 0;                                         // of the pad there
+  bool through = false;                                             // deeper than the body is thick there
+  bool counts() const { return !(clamped_share > 0) && !through; }  // in errors and for --error
 };
 // s uniform by area over the part's unclamped surface; depth uniform to `depth`, sideways up to half of it. The same
 // seed gives the same places; a larger count only adds some. InputError at `where` if nothing of the part is free.
@@ -43,7 +45,7 @@ struct FieldForce {
 FieldForce field_force(const DeepStates& states, const SiteModel& model, const SurfacePlace& place,
                        const Vec3& x);
 
-// Tight solves; converged or not, with their sites. done(state, place number) is called by one thread at a time.
+// Tight solves with jets of order 4; converged or not, with their sites. done(state, place number) is called by one thread at a time.
 void solve_places(const RestSites& sites, std::span<const SitedPlace> places, double step, int threads,
                   const std::function<void(State, std::size_t)>& done, const std::stop_token& stop);
 
