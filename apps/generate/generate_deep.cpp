@@ -6,7 +6,8 @@
 namespace forefeel {
 namespace {
 
-constexpr std::size_t checked = 100;           // fresh places of a round
+constexpr std::size_t checked = 100;           // fresh places of a round;
+constexpr std::size_t checked_again = 400;     // these and more, where they are within the error
 constexpr std::size_t looked_at = 1000;        // places of a round among which the worst are found
 constexpr std::size_t states_a_round = 50;     // beside the checked ones
 constexpr double sites_a_round = 0.25;         // of the field's
@@ -34,12 +35,17 @@ DeepRounds refine_to(const DeepWork& work) {
   int since = 0;
   for (int round = 0;; ++round) {
     const auto seed = static_cast<unsigned>(round);
-    const std::vector<SitedPlace> fresh = work.places(checked, first_seed + seed);
-    const std::vector<State> solved = work.solve(fresh);
-    if (work.stop.stop_requested()) return result;
-    const std::vector<State> measured = counting(fresh, solved);
-    result.error = field_errors(*result.known, measured, work.floor);
-    work.tell(round, result.error.p95);
+    std::vector<SitedPlace> fresh;
+    std::vector<State> solved, measured;
+    for (const std::size_t count : {checked, checked_again}) {
+      fresh = work.places(count, first_seed + seed);  // those before, and more
+      solved = work.solve(fresh);
+      if (work.stop.stop_requested()) return result;
+      measured = counting(fresh, solved);
+      result.error = field_errors(*result.known, measured, work.floor);
+      work.tell(round, result.error.p95);
+      if (!(result.error.p95 <= work.error)) break;
+    }
     if (result.error.p95 <= work.error || result.error.states == 0 || round == most_rounds) return result;
     since = result.error.p95 < 0.95 * best ? 0 : since + 1;
     best = std::min(best, result.error.p95);
