@@ -2,15 +2,19 @@
 
     /usr/bin/python3 tests/bench/error_bar_prior.py prior [SECONDS]    # prints the rows of prior_scores.cpp
     /usr/bin/python3 tests/bench/error_bar_prior.py check [SECONDS]    # how well bars cover, on other motions
+    /usr/bin/python3 tests/bench/error_bar_prior.py drawn SEED [COUNT] [SECONDS] [FOLDER]
 
-SECONDS: of each session, 10 unless given. Runs build/release/apps/forefeel under the virtual clock. A score is
-sqrt(max(0, e^2 - r^2)) / s: e is the distance of the rendered force from that of a tight solve, r what the switch
-holds back, s the scale in frames.csv.
+drawn: COUNT (10) sessions, each of a body, a law, a contact and a motion drawn at random from the seed: how well bars
+cover, in the worst 2 s of a session, above and at the floor of the bars, and what they decide at the just noticeable
+difference (JND). FOLDER keeps frames.csv of each. SECONDS: of each session, 10 unless given. Runs
+build/release/apps/forefeel under the virtual clock. A score is sqrt(max(0, e^2 - r^2)) / s: e is the distance of the
+rendered force from that of a tight solve, r what the switch holds back, s the scale in frames.csv.
 """
 import csv
 import json
 import math
 import pathlib
+import random
 import subprocess
 import sys
 import tempfile
@@ -39,17 +43,38 @@ COSTS = ["constant:0.05", "lognormal:0.2,0.5"]
 def run(body, motion, cost, seconds, folder):
     """The sampled frames of a session: dictionaries of floats and the label."""
     name = "press,speed=0.05," + motion.split(",")[1] if "," in motion else motion + ",speed=0.05"
+    return samples(BODIES[body], ["--device", "path:" + name, "--cost", cost], seconds,
+                   folder / f"{abs(hash((body, motion, cost)))}")
+
+
+def samples(keys, options, seconds, folder):
     command = ["build/release/apps/forefeel", "session", "apps/scenes/liver.toml", "--clock", "virtual", "--quiet",
-               "--threads", "1", "--seconds", str(seconds), "--device", "path:" + name, "--cost", cost,
-               "-o", str(folder / f"{abs(hash((body, motion, cost)))}")]
-    for key in BODIES[body]:
+               "--threads", "1", "--seconds", str(seconds), "-o", str(folder), *options]
+    for key in keys:
         command += ["--set", key]
-    done = subprocess.run(command, capture_output=True, text=True)
-    if done.returncode not in (0, 1):
-        print(f"{body}, {motion}, {cost}: {done.stderr.strip()}", file=sys.stderr)
-        return []
-    with open(pathlib.Path(command[-1 - 2 * len(BODIES[body])]) / "frames.csv") as file:
+    if not (folder / "frames.csv").exists():
+        done = subprocess.run(command, capture_output=True, text=True)
+        if done.returncode not in (0, 1):
+            print(f"{keys} {options}: {done.stderr.strip()}", file=sys.stderr)
+            return []
+    with open(folder / "frames.csv") as file:
         return [row for row in csv.DictReader(file) if row["sampled"] == "1" and row["error"]]
+
+
+def drawn_session(draw):
+    """Keys of the scene and options of the command of a session drawn at random."""
+    law = draw.choice(["linear", "st-venant-kirchhoff", "neo-hookean", "stable-neo-hookean", "mooney-rivlin"])
+    phantom = draw.choice(["liver", "beam", "ball", "slab"])
+    keys = [f"body.phantom={phantom}", f"material.law={law}", f"material.poisson={draw.uniform(0.0, 0.48):.3f}",
+            f"material.young={10**draw.uniform(3.3, 4.5):.0f}", f"session.seed={draw.randrange(10**6)}"]
+    if draw.random() < 0.25:
+        keys.append("contact={nearest=[0.0,0.0,1.0]}")
+    path = draw.choice(["press", "line", "circle", "lissajous", "reach", "palpation", "tour", "mower", "raster"])
+    device = f"path:{path},speed={draw.uniform(0.02, 0.09):.3f}"
+    if draw.random() < 0.3:
+        device += f",tremor={draw.uniform(5e-5, 4e-4):.6f}"
+    cost = draw.choice(["paper", "constant:0.05", "lognormal:0.2,0.5", "lognormal:0.05,0.8"])
+    return keys, ["--device", device, "--cost", cost, "--set", f"session.workers={draw.randint(2, 6)}"]
 
 
 def vector(row, name):
@@ -105,8 +130,79 @@ def print_check(runs):
         line(body, [row for job, rows in runs for row in rows if job[0] == body])
 
 
+JND = lambda force: max(0.07 * math.hypot(*force), 0.01)  # [N], the defaults of session.jnd
+
+
+class Sample:
+    """A sampled frame with a bar: its error, bars, label and decision at the JND [N]."""
+
+    def __init__(self, row):
+        force, truth = vector(row, "rendered_"), vector(row, "r")
+        self.t, self.label, self.error = float(row["t"]), row["label"], math.dist(force, truth)
+        self.bars = [float(row[bar]) for bar in LEVELS]
+        self.floored = [bar <= JND(force) / 10 * (1 + 1e-9) for bar in self.bars]
+        self.said, self.good = self.bars[1] <= JND(force), self.error <= JND(truth)
+
+
+def held(samples, level):
+    return sum(s.error <= s.bars[level] for s in samples) / len(samples) if samples else math.nan
+
+
+def worst_window(samples, seconds=2.0, least=20):
+    """Least coverage of the 95 % bars in any `seconds` with at least so many samples, and its begin."""
+    worst, first, inside = (math.nan, math.nan), 0, [s.error <= s.bars[1] for s in samples]
+    for last in range(len(samples)):
+        while samples[last].t - samples[first].t > seconds:
+            first += 1
+        share = sum(inside[first:last + 1]) / (last + 1 - first)
+        if last + 1 - first >= least and samples[last].t >= seconds and not worst[0] <= share:
+            worst = (share, samples[first].t)
+    return worst
+
+
+def print_drawn(seed, count, seconds, folder):
+    draw, every = random.Random(seed), []
+    for k in range(count):
+        keys, options = drawn_session(draw)
+        rows = samples(keys, options, seconds, folder / f"{seed}-{k}")
+        mine = [Sample(row) for row in rows if row["bar95"]]
+        if not mine:
+            print(f"{k}: no samples ({len(rows)} rows)")
+            continue
+        every.append(mine)
+        share, begin = worst_window(mine)
+        print(f"{k}: {len(mine)} samples, without a bar {len(rows) - len(mine)}, inside 90/95/99 %: "
+              + " ".join(f"{100 * held(mine, level):.1f}" for level in range(3))
+              + f", worst 2 s {100 * share:.0f} % at {begin:.1f} s  " + " ".join(keys + options), flush=True)
+    pooled = [s for mine in every for s in mine]
+    print(f"{len(every)} sessions, {len(pooled)} samples, inside 90/95/99 %: "
+          + " ".join(f"{100 * held(pooled, level):.1f}" for level in range(3)))
+    for level, name in enumerate(LEVELS):
+        above = [s for s in pooled if not s.floored[level]]
+        print(f"{name}: {len(pooled) - len(above)} samples at the floor or below, {len(above)} above it, of these inside "
+              f"{100 * held(above, level):.1f} %")
+    print("worst 2 s: " + " ".join(f"{100 * worst_window(mine)[0]:.0f}" for mine in every) + " %")
+    for label in LABELS:
+        own = [s for s in pooled if s.label == label]
+        print(f"{label}: {len(own)} samples, inside " + " ".join(f"{100 * held(own, level):.1f}" for level in range(3)))
+    said, bad = [s for s in pooled if s.said], [s for s in pooled if not s.good]
+    share = lambda of, among: 100 * sum(map(of, among)) / len(among) if among else math.nan
+    print(f"at the JND: bar below it in {len(said)} ({share(lambda s: s.said, pooled):.1f} %), of these {share(lambda s: not s.good, said):.2f} % "
+          f"erred by more; {len(bad)} erred by more, of these flagged {share(lambda s: not s.said, bad):.1f} %; "
+          f"within it {share(lambda s: s.good, pooled):.1f} %")
+
+
+def main():
+    kind, given = (sys.argv[1] if len(sys.argv) > 1 else ""), sys.argv[2:]
+    if kind == "drawn" and given:
+        with tempfile.TemporaryDirectory() as folder:
+            print_drawn(int(given[0]), int(given[1]) if len(given) > 1 else 10, float(given[2]) if len(given) > 2 else 10,
+                        pathlib.Path(given[3] if len(given) > 3 else folder))
+    elif kind in MOTIONS:
+        (print_prior if kind == "prior" else print_check)(all_runs(kind, float(given[0]) if given else 10))
+    else:
+        sys.exit("error_bar_prior.py: expected prior, check or drawn SEED")
+
+
 if __name__ == "__main__":
-    kind = sys.argv[1] if len(sys.argv) > 1 else ""
-    if kind not in MOTIONS:
-        sys.exit("error_bar_prior.py: expected prior or check")
-    (print_prior if kind == "prior" else print_check)(all_runs(kind, float(sys.argv[2]) if len(sys.argv) > 2 else 10))
+    main()
