@@ -1,50 +1,25 @@
-"""Scores of error bars over bodies and motions: the prior of approx/error/prior_scores.cpp, and how well bars cover.
+"""Scores of error bars of sessions: the prior of approx/error/prior_scores.cpp, and how well bars cover.
 
-    /usr/bin/python3 tests/bench/error_bar_prior.py prior [SECONDS]    # prints the rows of prior_scores.cpp
-    /usr/bin/python3 tests/bench/error_bar_prior.py check [SECONDS]    # how well bars cover, on other motions
-    /usr/bin/python3 tests/bench/error_bar_prior.py drawn SEED [COUNT] [SECONDS] [FOLDER]
+    /usr/bin/python3 tests/bench/error_bar_prior.py prior FOLDER...    # prints the rows of prior_scores.cpp
+    /usr/bin/python3 tests/bench/error_bar_prior.py check SEED [COUNT] [SECONDS] [FOLDER]
 
-drawn: COUNT (10) sessions, each of a body, a law, a contact and a motion drawn at random from the seed: how well bars
-cover, in the worst 2 s of a session, above and at the floor of the bars, and what they decide at the just noticeable
-difference (JND). FOLDER keeps frames.csv of each. SECONDS: of each session, 10 unless given. Runs
-build/release/apps/forefeel under the virtual clock. A score is sqrt(max(0, e^2 - r^2)) / s: e is the distance of the
-rendered force from that of a tight solve, r what the switch holds back, s the scale in frames.csv.
+check: COUNT (10) sessions of SECONDS (10), each of a body, a law, a contact and a motion drawn at random from the seed:
+how well bars cover, in the worst 2 s of a session, above and at the floor of the bars, and what they decide at the just
+noticeable difference (JND). Runs build/release/apps/forefeel under the virtual clock. FOLDER keeps the runs.
+prior: of such runs, the scores sqrt(max(0, e^2 - r^2)) / s of samples whose bar of 95 % is above its floor: e is the
+distance of the rendered force from that of a tight solve, r what the switch holds back, s the scale in frames.csv.
 """
 import csv
-import json
 import math
 import pathlib
 import random
 import subprocess
 import sys
 import tempfile
-from concurrent.futures import ThreadPoolExecutor
 
 SHARES = [0.05, 0.25, 0.5, 0.7, 0.8, 0.85, 0.9, 0.925, 0.95, 0.96, 0.97, 0.975, 0.98, 0.985, 0.99, 1.0]
 LABELS = ["safe", "sparse", "gap", "blank"]
 LEVELS = {"bar90": 0.90, "bar95": 0.95, "bar99": 0.99}
-BODIES = {
-    "liver neo-Hookean": ["body.phantom=liver"],
-    "liver St. Venant-Kirchhoff": ["body.phantom=liver", "material.law=st-venant-kirchhoff", "material.poisson=0.3"],
-    "liver Mooney-Rivlin, stiff": ["body.phantom=liver", "material.law=mooney-rivlin", "material.young=20000.0"],
-    "beam stable neo-Hookean": ["body.phantom=beam", "material.law=stable-neo-hookean"],
-    "ball neo-Hookean 0.49": ["body.phantom=ball", "material.poisson=0.49"],
-    "slab neo-Hookean": ["body.phantom=slab", "material.poisson=0.3"],
-    "liver, one node": ["body.phantom=liver", "contact={nearest=[0.0,0.0,1.0]}"],
-}
-OUTSIDE = {  # of the prior: for check alone
-    "beam Mooney-Rivlin": ["body.phantom=beam", "material.law=mooney-rivlin"],
-    "slab St. Venant-Kirchhoff": ["body.phantom=slab", "material.law=st-venant-kirchhoff", "material.poisson=0.3"],
-}
-MOTIONS = {"prior": ["tour", "line", "lissajous"], "check": ["reach", "circle", "palpation", "press,tremor=0.0002"]}
-COSTS = ["constant:0.05", "lognormal:0.2,0.5"]
-
-
-def run(body, motion, cost, seconds, folder):
-    """The sampled frames of a session: dictionaries of floats and the label."""
-    name = "press,speed=0.05," + motion.split(",")[1] if "," in motion else motion + ",speed=0.05"
-    return samples(BODIES[body], ["--device", "path:" + name, "--cost", cost], seconds,
-                   folder / f"{abs(hash((body, motion, cost)))}")
 
 
 def samples(keys, options, seconds, folder):
@@ -57,6 +32,10 @@ def samples(keys, options, seconds, folder):
         if done.returncode not in (0, 1):
             print(f"{keys} {options}: {done.stderr.strip()}", file=sys.stderr)
             return []
+    return judged_rows(folder)
+
+
+def judged_rows(folder):
     with open(folder / "frames.csv") as file:
         return [row for row in csv.DictReader(file) if row["sampled"] == "1" and row["error"]]
 
@@ -66,7 +45,8 @@ def drawn_session(draw):
     law = draw.choice(["linear", "st-venant-kirchhoff", "neo-hookean", "stable-neo-hookean", "mooney-rivlin"])
     phantom = draw.choice(["liver", "beam", "ball", "slab"])
     keys = [f"body.phantom={phantom}", f"material.law={law}", f"material.poisson={draw.uniform(0.0, 0.48):.3f}",
-            f"material.young={10**draw.uniform(3.3, 4.5):.0f}", f"session.seed={draw.randrange(10**6)}"]
+            f"material.young={10**draw.uniform(3.3, 4.5):.0f}", f"session.seed={draw.randrange(10**6)}",
+            f"body.elements={draw.randint(300, 900)}"]
     if draw.random() < 0.25:
         keys.append("contact={nearest=[0.0,0.0,1.0]}")
     path = draw.choice(["press", "line", "circle", "lissajous", "reach", "palpation", "tour", "mower", "raster"])
@@ -90,44 +70,6 @@ def score(row):
     error2 = sum((a - b) ** 2 for a, b in zip(force, truth))
     held2 = sum((a - b) ** 2 for a, b in zip(force, plain))
     return math.sqrt(max(0.0, error2 - held2)) / float(row["bar_scale"])
-
-
-def all_runs(kind, seconds):
-    if kind == "check":
-        BODIES.update(OUTSIDE)
-    jobs = [(b, m, c) for b in BODIES for m in MOTIONS[kind] for c in COSTS]
-    with tempfile.TemporaryDirectory() as folder, ThreadPoolExecutor(2) as pool:
-        rows = pool.map(lambda job: run(*job, seconds, pathlib.Path(folder)), jobs)
-        return list(zip(jobs, rows))
-
-
-def print_prior(runs):
-    for label in LABELS:
-        scores = sorted(z for _, rows in runs for row in rows if row["label"] == label and (z := score(row)) is not None)
-        print(f"// {label}: {len(scores)} scores")
-        if scores:
-            ranks = [scores[min(len(scores) - 1, max(0, math.ceil(share * len(scores)) - 1))] for share in SHARES]
-            print("{{" + ", ".join(f"{rank:.3g}" for rank in ranks) + "}},")
-
-
-def print_check(runs):
-    def line(name, rows):
-        rows = [row for row in rows if row["bar95"]]
-        if not rows:
-            return
-        errors = sorted(math.dist(vector(row, "rendered_"), vector(row, "r")) for row in rows)
-        widths = sorted(float(row["bar95"]) for row in rows)
-        p95 = errors[math.ceil(0.95 * len(errors)) - 1]
-        inside = [sum(math.dist(vector(row, "rendered_"), vector(row, "r")) <= float(row[bar]) for row in rows)
-                  / len(rows) for bar in LEVELS]
-        print(f"{name:30} {len(rows):6} samples  inside 90/95/99 %: " + " ".join(f"{100 * s:5.1f}" for s in inside)
-              + f"  median width {widths[len(widths) // 2]:.3g} N, {widths[len(widths) // 2] / p95:.2f} of the p95 error")
-
-    line("all", [row for _, rows in runs for row in rows])
-    for label in LABELS:
-        line(label, [row for _, rows in runs for row in rows if row["label"] == label])
-    for body in BODIES:
-        line(body, [row for job, rows in runs for row in rows if job[0] == body])
 
 
 JND = lambda force: max(0.07 * math.hypot(*force), 0.01)  # [N], the defaults of session.jnd
@@ -160,7 +102,7 @@ def worst_window(samples, seconds=2.0, least=20):
     return worst
 
 
-def print_drawn(seed, count, seconds, folder):
+def print_check(seed, count, seconds, folder):
     draw, every = random.Random(seed), []
     for k in range(count):
         keys, options = drawn_session(draw)
@@ -179,7 +121,7 @@ def print_drawn(seed, count, seconds, folder):
           + " ".join(f"{100 * held(pooled, level):.1f}" for level in range(3)))
     for level, name in enumerate(LEVELS):
         above = [s for s in pooled if not s.floored[level]]
-        print(f"{name}: {len(pooled) - len(above)} samples at the floor or below, {len(above)} above it, of these inside "
+        print(f"{name}: {len(pooled) - len(above)} samples at the floor, {len(above)} above it, of these inside "
               f"{100 * held(above, level):.1f} %")
     print("worst 2 s: " + " ".join(f"{100 * worst_window(mine)[0]:.0f}" for mine in every) + " %")
     for label in LABELS:
@@ -187,21 +129,36 @@ def print_drawn(seed, count, seconds, folder):
         print(f"{label}: {len(own)} samples, inside " + " ".join(f"{100 * held(own, level):.1f}" for level in range(3)))
     said, bad = [s for s in pooled if s.said], [s for s in pooled if not s.good]
     share = lambda of, among: 100 * sum(map(of, among)) / len(among) if among else math.nan
-    print(f"at the JND: bar below it in {len(said)} ({share(lambda s: s.said, pooled):.1f} %), of these {share(lambda s: not s.good, said):.2f} % "
+    print(f"at the JND: bar below it in {len(said)} ({share(lambda s: s.said, pooled):.1f} %), of these "
+          f"{share(lambda s: not s.good, said):.2f} % "
           f"erred by more; {len(bad)} erred by more, of these flagged {share(lambda s: not s.said, bad):.1f} %; "
           f"within it {share(lambda s: s.good, pooled):.1f} %")
 
 
+def print_prior(folders):
+    scores = {label: [] for label in LABELS}
+    for folder in folders:
+        for row in judged_rows(pathlib.Path(folder)):
+            if row["bar95"] and not Sample(row).floored[1]:
+                scores[row["label"]].append(score(row))
+    for label, own in scores.items():
+        own.sort()
+        print(f"// {label}: {len(own)} scores")
+        if own:
+            ranks = [own[max(0, math.ceil(share * len(own)) - 1)] for share in SHARES]
+            print("{{" + ", ".join(f"{rank:.3g}" for rank in ranks) + "}},")
+
+
 def main():
     kind, given = (sys.argv[1] if len(sys.argv) > 1 else ""), sys.argv[2:]
-    if kind == "drawn" and given:
+    if kind == "prior" and given:
+        print_prior(given)
+    elif kind == "check" and given:
         with tempfile.TemporaryDirectory() as folder:
-            print_drawn(int(given[0]), int(given[1]) if len(given) > 1 else 10, float(given[2]) if len(given) > 2 else 10,
-                        pathlib.Path(given[3] if len(given) > 3 else folder))
-    elif kind in MOTIONS:
-        (print_prior if kind == "prior" else print_check)(all_runs(kind, float(given[0]) if given else 10))
+            seed, count, seconds, kept = given + [None, "10", "10", folder][len(given):]
+            print_check(int(seed), int(count), float(seconds), pathlib.Path(kept))
     else:
-        sys.exit("error_bar_prior.py: expected prior, check or drawn SEED")
+        sys.exit("error_bar_prior.py: expected prior FOLDER... or check SEED")
 
 
 if __name__ == "__main__":
