@@ -1,6 +1,6 @@
 #pragma once
-// Factors of the bars that a process judges (offline_bar.hpp has the equations): g, by which its deviation s is widened,
-// and q_p, quantiles of |e| / (g s).
+// Factors of the bars that a process judges: g, by which its deviation s is widened, and q_p, quantiles of |e| / (g s).
+// offline_bar.hpp has the equations.
 
 #include <array>
 #include <vector>
