@@ -5,6 +5,7 @@
 #include <limits>
 
 #include "approx/error/error_scale.hpp"
+#include "approx/error/judged_factors.hpp"
 #include "approx/error/place_models.hpp"
 #include "geometry/common/quantiles.hpp"
 #include "geometry/common/tolerance.hpp"
@@ -16,32 +17,12 @@ constexpr double no_bar = std::numeric_limits<double>::infinity();
 constexpr std::size_t least_states = 8, least_checks = 20, least_of_label = 30, most_samples = 800;
 constexpr double constants[] = {0, 0.1, 0.3, 1, 3};  // b, in median errors
 constexpr std::size_t scored_level = 1;              // of bar_levels: 95 %
-constexpr double prior_groups = 6;                   // nu: groups that the process's own deviation counts as
 constexpr std::size_t local_samples = 30;
 constexpr double calm_share = 0.1;     // of the samples, in whose neighbourhoods errors are noise alone
 constexpr double most_apart = 20;      // no judged bar inside is narrower than the widest divided by this
 constexpr BarWidths steeper{2, 3, 4};  // stiffness across the states, in largest stiffnesses along them
 double square(double x) {
   return x * x;
-}
-
-// Quantiles u of |e| over its root mean square, e of three normal components whose variance is known from n degrees of
-// freedom: u^2 has the distribution F(3, n), so u has the density C u^2 (1 + 3 u^2 / n)^(-(n + 3) / 2).
-BarWidths quantiles_of_norm(double n) {
-  constexpr double step = 1e-3, farthest = 100;
-  const double log_c = std::log(2.0) + 1.5 * std::log(3 / n) + std::lgamma(0.5 * (n + 3)) - std::lgamma(1.5) -
-                       std::lgamma(0.5 * n);
-  BarWidths found;
-  double share = 0, u = 0;
-  for (std::size_t level = 0; level < bar_levels.size(); ++level) {
-    for (; share < bar_levels[level] && u < farthest; u += step) {
-      const double middle = u + 0.5 * step;
-      share +=
-          step * std::exp(log_c + 2 * std::log(middle) - 0.5 * (n + 3) * std::log1p(3 * middle * middle / n));
-    }
-    found[level] = u;
-  }
-  return found;
 }
 
 // The ceil((n + 1) p)-th least of n scores; no_bar if there are fewer.
@@ -160,15 +141,25 @@ BarSample sample_of(const StateSpace& known, const Vec3& force, const State& hel
           .error = (force - held.force).norm()};
 }
 
-// Sums over samples: of 1, of the share of s^2 in the variance of the comparison, and of that share times y^2.
-struct Misfit {
-  double samples = 0, share = 0, missed = 0;
-  void add(const Misfit& other) { samples += other.samples, share += other.share, missed += other.missed; }
-};
-
-// g, if a sample counts as `each` groups.
-double trust_of(const Misfit& of, double each) {
-  return std::sqrt(std::max(1.0, (prior_groups + each * of.missed) / (prior_groups + each * of.share)));
+// r: how much more s shrinks from the held-out positions to the wanted places than their distances do.
+double shrinkage_of(std::span<const BarSample> samples, const OfflineBarOptions& options) {
+  double held_squared = 0, wanted_squared = 0;
+  std::vector<double> held_away, wanted_away;
+  for (const BarSample& s : samples) {
+    if (s.seen.outside) continue;
+    held_squared += square(s.scale);
+    held_away.push_back(s.seen.away);
+  }
+  for (std::size_t i = 0; i < options.scales.size(); ++i) {
+    if (options.wanted[i].outside || !std::isfinite(options.scales[i])) continue;
+    wanted_squared += square(options.scales[i]);
+    wanted_away.push_back(options.wanted[i].away);
+  }
+  if (held_away.empty() || !(wanted_squared > 0)) return 1;
+  const double held = std::sqrt(held_squared / static_cast<double>(held_away.size()));
+  const double here = std::sqrt(wanted_squared / static_cast<double>(wanted_away.size()));
+  const double farther = median(std::move(held_away)), nearer = median(std::move(wanted_away));
+  return nearer > 0 ? std::max(1.0, held / here / std::max(1.0, farther / nearer)) : 1;
 }
 
 // Every `stride`-th force left out of one trial.
@@ -215,39 +206,47 @@ void widen(BarWidths& widths, double across) {
 }
 
 // The samples become those of judged bars: their scale is that of a comparison with a measured force.
-OfflineBars::OfflineBars(std::vector<BarSample> samples, double noise, std::size_t groups)
+OfflineBars::OfflineBars(std::vector<BarSample> samples, double noise, std::size_t groups, double shrinkage)
     : samples_(std::move(samples)) {
   if (samples_.empty()) return;
   Judge& judge = judge_;
   judge.noise = 3 * square(noise);
   std::vector<Misfit> of_part;
   Misfit every;
+  std::vector<double> excess;
   for (const BarSample& s : samples_) {
     const double own = square(s.scale), seen = own + judge.noise;
-    const double excess = std::max(0.0, s.error - steeper[scored_level] * s.across);
-    judge.misses.push_back(seen > 0 ? square(excess) / seen : 0);
+    excess.push_back(std::max(0.0, s.error - steeper[scored_level] * s.across));
+    judge.misses.push_back(seen > 0 ? square(excess.back()) / seen : 0);
     const Misfit one{.samples = 1, .share = seen > 0 ? own / seen : 0};
     if (of_part.size() <= s.part) of_part.resize(s.part + 1);
     for (Misfit* sum : {&of_part[s.part], &every})
       sum->add({one.samples, one.share, one.share * judge.misses.back()});
   }
-  const double each = static_cast<double>(groups) / every.samples;  // groups of a sample
+  const double each = std::min(1.0, static_cast<double>(groups) / every.samples);  // groups of a sample
   find_locality(each);
-  std::vector<double> trust;
-  std::vector<BarWidths> quantiles;
-  for (const Misfit& part : of_part) {
-    const Misfit others{every.samples - part.samples, every.share - part.share, every.missed - part.missed};
-    trust.push_back(trust_of(others, each));
-    quantiles.push_back(quantiles_of_norm(each * others.samples + 1));
+  std::vector<Misfit> others;
+  for (const Misfit& part : of_part)
+    others.push_back({every.samples - part.samples, every.share - part.share, every.missed - part.missed});
+  std::vector<double> scores;
+  for (std::size_t i = 0; i < samples_.size(); ++i) {
+    BarSample& s = samples_[i];
+    s.scale = std::sqrt(variance(s.scale, trust_of(others[s.part], each), local(s.at, s.part)) + judge.noise);
+    scores.push_back(s.scale > 0 ? excess[i] / s.scale : 0);
   }
-  for (BarSample& s : samples_) {
-    const double local = this->local(s.at, s.part);
-    s.scale = std::sqrt(variance(s.scale, trust[s.part], local) + judge.noise);
-    s.bar = times(quantiles[s.part], s.scale);
-    widen(s.bar, s.across);
+  for (std::uint32_t part = 0; part < others.size(); ++part) {
+    std::vector<double> other_scores;
+    for (std::size_t i = 0; i < samples_.size(); ++i)
+      if (samples_[i].part != part) other_scores.push_back(scores[i]);
+    const BarWidths factors = judged_factors(std::move(other_scores), each, others[part].share);
+    for (BarSample& s : samples_) {
+      if (s.part != part) continue;
+      s.bar = times(factors, s.scale);
+      widen(s.bar, s.across);
+    }
   }
-  judge.trust = trust_of(every, each);
-  judge.quantiles = quantiles_of_norm(each * every.samples + 1);
+  judge.trust = trust_of(every, each, shrinkage);
+  judge.quantiles = judged_factors(std::move(scores), each, every.share);
 }
 
 // B and T0 from the local means at the samples themselves.
@@ -322,7 +321,10 @@ OfflineBars measure_bars(std::span<const State> states, const OfflineBarOptions&
     parts[t] = samples_of(trials.each[t], static_cast<std::uint32_t>(t), options, stride);
   std::vector<BarSample> samples;
   for (const std::vector<BarSample>& part : parts) samples.insert(samples.end(), part.begin(), part.end());
-  if (options.judge) return {std::move(samples), options.judge->law.noise, trials.groups};
+  if (options.judge) {
+    const double shrinkage = shrinkage_of(samples, options);
+    return {std::move(samples), options.judge->law.noise, trials.groups, shrinkage};
+  }
   return OfflineBars(std::move(samples));
 }
 

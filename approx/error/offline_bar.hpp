@@ -15,8 +15,14 @@
 //   y_i^2 = (|f~_i - f_i| - m S E)^2 / v_i,   v_i = s(x_i)^2 + 3 sigma^2,   w_i = s(x_i)^2 / v_i
 //   K = n mean(w),   g^2 = max(1, (nu + n mean(w y^2)) / (nu + K))
 // n: number of groups. w: what a comparison tells of s; nothing where noise is most of it. The process's own deviation
-// counts as nu = 6 groups. Its law was found from n groups, so s is known with few degrees of freedom: q_p are the
-// quantiles of sqrt(F(3, n + 1)) (Student's t of three components; at 95 % 1.61 for many groups, 2.57 for three).
+// counts as nu = 6 groups. Its law was found from n groups, so s is known with few degrees of freedom: the quantiles of
+// sqrt(F(3, n + 1)) (Student's t of three components; at 95 % 1.61 for many groups, 2.57 for three). Errors may have
+// heavier or lighter tails. So q_p is the mean of that quantile, weighted by nu, and of the ceil((n + 1) p) / n
+// quantile of y_i with v of below, weighted by K; without it for fewer than p / (1 - p) groups.
+// Wanted places are often nearer to the states than held-out ones. By a smooth law the error then falls with a high
+// power of the distance, which nothing measured has shown. It is believed to fall in proportion. With rms s and median
+// distance d of the held-out positions (h) and of the wanted places (w) inside the states, g^2 is at least
+//   (nu + n mean(w y^2)) / (nu + K) r^(2 n / (n + nu)),   r = max(1, (s_h / s_w) / max(1, d_h / d_w))
 // The law is one for all places, but a force may be rough in some of them (a kink of a stiff wall in a smooth field).
 // The process then takes the roughness for noise. Noise is the same everywhere, misfit is not, so with L(x) the mean of
 // y^2 over the 30 held-out positions nearest to x, over the mean of all:
@@ -82,8 +88,8 @@ class OfflineBars {
  public:
   OfflineBars() = default;  // without samples: all bars are infinite
   explicit OfflineBars(std::vector<BarSample> samples);
-  // Of measured forces; noise: sigma of a component [N]; groups: independent ones, held out in turn.
-  OfflineBars(std::vector<BarSample> samples, double noise, std::size_t groups);
+  // Of measured forces; noise: sigma of a component [N]; groups: independent ones, held out in turn; shrinkage: r.
+  OfflineBars(std::vector<BarSample> samples, double noise, std::size_t groups, double shrinkage = 1);
 
   BarWidths at(Label label, bool outside, double scale) const;  // outside: of the states; scale: s(x) [N]
   // Of measured states: the bar at x, across: least error across the states [N].
@@ -99,7 +105,7 @@ class OfflineBars {
                                   const OfflineBarOptions& options);
   // What judged bars are made of.
   struct Judge {
-    double trust = 1, noise = 0;  // g; 3 sigma^2 [N^2]
+    double trust = 1, noise = 0;  // g at the wanted places; 3 sigma^2 [N^2]
     double mean = 0, calm = 0;    // of y^2: its mean, and that times c
     double locality = 0;          // B
     std::vector<double> misses;   // y_i^2
@@ -124,6 +130,7 @@ struct OfflineBarOptions {
   std::optional<FieldOptions> judge = {};  // of measured states: s and sigma from the process
   double spacing = 0.006;                  // h [m]
   std::span<const SeenPlace> wanted = {};  // where the bars are wanted; empty: not known
+  std::span<const double> scales = {};     // s(x) of each [N], with a judge; empty: not known
 };
 
 // states: usable ones, one at each position. Fewer than 8 states or 3 groups give no samples.

@@ -291,7 +291,7 @@ ForceField::Prediction ForceField::at(const Vec3& x) const {
   const Foot foot = foot_of(x);
   Prediction made = predicted(foot.at);
   made.foot = foot.at;
-  made.least_error = options_.stiffest * foot.across;
+  made.least_error = std::min(options_.stiffest * foot.across, bound());
   if (foot.between) made.least_error = std::min(made.least_error, predicted(*foot.between).deviation);
   const double size = made.force.norm();
   if (size > bound()) made.force *= bound() / size;

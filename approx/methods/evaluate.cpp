@@ -192,8 +192,13 @@ std::vector<Vec3> feet(std::span<const Vec3> points, const JudgedPoints& judged)
 }
 
 EvaluatedBars bars_of(const StateSpace& space, std::span<const State> states, std::span<const Vec3> points,
-                      const EvaluatedPoints& made, const JudgedPoints& judged,
-                      const OfflineBarOptions& options, const EvaluateOptions& given) {
+                      const EvaluatedPoints& made, const JudgedPoints& judged, OfflineBarOptions options,
+                      const EvaluateOptions& given) {
+  std::vector<double> scales;
+  if (options.judge)
+    for (std::size_t i = 0; i < judged.at.size(); ++i)
+      scales.push_back(judged_scale(judged.at[i], made.forces[i]));
+  options.scales = scales;
   const auto checked = [&](const Vec3& x) { return given.checks.box.contains(x); };
   OfflineBars measured = checked_bars(space, given.checks.states, options), left_out;
   if (!measured.checked())
@@ -214,8 +219,7 @@ EvaluatedBars bars_of(const StateSpace& space, std::span<const State> states, st
     unchecked.push_back(seen);
     bars.outside += seen.outside ? 1 : 0;
     if (!judged.at.empty() && options.judge) {
-      const double scale = judged_scale(judged.at[i], made.forces[i]);
-      bars.at.push_back(own.at(points[i], scale, judged.at[i].least_error));
+      bars.at.push_back(own.at(points[i], scales[i], judged.at[i].least_error));
       continue;
     }
     bars.at.push_back(own.at(made.labels[i], seen.outside, scale_at(space, points[i], made.forces[i])));

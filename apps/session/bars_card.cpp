@@ -42,6 +42,11 @@ Card bars_card(const SessionSummary::ErrorBars& bars) {
     card.what += fmt::format("; {} {}", name(label), in_words(own));
     card.judged = std::max(card.judged, judged(own, enough_of_label));
   }
+  if (bars.at_floor[1] > 0 && std::isfinite(bars.inside_above[1]))
+    card.what += fmt::format(
+        "; {} samples have a bar of 95 % at its floor, a tenth of the just noticeable "
+        "difference, {:.1f} % of the others are inside",
+        bars.at_floor[1], 100 * bars.inside_above[1]);
   if (std::isfinite(bars.all.width_p50))
     card.what += fmt::format("; median half-width {:.3g} N", bars.all.width_p50);
   return card;

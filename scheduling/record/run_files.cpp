@@ -60,8 +60,8 @@ constexpr RunColumn<Frame> frame_columns[] = {
      [](RowText& o, const Frame& f) { put(o, f.timing.lateness_us); }, true},
     {"bar90,bar95,bar99", "N",
      "error bar: |rendered - reference| is at most this with 90, 95, 99 %; empty where nothing is known of "
-     "it "
-     "yet; of the elastic force where the body is viscous",
+     "it yet; at least a tenth of the just noticeable difference; of the elastic force where the body is "
+     "viscous",
      [](RowText& o, const Frame& f) {
        const auto& [at_90, at_95, at_99] = f.bar.half_width;
        put(o, Vec3(at_90, at_95, at_99));

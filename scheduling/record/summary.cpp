@@ -59,17 +59,43 @@ std::vector<double> sorted_part(const SessionResult& result, double Judgement::*
   return sorted;
 }
 
+bool has_judged_bar(const FrameRecord& f) {
+  return f.judged.sampled && std::isfinite(f.judged.error) && std::isfinite(f.bar.half_width[1]);
+}
+
+// Bars refer to the elastic force.
+bool viscous(const FrameRecord& f) {
+  return std::isfinite(f.judged.elastic_reference.x());
+}
+
+double elastic_error(const FrameRecord& f) {
+  return viscous(f) ? (f.elastic - f.judged.elastic_reference).norm() : (f.force - f.judged.reference).norm();
+}
+
+// Samples at the floor of the bars, and how many of those above it are inside.
+void count_floor(const SessionResult& result, const SwitchOptions& options, SessionSummary::ErrorBars& bars) {
+  for (std::size_t level = 0; level < bars.at_floor.size(); ++level) {
+    std::size_t above = 0, inside = 0;
+    for (const FrameRecord& f : result.frames) {
+      if (!has_judged_bar(f)) continue;
+      const double floor = bar_floor(viscous(f) ? f.elastic : f.force, options);
+      const bool floored = f.bar.half_width[level] <= floor * (1 + 1e-9);
+      bars.at_floor[level] += floored ? 1 : 0;
+      above += floored ? 0 : 1;
+      inside += !floored && elastic_error(f) <= f.bar.half_width[level] ? 1 : 0;
+    }
+    if (above > 0) bars.inside_above[level] = static_cast<double>(inside) / static_cast<double>(above);
+  }
+}
+
 template <class Choose>
 SessionSummary::Bars bars_of(const SessionResult& result, Choose choose) {
   SessionSummary::Bars bars;
   std::array<std::size_t, 3> inside{};
   std::vector<double> widths, errors;
   for (const FrameRecord& f : result.frames) {
-    if (!f.judged.sampled || !std::isfinite(f.judged.error) || !choose(f)) continue;
-    if (!std::isfinite(f.bar.half_width[1])) continue;
-    const bool viscous = std::isfinite(f.judged.elastic_reference.x());  // bars refer to the elastic force
-    const double error =
-        viscous ? (f.elastic - f.judged.elastic_reference).norm() : (f.force - f.judged.reference).norm();
+    if (!has_judged_bar(f) || !choose(f)) continue;
+    const double error = elastic_error(f);
     for (std::size_t i = 0; i < inside.size(); ++i) inside[i] += error <= f.bar.half_width[i];
     widths.push_back(f.bar.half_width[1]);
     errors.push_back(error);
@@ -86,8 +112,9 @@ SessionSummary::Bars bars_of(const SessionResult& result, Choose choose) {
   return bars;
 }
 
-SessionSummary::ErrorBars error_bars_of(const SessionResult& result) {
+SessionSummary::ErrorBars error_bars_of(const SessionResult& result, const SwitchOptions& options) {
   SessionSummary::ErrorBars found;
+  count_floor(result, options, found);
   found.all = bars_of(result, [](const FrameRecord&) { return true; });
   for (const Label label : all_labels)
     found.by_label[label] = bars_of(result, [label](const FrameRecord& f) { return f.label == label; });
@@ -119,7 +146,7 @@ SessionSummary::Error error_of(const SessionResult& result, const SwitchOptions&
   if (jets)
     error.time_trusted =
         static_cast<double>(trusted) / static_cast<double>(std::max<std::size_t>(1, result.frames.size()));
-  error.bars = error_bars_of(result);
+  error.bars = error_bars_of(result, options);
   error.first_visit = errors_of(result, options, [](const FrameRecord& f) { return f.judged.first_visit; });
   return error;
 }

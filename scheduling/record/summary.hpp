@@ -82,6 +82,10 @@ struct SessionSummary {
     Bars all;
     ByLabel<Bars> by_label;
     std::size_t without = 0;  // samples without a bar
+    // Bars are at least a tenth of the just noticeable difference wide (render/bar_link.hpp): of all samples, those
+    // with a bar at that floor, and the share inside of those above it, of each level.
+    std::array<std::size_t, 3> at_floor{};
+    std::array<double, 3> inside_above{unknown, unknown, unknown};
   };
   // The discretisation error of the body (solver/equilibrium/mesh_error.hpp). The caller measures it. The other errors
   // do not contain it.

@@ -125,7 +125,14 @@ void add_bars(std::vector<Column>& columns, const std::string& key, const Sessio
 void add_error_bars(std::vector<Column>& columns, const SessionSummary::ErrorBars& bars) {
   add_bars(columns, "error_bar", bars.all);
   Group(columns, "error_bar")
-      .count("without", bars.without, "compared frames without a bar: no model had states");
+      .count("without", bars.without, "compared frames without a bar: no model had states")
+      .count("at_floor.p90", bars.at_floor[0],
+             "samples whose bar of 90 % is at its floor, a tenth of the just noticeable difference")
+      .count("at_floor.p95", bars.at_floor[1], "of 95 %")
+      .count("at_floor.p99", bars.at_floor[2], "of 99 %")
+      .number("above_floor.p90", bars.inside_above[0], "1", "share inside of the samples above the floor")
+      .number("above_floor.p95", bars.inside_above[1], "1", "of 95 %")
+      .number("above_floor.p99", bars.inside_above[2], "1", "of 99 %");
   for (const Label label : all_labels)
     add_bars(columns, "error_bar.by_label." + std::string(name(label)), bars.by_label[label]);
 }

@@ -14,6 +14,14 @@ constexpr std::size_t enough_audits = 20;
 constexpr double step = 0.02, prior_weight = 60;
 // A guess alone says nothing of how the stiffness changes: its errors on a block were up to 1.8 times the usual bar.
 constexpr double of_guess = 2;
+// The scale is estimated from as many departures as there are states. Its bars are wider by Student's t of one degree
+// of freedom fewer, over that of the normal distribution (97.5 %). One state shows no departure: bars of its tangent
+// would have had to be 16 times as wide to hold 90 %.
+double of_few(std::size_t states) {
+  constexpr std::array wider{10.0, 6.48, 2.20, 1.62, 1.42, 1.31, 1.25, 1.21};  // of 1, 2, ... states
+  return states > wider.size() ? 1 + 1.5 / static_cast<double>(states)
+                               : wider[std::max<std::size_t>(states, 1) - 1];
+}
 constexpr std::array labels{Label::safe, Label::sparse, Label::gap, Label::blank};
 
 }  // namespace
@@ -74,7 +82,8 @@ void BarKeeper::publish(const Vec3& hip, const Model& model) {
                       return (a.at - hip).squaredNorm() < (b.at - hip).squaredNorm();
                     });
   newest_.scale = ErrorScale(near_, space_.options().spacing);
-  newest_.scale.stretch((guess_alone ? of_guess : 1) * level_.stretch());
+  const double wider = guess_alone ? of_guess : model.has_jets() ? 1 : of_few(space_.size());
+  newest_.scale.stretch(wider * level_.stretch());
   newest_.label = space_.empty() ? Label::blank : space_.label(hip, walk_);
   newest_.factors = factors_.factors(newest_.label);
   link_.bars.publish(newest_);

@@ -6,6 +6,7 @@
 //   other     any other state. The model in use is scored at its position. Such states are solved where least is
 //             known, not where the hand is. They show how accurate the model is on this body
 //             (approx/error/body_level.hpp)
+// While few states are known, the scale is uncertain and the bars are wider.
 // The scale of a model of energy jets is its own estimate, trust included (approx/model/jet_set.hpp); times the level.
 // Until a session has scores of its own, scores of other bodies and motions are used (approx/error/prior_scores.hpp).
 // While no state is known, the bar of the first guess is that of a model of one state: rest, with the stiffness of the

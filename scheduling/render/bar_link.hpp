@@ -1,13 +1,14 @@
 #pragma once
 // The messages between planner and loop about error bars. For the rendered force F [N] of a frame at x, with f~ the
 // force of the newest model there, the half-width of the bar of level p is
-//   e_p = sqrt((q_p s(x))^2 + r^2),   r = ||F - f~||     [N]
+//   e_p = max(sqrt((q_p s(x))^2 + r^2), 0.1 max(share ||F||, F_abs)),   r = ||F - f~||     [N]
+// The floor is a tenth of the just noticeable difference (switch_options.hpp): nobody needs a finer bar.
 // s [N]: scale of the model's error (approx/error/error_scale.hpp), q_p [1]: factor of the level
 // (conformal_factors.hpp), r [N]: difference between rendered and model force that the switch has not yet removed. r is
 // known exactly; its direction is assumed independent of the model's error. When the true force f of a frame becomes
 // known, the score of the frame is
 //   sqrt(max(0, ||F - f||^2 - r^2)) / s
-// The score is at most q_p if and only if the bar contains f.
+// Above the floor, the score is at most q_p if and only if the bar contains f.
 
 #include <algorithm>
 #include <cmath>
@@ -15,8 +16,14 @@
 
 #include "approx/error/conformal_factors.hpp"
 #include "approx/error/error_scale.hpp"
+#include "approx/switch/switch_options.hpp"
 
 namespace forefeel {
+
+// Least half-width of a bar around the rendered force F [N].
+inline double bar_floor(const Vec3& force, const SwitchOptions& jnd) noexcept {
+  return 0.1 * std::max(jnd.jnd_share * force.norm(), jnd.jnd_floor);
+}
 
 // From the planner to the loop, copied as a whole. Infinite bars while no model has states.
 struct BarEstimate {

@@ -13,6 +13,7 @@ RenderLoop::RenderLoop(Device& device, LoopLink& link, const RenderOptions& opti
     : link_(link),
       tip_(device, options.frame, options.switching.jump_speed),
       models_(link, options.switching),
+      jnd_(options.switching),
       output_(options, std::move(real.now)),
       end_{.frames = frames},
       log_{.frames = std::vector<FrameRecord>(frames + real.spare), .uncontrolled = {}} {
@@ -74,7 +75,8 @@ ForceBar RenderLoop::bar(const ForceSwitch::Frame& frame) noexcept {
   link_.rendered.push({hip().at, frame.force, scale, residual, bar_.label});
   ForceBar made{.scale = scale, .trusted = own.trusted};
   for (std::size_t i = 0; i < made.half_width.size(); ++i)
-    made.half_width[i] = std::hypot(bar_.factors[i] * scale, residual);
+    made.half_width[i] =
+        std::max(std::hypot(bar_.factors[i] * scale, residual), bar_floor(frame.force, jnd_));
   return made;
 }
 

@@ -88,6 +88,7 @@ class RenderLoop {
   LoopModels models_;
   std::optional<RelaxationFilter> filter_;  // none: the body is elastic
   BarEstimate bar_;
+  SwitchOptions jnd_;  // of the floor of the bars
   ForceOutput output_;
   End end_;
   Log log_;

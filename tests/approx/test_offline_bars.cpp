@@ -280,3 +280,54 @@ TEST_CASE("bars of measured states are wide where held-out forces miss by more t
   CHECK(inside / count > 0.9);
   CHECK(inside / count < 0.99);
 }
+
+// A tenth of the errors is four times as large as the process says, at random: no place tells which.
+TEST_CASE("bars of measured states have the tails of the held-out errors", "[offline_bars]") {
+  double inside = 0, count = 0, plain = 0;
+  for (unsigned seed = 0; seed < 10; ++seed) {
+    std::mt19937 random(seed);
+    std::normal_distribution<double> normal;
+    std::uniform_real_distribution<double> side(-0.01, 0.01);
+    const auto place = [&] { return Vec3(side(random), side(random), side(random)); };
+    constexpr double scale = 0.01;
+    const auto error = [&] {
+      const double more = side(random) > 0.008 ? 4 : 1;
+      return (more * scale / std::sqrt(3.0) * Vec3(normal(random), normal(random), normal(random))).norm();
+    };
+    std::vector<BarSample> samples;
+    double squared = 0;
+    for (std::uint32_t i = 0; i < 400; ++i) {
+      samples.push_back({.at = place(), .scale = scale, .error = error(), .part = i % 8});
+      squared += samples.back().error * samples.back().error / 400;
+    }
+    const OfflineBars bars(std::move(samples), 0, 400);
+    for (int i = 0; i < 1000; ++i) {
+      const Vec3 x = place();
+      const double e = error();
+      inside += e <= bars.at(x, scale, 0)[1], ++count;
+      plain += e <= 1.61 * std::sqrt(squared);  // normal errors of the same root mean square
+    }
+  }
+  CHECK(std::abs(inside / count - 0.95) < 0.015);
+  CHECK(plain / count < 0.935);
+}
+
+TEST_CASE("bars of measured states do not shrink faster than the distance without evidence",
+          "[offline_bars]") {
+  const auto bar = [](double shrinkage, std::size_t groups) {
+    std::mt19937 random(1);
+    std::normal_distribution<double> normal;
+    std::vector<BarSample> samples;
+    for (std::uint32_t i = 0; i < 240; ++i) {
+      const Vec3 e = 0.01 / std::sqrt(3.0) * Vec3(normal(random), normal(random), normal(random));
+      samples.push_back({.at = 0.01 * Vec3(normal(random), normal(random), normal(random)),
+                         .scale = 0.01,
+                         .error = e.norm(),
+                         .part = i % 8});
+    }
+    return OfflineBars(std::move(samples), 0, groups, shrinkage).at(Vec3::Zero(), 0.002, 0)[1];
+  };
+  // s is 5 times less at x; at half the distance the error is believed to be half, 2.5 times what s says.
+  CHECK(bar(2.5, 240) / bar(1, 240) == Approx(std::pow(2.5, 240.0 / 246)).epsilon(0.05));
+  CHECK(bar(2.5, 6) / bar(1, 6) == Approx(std::sqrt(2.5)).epsilon(0.1));
+}

@@ -83,3 +83,44 @@ TEST_CASE("error bars: the same inputs and seed give the same bars") {
     REQUIRE(a.frames[i].bar.half_width == b.frames[i].bar.half_width);
   }
 }
+
+TEST_CASE("error bars: none is finer than a tenth of the JND, and samples at that floor are counted apart") {
+  const SessionInput input = small_input();
+  SessionOptions options = audited(0.1);
+  options.switching.jnd_floor = 0.2;
+  const SessionResult r = run_session(input, options);
+  const SessionSummary::ErrorBars bars = summarise(r, input, options).error.bars;
+  std::size_t floored = 0, above = 0, inside = 0;
+  for (const FrameRecord& f : r.frames) {
+    const double floor = std::max(0.02, 0.007 * f.force.norm()), bar = f.bar.half_width[1];
+    if (!std::isfinite(bar)) continue;
+    REQUIRE(bar >= floor * (1 - 1e-12));
+    if (!f.judged.sampled || !std::isfinite(f.judged.error)) continue;
+    const bool at_floor = bar < floor * (1 + 1e-6);
+    floored += at_floor ? 1 : 0;
+    above += at_floor ? 0 : 1;
+    inside += !at_floor && (f.force - f.judged.reference).norm() <= bar ? 1 : 0;
+  }
+  CHECK(floored > 0);
+  CHECK(bars.at_floor[1] == floored);
+  REQUIRE(above > 0);
+  CHECK(bars.inside_above[1] == Approx(double(inside) / double(above)));
+  CHECK(bars.at_floor[0] >= bars.at_floor[1]);
+  CHECK(bars.at_floor[1] + above == bars.all.samples);
+}
+
+TEST_CASE("error bars: they are wider while few states are known") {
+  SessionOptions options = audited(0);
+  options.workers.cost = ConstantCost{0.2};
+  const SessionResult r = run_session(small_input(), options);
+  // Where one state is known, the curvature c is taken as 0.1 |K| / h; the bar is ten times as wide.
+  double one = 0, many = 0;
+  for (const FrameRecord& f : r.frames) {
+    if (!std::isfinite(f.bar.scale) || f.at.norm() < 1e-4) continue;
+    if (f.known == 1) one = std::max(one, f.bar.scale);
+    if (f.known > 8) many = std::max(many, f.bar.scale);
+  }
+  REQUIRE(one > 0);
+  REQUIRE(many > 0);
+  CHECK(one > many);
+}
