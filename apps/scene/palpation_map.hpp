@@ -24,7 +24,8 @@ struct SurfaceStiffness {
 // of a fine body. threads 0: all cores. Ascending by node. Places where the mean normal vanishes are left out.
 std::vector<SurfaceStiffness> palpation_map(const RestSites& rest, const Body& body, int threads = 0);
 
-// At one node, where the tip is pressed straight in, x = -depth n: three times the estimated error over max(|f|, floor).
+// At one node, where the tip is pressed straight in, x = -depth n: three times the estimated error, over
+// max(|f|, floor).
 struct SurfaceError {
   NodeIndex node = 0;
   double area = 0;   // [m^2]

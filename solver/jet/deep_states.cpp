@@ -2,9 +2,7 @@
 
 #include <Eigen/Dense>
 #include <algorithm>
-#include <array>
 #include <cmath>
-#include <limits>
 
 #include "solver/jet/site_turns.hpp"
 
@@ -73,33 +71,6 @@ Series moved(const Series& p, const Vec3& x) {
                                      std::pow(x[0], a - i) * std::pow(x[1], b - j) * std::pow(x[2], c - k);
   });
   return r;
-}
-
-// The distance at which, in the root mean square over directions, some degree of the series' force reaches twice |K d|;
-// infinite without such degrees. Near a fold the series says nothing farther away: with a reach of 0.8 |x_k| there, the
-// states of a St. Venant-Kirchhoff liver pressed to 28 mm made the force 7 to 30 times too large.
-double radius_of(const Mat3& k, const JetCoefficients& jet) {
-  constexpr double share = 2;
-  std::array<double, 4> square{};
-  for (int i = -1; i <= 1; ++i)
-    for (int j = -1; j <= 1; ++j)
-      for (int l = -1; l <= 1; ++l) {
-        if (i == 0 && j == 0 && l == 0) continue;
-        const Vec3 n = Vec3(i, j, l).normalized();
-        const JetMonomials at = jet_monomials(n);
-        square[0] += (k * n).squaredNorm();
-        Vec3 below = Vec3::Zero();
-        for (int degree = 3; degree <= 5; ++degree) {
-          const Vec3 so_far = jet_sum(jet, at, degree).gradient;
-          square[static_cast<std::size_t>(degree - 2)] += (so_far - below).squaredNorm();
-          below = so_far;
-        }
-      }
-  double least = std::numeric_limits<double>::infinity();
-  for (std::size_t m = 1; m <= 3; ++m)
-    if (square[m] > 0)
-      least = std::min(least, std::pow(share * std::sqrt(square[0] / square[m]), 1.0 / double(m)));
-  return least;
 }
 
 // (|x| / |x + d|)^6.
@@ -237,7 +208,7 @@ std::shared_ptr<const DeepStates::Record> DeepStates::record_of(const State& sta
                            state.at);
     record->correction = product(known - so_far, inverse_growth(state.at));
     record->surprise = (known - so_far).segment<3>(1).norm() / model.estimate(state.at);
-    record->reach = std::min(options_.reach * state.at.norm(), radius_of(state.stiffness, jet)) /
+    record->reach = std::min(options_.reach * state.at.norm(), series_radius(state.stiffness, jet)) /
                     std::sqrt(std::max(1.0, record->surprise));
   }
   record->correction.tail(static_cast<Eigen::Index>(series_size - start_of(record->degree + 1))).setZero();

@@ -2,6 +2,8 @@
 
 #include <algorithm>
 #include <array>
+#include <cmath>
+#include <limits>
 #include <vector>
 
 namespace forefeel {
@@ -97,6 +99,30 @@ JetTerms jet_sum(const JetCoefficients& e, const JetMonomials& at, int degree) {
   const Eigen::Matrix<double, 6, 1> h = at.hessian.topRows(count).transpose() * e.head(count);
   sum.hessian << h[0], h[3], h[4], h[3], h[1], h[5], h[4], h[5], h[2];
   return sum;
+}
+
+double series_radius(const Mat3& k, const JetCoefficients& jet) {
+  constexpr double share = 2;
+  std::array<double, 4> square{};
+  for (int i = -1; i <= 1; ++i)
+    for (int j = -1; j <= 1; ++j)
+      for (int l = -1; l <= 1; ++l) {
+        if (i == 0 && j == 0 && l == 0) continue;
+        const Vec3 n = Vec3(i, j, l).normalized();
+        const JetMonomials at = jet_monomials(n);
+        square[0] += (k * n).squaredNorm();
+        Vec3 below = Vec3::Zero();
+        for (int degree = 3; degree <= 5; ++degree) {
+          const Vec3 so_far = jet_sum(jet, at, degree).gradient;
+          square[static_cast<std::size_t>(degree - 2)] += (so_far - below).squaredNorm();
+          below = so_far;
+        }
+      }
+  double least = std::numeric_limits<double>::infinity();
+  for (std::size_t m = 1; m <= 3; ++m)
+    if (square[m] > 0)
+      least = std::min(least, std::pow(share * std::sqrt(square[0] / square[m]), 1.0 / double(m)));
+  return least;
 }
 
 }  // namespace forefeel

@@ -26,4 +26,8 @@ JetMonomials jet_monomials(const Vec3& z);
 // The sum of coefficients and monomials to this degree: energy, gradient, Hessian.
 JetTerms jet_sum(const JetCoefficients& e, const JetMonomials& at, int degree = 5);
 
+// Of 1/2 d^T K d and a jet's terms: the distance at which, in the root mean square over directions, some degree of the
+// force reaches twice |K d| [m]; infinite without such degrees. Near a fold the series says nothing farther away.
+double series_radius(const Mat3& k, const JetCoefficients& jet);
+
 }  // namespace forefeel
