@@ -121,15 +121,8 @@ std::vector<SitedPlace> wanted_places(const ClassifyArguments& arguments, const 
                                       unsigned seed) {
   if (arguments.places.points.empty()) return random_places(rest, {}, depth, sampled_places, "--scene", seed);
   std::vector<SitedPlace> places;
-  for (const SitedPoint& point : read_sited_points_csv(arguments.places.points)) {
-    places.push_back({.site = rest.map().nearest(point.site), .x = point.at});
-    if (rest.map().facet(places.back().site).clamped)
-      throw InputError(
-          arguments.places.points,
-          fmt::format("the site ({:.6g}, {:.6g}, {:.6g}) is on a clamped facet, expected a place "
-                      "that can move",
-                      point.site[0], point.site[1], point.site[2]));
-  }
+  for (const SitedPoint& point : read_sited_points_csv(arguments.places.points))
+    places.push_back({.site = place_at(rest, point.site, arguments.places.points), .x = point.at});
   return places;
 }
 

@@ -9,6 +9,7 @@
 #include "apps/console/json.hpp"
 #include "apps/console/outputs.hpp"
 #include "apps/scene/field_check.hpp"
+#include "apps/scene/given_states.hpp"
 #include "apps/scene/scene_anywhere.hpp"
 #include "apps/scene/scene_field.hpp"
 #include "geometry/common/csv_columns.hpp"
@@ -78,20 +79,10 @@ const JsonKeys<SitedForces>& sited_keys() {
   return keys;
 }
 
-SitedForce force_at(const Scene& scene, const DeepStates& known, const SitedPoint& point) {
+SitedForce force_at(const Scene& scene, const DeepStates& known, const SitedPoint& point,
+                    const std::string& file) {
   const SiteField& field = known.field();
-  const SurfacePlace place = field.rest().map().nearest(point.site);
-  if (!((place.at - point.site).norm() <= longest_side(scene.body->mesh)))
-    throw InputError(
-        "--points",
-        fmt::format("the site ({:.6g}, {:.6g}, {:.6g}) is farther from the surface than the body is "
-                    "long, expected a place near it, in metres",
-                    point.site[0], point.site[1], point.site[2]));
-  if (field.rest().map().facet(place).clamped)
-    throw InputError("--points",
-                     fmt::format("the site ({:.6g}, {:.6g}, {:.6g}) is on a clamped facet, expected "
-                                 "a place that can move",
-                                 point.site[0], point.site[1], point.site[2]));
+  const SurfacePlace place = place_at(field.rest(), point.site, file);
   const SiteModel model = field.at(place, false);
   const Vec3& normal = model.rest().normal;
   SitedForce force{.site = place.at,
@@ -175,14 +166,14 @@ int evaluate_sites(const Globals& globals, const EvaluateSites& wanted) {
   for (const std::string& warning : scene.source.warnings) warn(globals, warning);
   const LoadedStates loaded = load_states(wanted.states);
   if (loaded.damaged > 0) warn(globals, damage_in_words(wanted.states, loaded.damaged));
-  check_same_body(wanted.states, loaded.header.identity, scene.identity);
+  belonging_of(globals, scene, wanted.states, loaded.header.identity, loaded.states, false);
   if (!wanted.output.empty()) check_writable(wanted.output, {wanted.states, wanted.points});
   const FieldFound found = find_field(scene, globals);
   SitedForces result{
       .all = {}, .sites = found.field->size(), .corrections = 0, .seconds = found.seconds, .error = {}};
   const auto known = field_with(found.field, loaded.states, std::max(1, globals.threads));
   result.corrections = known->size();
-  for (const SitedPoint& point : points) result.all.push_back(force_at(scene, *known, point));
+  for (const SitedPoint& point : points) result.all.push_back(force_at(scene, *known, point, wanted.points));
   result.error = field_errors(*found.field, loaded.states, scene.session.judging.error_floor);
   if (!wanted.output.empty()) write_sited(wanted.output, result.all);
   print_sited(globals, result, wanted.output.empty());

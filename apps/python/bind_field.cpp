@@ -26,13 +26,7 @@ struct PyField {
 
   const RestSites& rest() const { return known->field().rest(); }
   SurfacePlace place(const Vec3& site, const char* argument) const {
-    const SurfacePlace found = rest().map().nearest(site);
-    if (rest().map().facet(found).clamped)
-      throw InputError(argument,
-                       fmt::format("({:.6g}, {:.6g}, {:.6g}) is on a clamped facet, expected a place "
-                                   "that can move",
-                                   site[0], site[1], site[2]));
-    return found;
+    return place_at(rest(), site, argument);
   }
 };
 

@@ -87,6 +87,18 @@ std::vector<SitedPlace> random_places(const RestSites& sites, const SurfacePart&
   return places;
 }
 
+SurfacePlace place_at(const RestSites& sites, const Vec3& wanted, const std::string& where) {
+  const SurfacePlace place = sites.map().nearest(wanted);
+  const auto refuse = [&](const char* why) {
+    return InputError(
+        where, fmt::format("the site ({:.6g}, {:.6g}, {:.6g}) is {}", wanted[0], wanted[1], wanted[2], why));
+  };
+  if (!((place.at - wanted).norm() <= longest_side(sites.body().mesh)))
+    throw refuse("farther from the surface than the body is long, expected a place near it, in metres");
+  if (sites.map().facet(place).clamped) throw refuse("on a clamped facet, expected a place that can move");
+  return place;
+}
+
 FieldForce field_force(const DeepStates& states, const SiteModel& model, const SurfacePlace& place,
                        const Vec3& x) {
   return {states.at(model, place, x).force, states.estimated_error(model, place, x)};

@@ -37,6 +37,10 @@ struct SitedPlace {
 std::vector<SitedPlace> random_places(const RestSites& sites, const SurfacePart& part, double depth,
                                       std::size_t count, const std::string& where, unsigned seed = 7);
 
+// The place of the surface nearest to a wanted site. InputError at `where` for one on a clamped facet, or farther from
+// the surface than the body is long.
+SurfacePlace place_at(const RestSites& sites, const Vec3& wanted, const std::string& where);
+
 struct FieldForce {
   Vec3 force = Vec3::Zero();  // [N]
   double estimate = 0;        // of its error, from the jets' last degrees [N]

@@ -1,8 +1,10 @@
 #include "apps/scene/scene_field.hpp"
 
+#include <fmt/format.h>
 #include <omp.h>
 
 #include <chrono>
+#include <cmath>
 #include <cstdint>
 #include <filesystem>
 #include <fstream>
@@ -13,6 +15,7 @@
 #include "apps/console/console.hpp"
 #include "apps/scene/cache_folder.hpp"
 #include "apps/scene/scene_fine.hpp"
+#include "geometry/common/error.hpp"
 #include "geometry/common/output_file.hpp"
 #include "geometry/common/packer.hpp"
 #include "geometry/common/sha256.hpp"
@@ -137,6 +140,20 @@ std::shared_ptr<const Body> answered_body(const Scene& scene) {
   return fine ? std::shared_ptr<const Body>(fine, &fine->first) : scene.body;
 }
 
+void check_sizes(const Scene& scene, const Body& body, double spacing) {
+  constexpr double most_sites = 20'000;  // CoverOptions
+  const std::string file = scene.source.file.string();
+  if (const double longest = longest_side(body.mesh); body.pad->radius > longest)
+    throw InputError(
+        {.file = file, .key = "contact.radius"},
+        fmt::format("is {:g} m, longer than the body, expected at most {:.3g}", body.pad->radius, longest));
+  const double area = SurfaceMap(body).free_area(), sites = area / (spacing * spacing);
+  if (sites > most_sites)
+    throw InputError({.file = file, .key = "contact.site_spacing"},
+                     fmt::format("is {:g} m, which needs about {:.2g} sites, expected at least {:.2g} m",
+                                 spacing, sites, std::sqrt(area / most_sites)));
+}
+
 }  // namespace
 
 std::shared_ptr<const RestSites> rest_sites_of(const Scene& scene) {
@@ -149,6 +166,7 @@ FieldFound find_field(const Scene& scene, const Globals& globals, const std::sto
   options.threads = globals.threads > 0 ? globals.threads : omp_get_max_threads();
   options.spacing = scene.touch.anywhere->site_spacing.value_or(options.spacing);
   const std::shared_ptr<const Body> body = answered_body(scene);
+  check_sizes(scene, *body, options.spacing);
   const fs::path file = file_of_field(scene, options.spacing, field_magic, ".sites");
   FieldFound found;
   if (const std::optional<KeptField> kept = read_cached(file, field_of_bytes)) {

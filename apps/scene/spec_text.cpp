@@ -62,8 +62,7 @@ std::vector<Declared> trace_settings() {
       {"offset", "m", "0/0/0", "X/Y/Z, added to the scaled positions"},
       {"register", "m", "none",
        "X/Y/Z, with contact.anywhere: the first sample is put on the surface nearest to this, the motion's z "
-       "axis "
-       "along the normal there"},
+       "axis along the normal there; offset is then in these axes, 0/0/-0.005 presses 5 mm in"},
       {"columns", "", "t/x/y/z",
        "names of the header, or numbers of columns counted from 1; - for a coordinate that is zero; x/y/z "
        "beside a rate"},

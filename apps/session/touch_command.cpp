@@ -3,6 +3,7 @@
 #include <fmt/format.h>
 
 #include <algorithm>
+#include <chrono>
 #include <random>
 #include <variant>
 
@@ -118,15 +119,16 @@ TouchSessionInput touch_input(const Globals& globals, const SessionArguments& gi
 }
 
 std::string share(double value) {
-  return std::isfinite(value) ? fmt::format("{:.2g} %", 100 * value) : "unknown";
+  return std::isfinite(value) ? fmt::format("{:.3g} %", 100 * value) : "unknown";
 }
 
 void tell_touch(const Globals& globals, const TouchSummary& s, const fs::path& run) {
   say(globals,
       fmt::format(
-          "field of {} sites {} in {:.2f} s; {} jets at the hand's place, {} states solved, {} failed",
-          s.field.sites, s.field.kept ? "read" : "made", s.field.seconds, s.states.jets, s.states.solved,
-          s.states.failed));
+          "field of {} sites {} in {:.2f} s, its facets in {:.2f} s; {} jets at the hand's place, {} states "
+          "solved, {} failed",
+          s.field.sites, s.field.kept ? "read" : "made", s.field.seconds, s.field.patches, s.states.jets,
+          s.states.solved, s.states.failed));
   say(globals, fmt::format("{} touches, {} of {} frames; slid {:.3g} m, lost {:.3g} J; force trusted in {}",
                            s.touch.count, share(s.touch.time), s.frames, s.touch.slid, s.touch.lost,
                            share(s.time_trusted)));
@@ -158,7 +160,9 @@ int run_touch_command(const Globals& globals, const SessionArguments& given, con
     input.ranks = gather();
     options.workers.count = input.ranks->taking_jobs();
   }
+  const auto start = std::chrono::steady_clock::now();
   input.task.patches = find_patches(scene, found.field, globals);
+  const double patches = seconds_since(start);
   end_if_interrupted("the session began");
   claim_run_folder(globals, given, {}, run);
   for (const std::string& warning : scene.source.warnings) warn(globals, warning);
@@ -176,7 +180,8 @@ int run_touch_command(const Globals& globals, const SessionArguments& given, con
   });
   progress.reset();
   TouchSummary summary = summarise_touch(result, input, options);
-  summary.field = {.sites = found.field->size(), .seconds = found.seconds, .kept = found.kept};
+  summary.field = {
+      .sites = found.field->size(), .seconds = found.seconds, .patches = patches, .kept = found.kept};
   Json document = document_of(touch_summary_keys(), summary);
   document["provenance"] = provenance(scene.source.hash);
   write_touch_files(run, result, options.clock.kind == Clock::real);

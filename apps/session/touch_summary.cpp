@@ -65,7 +65,8 @@ void summarise_frames(const std::vector<Frame>& frames, const SurfaceMap& map, d
     if (frame.touch == TouchKind::slip) {
       ++slipping;
       if (touched) s.touch.slid += (frame.site.at - before->site.at).norm();
-      if (friction > 0 && std::isfinite(frame.source.slope) && !is_on_edge(map, frame.site)) {
+      if (friction > 0 && std::isfinite(frame.source.slope) && !frame.source.at_border &&
+          !is_on_edge(map, frame.site)) {
         const double off = std::abs(frame.source.slope - friction) / friction;
         s.touch.cone = std::isfinite(s.touch.cone) ? std::max(s.touch.cone, off) : off;
       }
@@ -155,6 +156,8 @@ const JsonKeys<TouchSummary>& touch_summary_keys() {
       {"field.sites", "", "places whose jets at rest make the field",
        [](const S& s) { return s.field.sites; }},
       {"field.seconds", "s", "that making or reading it took", [](const S& s) { return s.field.seconds; }},
+      {"field.patches", "s", "that making or reading its polynomials over the facets took",
+       [](const S& s) { return s.field.patches; }},
       {"field.kept", "", "true: it was read from the cache", [](const S& s) { return s.field.kept; }},
       {"frames", "", "rendered", &S::frames},
       {"skipped", "", "frames that came a frame or more late; real clock", &S::skipped},
@@ -168,7 +171,9 @@ const JsonKeys<TouchSummary>& touch_summary_keys() {
       {"touch.stored", "J", "largest energy stored by body and pad",
        [](const S& s) { return s.touch.stored; }},
       {"touch.cone", "1",
-       "largest relative distance of |g| / (f . n) from the coefficient while sliding on a facet",
+       "largest relative distance of |g| / (f . n) from the coefficient while sliding on a facet, edges and "
+       "the "
+       "clamp's border left out",
        [](const S& s) { return s.touch.cone; }},
       {"touch.angle", "rad", "of the force to the normal: p50, p95",
        [](const S& s) { return json_numbers(s.touch.angle); }},

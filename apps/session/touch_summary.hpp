@@ -26,7 +26,7 @@ struct TouchSummary {
   };
   struct Field {
     std::size_t sites = 0;
-    double seconds = 0;
+    double seconds = 0, patches = 0;  // [s]
     bool kept = false;
   };
   struct Touches {

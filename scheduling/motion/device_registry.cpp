@@ -22,14 +22,14 @@ Registry<DeviceFactory>& registry() {
   return devices;
 }
 
-// The first sample onto the surface, the z axis along the normal there.
-void place_on_surface(const Vec3& wanted, const FactoryContext& context, Trace& trace) {
+// The first sample onto the surface, the z axis along the normal there, then the offset in these axes.
+void place_on_surface(const Vec3& wanted, const Vec3& offset, const FactoryContext& context, Trace& trace) {
   if (context.surface == nullptr)
     throw InputError("device", "register needs a surface, expected it with contact.anywhere only");
   const SurfacePoint place = context.surface->nearest(wanted);
   const Mat3 turn = Eigen::Quaterniond::FromTwoVectors(Vec3::UnitZ(), place.normal).toRotationMatrix();
   const Vec3 first = trace.positions.front();
-  for (Vec3& p : trace.positions) p = place.at + turn * (p - first);
+  for (Vec3& p : trace.positions) p = place.at + turn * (p - first + offset);
 }
 
 std::unique_ptr<Device> make(const PathMotion& motion, const FactoryContext& context) {
@@ -38,8 +38,11 @@ std::unique_ptr<Device> make(const PathMotion& motion, const FactoryContext& con
 
 std::unique_ptr<Device> make(const TraceMotion& motion, const FactoryContext& context) {
   Trace trace = read_trace(found_from(context.folder, motion.file), motion.format);
-  for (Vec3& p : trace.positions) p = motion.scale * p + motion.offset;
-  if (motion.placed) place_on_surface(*motion.placed, context, trace);
+  for (Vec3& p : trace.positions) p *= motion.scale;
+  if (motion.placed)
+    place_on_surface(*motion.placed, motion.offset, context, trace);
+  else
+    for (Vec3& p : trace.positions) p += motion.offset;
   return make_trace_device(std::move(trace));
 }
 

@@ -39,6 +39,7 @@ TouchFrame touch(const TouchField& field, const Touch& before, const Vec3& tip,
   if (pulled || friction) {
     const Slip slip = slide(field, now.site, tip, friction.value_or(0));
     frame.lost = slip.lost;
+    frame.at_border = slip.end == SlipEnd::border;
     if (slip.slid > 0) {
       now.kind = TouchKind::slip, now.site = slip.site;
       terms = field.at(now.site, tip - now.site.at);

@@ -30,6 +30,7 @@ struct TouchFrame {
   Vec3 drive = Vec3::Zero();          // g of slip.hpp [N]
   double energy = 0;                  // stored [J]
   double lost = 0;                    // by sliding, and at the end of a touch [J]
+  bool at_border = false;             // the slide ended at a clamped facet
   std::optional<SurfacePlace> began;  // the place where a touch began
   std::optional<Vec3> left;           // where on its way the tip left the body, and a touch ended [m]
 };

@@ -48,7 +48,7 @@ void set_trust(const TouchSessionInput& input, const std::vector<std::shared_ptr
       continue;
     }
     if (place.facet != frame.site.facet || place.at != frame.site.at)
-      place = frame.site, model = input.task.field->at(place, false);
+      place = frame.site, model = models[frame.source.model - 1]->model(place);
     const DeepStates& deep = *models[frame.source.model - 1];
     const Vec3 x = frame.tip - frame.site.at;
     if (x.norm() <= farthest) {

@@ -1,7 +1,7 @@
 #pragma once
 // After a touch session, with exactly the states known in each frame:
 //   label  of every frame in touch (geometry/coverage/sited_labels.hpp); jets at rest are states at x = 0
-//   trust  by the states' own estimate (DeepStates::trusted), at the exact field of the site; made anew where the tip
+//   trust  by the states' own estimate (DeepStates::trusted); made anew where the tip
 //          has moved by a millimetre or a new model came
 //   error  at sampled frames, |F - f| / max(|f|, f0), f of a tight solve at (s, x); of a viscous body before its filter
 // Samples: every reference_step of the tip's way in touch, and the first frame in each cell of tip and site.

@@ -70,7 +70,7 @@ Vec3 TouchLoop::rendered(const TouchFrame& frame, const TouchModel* came, double
 void TouchLoop::note_source(const TouchFrame& frame, TouchFrameRecord& record) {
   if (model_ != nullptr) record.source.model = model_->serial, record.source.known = model_->known;
   if (frame.touch.kind == TouchKind::none) return;
-  record.normal = frame.normal;
+  record.normal = frame.normal, record.source.at_border = frame.at_border;
   const double push = frame.force.dot(frame.normal);
   record.source.slope = push > 0 ? frame.drive.norm() / push : unknown;
 }

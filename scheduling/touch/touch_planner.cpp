@@ -21,14 +21,16 @@ TouchPlanner::TouchPlanner(TouchTask task, TouchPlannerParts parts, std::vector<
       field_(task_.field, task_.grid, farthest_of(task_.depth), task_.patches),
       tips_(task_.tips) {
   for (std::size_t i = 0; i < task_.field->size(); ++i) {
-    jets_.push_back(task_.field->place(i));
+    if (!task_.patches) jets_.push_back(task_.field->place(i));
     State at_rest;
     at_rest.at = task_.field->place(i).at;
     tips_.insert(std::move(at_rest));
   }
   for (const State& state : known) learn(state);
   models_.push_back(std::make_unique<TouchModel>(
-      TouchModel{.serial = 1, .known = 0, .deep = std::make_shared<const DeepStates>(task_.field)}));
+      TouchModel{.serial = 1,
+                 .known = 0,
+                 .deep = std::make_shared<const DeepStates>(task_.field, DeepOptions{}, task_.patches)}));
   model();
 }
 
@@ -38,6 +40,7 @@ void TouchPlanner::learn(const State& state) {
   tip.at = state.site + state.at;
   tip.solve.status = state.solve.status;
   tips_.insert(std::move(tip));
+  if (state.at.isZero(0)) jets_.push_back(task_.field->rest().map().nearest(state.site));
   known_.push_back(state);
   fresh_.push_back(state);
 }

@@ -27,7 +27,8 @@ struct TouchSource {
   std::uint32_t model = 0, known = 0;  // serial number; states that it holds
   double estimate = unknown;           // of its own error [N]; judged after the run
   bool trusted = false;                // the estimate is within the tolerance
-  double slope = unknown;              // |g| / (f . n), g of slip.hpp [1]
+  double slope = unknown;  // |g| / (f . n), g of slip.hpp [1]; above mu where the clamp stopped the site
+  bool at_border = false;  // that
 };
 
 struct TouchFrameRecord {

@@ -135,6 +135,8 @@ struct Parts {
       }
     if (!file_failure.empty()) result.notes.push_back(file_failure);
     result.frames = loop.take_log();
+    if (std::ranges::none_of(result.frames, [](const auto& f) { return f.touch != TouchKind::none; }))
+      result.notes.push_back("the tip never entered the body");
     result.dispatches = planner.dispatches();
     result.states = planner.known();
     result.models = planner.models();

@@ -4,6 +4,7 @@
 #include <algorithm>
 #include <cmath>
 
+#include "solver/jet/field_patches.hpp"
 #include "solver/jet/site_turns.hpp"
 
 namespace forefeel {
@@ -157,8 +158,9 @@ struct DeepStates::Sums {
   double square = 0;
 };
 
-DeepStates::DeepStates(std::shared_ptr<const SiteField> field, const DeepOptions& options)
-    : field_(std::move(field)), options_(options) {
+DeepStates::DeepStates(std::shared_ptr<const SiteField> field, const DeepOptions& options,
+                       std::shared_ptr<const FieldPatches> patches)
+    : field_(std::move(field)), patches_(std::move(patches)), options_(options) {
   const SurfaceMap& map = field_->rest().map();
   const double radius = field_->rest().pad().radius();
   ways_ = std::make_shared<const EdgeDistances>(map);
@@ -171,6 +173,13 @@ DeepStates::DeepStates(std::shared_ptr<const SiteField> field, const DeepOptions
     edge = std::max({edge, (b - a).norm(), (c - b).norm(), (a - c).norm()});
   }
   far_ = 2 * std::max(reach_, rest_reach_) + edge;
+}
+
+SiteModel DeepStates::model(const SurfacePlace& place) const {
+  if (!patches_ || !patches_->has(place.facet)) return field_->at(place, false);
+  SiteModel model;
+  patches_->fill(place, true, model);
+  return model;
 }
 
 const SurfacePlace& DeepStates::place(std::size_t k) const {
@@ -188,24 +197,25 @@ std::shared_ptr<const DeepStates::Record> DeepStates::record_of(const State& sta
   if (!state.usable() || !state.has_site() || !state.has_stiffness() || (at_rest && !state.jet) ||
       !(at_rest || std::isfinite(state.energy)))
     return {};
-  for (std::size_t i = 0; at_rest && i < field_->size(); ++i)
+  for (std::size_t i = 0; at_rest && !patches_ && i < field_->size(); ++i)
     if ((field_->place(i).at - state.site).norm() < same_place) return {};
   auto record = std::make_shared<Record>();
   record->place = field_->rest().map().nearest(state.site);
   if (field_->rest().map().facet(record->place).clamped) return {};
   record->x = state.at;
   record->degree = state.jet ? state.jet->order + 1 : 2;
-  const SiteModel model = field_->at(record->place, false);
+  const SiteModel model = this->model(record->place);
   record->normal = model.rest().normal;
   const JetCoefficients jet =
       state.jet ? coefficients_of(*state.jet) : JetCoefficients(JetCoefficients::Zero());
   if (at_rest) {
-    record->correction.tail<static_cast<int>(jet_size)>() = jet - model.polynomial();
+    record->correction =
+        series_of(0, Vec3::Zero(), patches_ ? Mat3(state.stiffness - model.rest().stiffness) : Mat3::Zero(),
+                  jet - model.polynomial());
   } else {
+    const Rest rest = before(model, record->place);
     const Series known = series_of(state.energy, state.force, state.stiffness, jet),
-                 so_far =
-                     moved(series_of(0, Vec3::Zero(), model.rest().stiffness, before(model, record->place)),
-                           state.at);
+                 so_far = moved(series_of(0, Vec3::Zero(), rest.stiffness, rest.coefficients), state.at);
     record->correction = product(known - so_far, inverse_growth(state.at));
     record->surprise = (known - so_far).segment<3>(1).norm() / model.estimate(state.at);
     record->reach = std::min(options_.reach * state.at.norm(), series_radius(state.stiffness, jet)) /
@@ -241,19 +251,22 @@ std::shared_ptr<const DeepStates> DeepStates::with(std::span<const State> states
   return more;
 }
 
-// Degrees 3 to 5 of field and jets at rest at a place, for any x.
-JetCoefficients DeepStates::before(const SiteModel& model, const SurfacePlace& place) const {
+// Of field and jets at rest.
+DeepStates::Rest DeepStates::before(const SiteModel& model, const SurfacePlace& place) const {
   double weights = options_.rest_weight;
-  JetCoefficients sum = JetCoefficients::Zero();
+  Rest sum;
   for (std::size_t k = 0; k < records_.size(); ++k) {
     Seen seen;
     if (!records_[k]->x.isZero() || !nearby(model, place, k, seen)) continue;
     const double weight = weight_of(seen.site_q).value * seen.cut;
     weights += weight;
-    sum += weight * model.scale() / records_[k]->scale *
-           substituted(records_[k]->correction.tail<static_cast<int>(jet_size)>(), seen.to_state);
+    const double share = weight * model.scale() / records_[k]->scale;
+    sum.stiffness += share * seen.to_state.transpose() *
+                     value_of(records_[k]->correction, Vec3::Zero(), 2).bend * seen.to_state;
+    sum.coefficients +=
+        share * substituted(records_[k]->correction.tail<static_cast<int>(jet_size)>(), seen.to_state);
   }
-  return model.polynomial() + sum / weights;
+  return {model.rest().stiffness + sum.stiffness / weights, model.polynomial() + sum.coefficients / weights};
 }
 
 // Sets what depends on the place alone; false where it is too far away.

@@ -1,7 +1,7 @@
 #pragma once
 // Jets at rest of single places and solved states as corrections of a field of jets at rest (site_field.hpp):
 //   E(s, x) = E_field(s, x) + sum_j g_j r_j R_j / (r_0 + sum_j g_j r_j) + sum_k g_k p_k C_k / (p_0 + sum_k g_k p_k)
-//   R_j = c(s)^2 / c_j^2 (the jet's degrees 3 to 5 minus the field's at s_j)(y)
+//   R_j = c(s)^2 / c_j^2 (the jet's degrees 2 to 5 minus the field's at s_j)(y)
 //   C_k = c(s)^2 / c_k^2 (|y| / |x_k|)^6 P_k(y - x_k),   y = B_k^-1 Q_k B(s) x
 // over jets j made at s_j and states k at (s_k, x_k), with B, c^2 and the least turn Q of site_field.hpp, so y = x at
 // s_k. P_k is the Taylor polynomial in d of (E_k(x_k + d) - E_before(s_k, x_k + d)) |x_k|^6 / |x_k + d|^6, to the
@@ -17,7 +17,8 @@
 // on the hand's way changed the p95 of the error from 4 to 15 % without that, and to 0.6 to 10 % with it. At s_j, E is
 // the jet's. At a state whose site has a jet, E is the state's own to second order. r_0 and p_0, constants, are the
 // field's: E is continuous where the last neighbour ends. g in [0, 1], given with each question, lets one grow in
-// without a jump. E stays a potential; a linear body has no corrections.
+// without a jump. E stays a potential. The field's own K is exact, so a linear body has no corrections; over patches
+// (field_patches.hpp), whose K is near the exact one, jets at rest bring the difference.
 
 #include <array>
 #include <memory>
@@ -31,6 +32,8 @@
 
 namespace forefeel {
 
+class FieldPatches;
+
 struct DeepOptions {
   double site_reach = 1;    // reach_s over the pad's radius
   double reach = 0.8;       // reach_k over |x_k|, or less where the state's series ends before
@@ -42,8 +45,11 @@ struct DeepOptions {
 // Immutable; any thread may ask, and nothing is allocated by a question.
 class DeepStates {
  public:
-  // No states yet.
-  explicit DeepStates(std::shared_ptr<const SiteField> field, const DeepOptions& options = {});
+  // No states yet. patches: models of at() are theirs, where they have the facet; null: the field's.
+  explicit DeepStates(std::shared_ptr<const SiteField> field, const DeepOptions& options = {},
+                      std::shared_ptr<const FieldPatches> patches = {});
+  // The field's or the patches' at a place, with what corrections need.
+  SiteModel model(const SurfacePlace& place) const;
   // Those of this and of the list that can serve: solved, with a site on the surface that is not clamped, energy and
   // stiffness; those at x = 0 by their jets, of which the list's come before its states, and those of the field's
   // sites are left out. Numbers go on from size().
@@ -79,7 +85,11 @@ class DeepStates {
   struct Seen;
   std::shared_ptr<const Record> record_of(const State& state) const;
   void add(const State& state);
-  JetCoefficients before(const SiteModel& model, const SurfacePlace& place) const;
+  struct Rest {  // degrees 2 to 5 at a place, for any x
+    Mat3 stiffness = Mat3::Zero();
+    JetCoefficients coefficients = JetCoefficients::Zero();
+  };
+  Rest before(const SiteModel& model, const SurfacePlace& place) const;
   bool nearby(const SiteModel& model, const SurfacePlace& place, std::size_t k, Seen& seen) const;
   bool see(const SiteModel& model, const SurfacePlace& place, const Vec3& x, std::size_t k, Seen& seen) const;
   // Of jets at rest and of states.
@@ -87,6 +97,7 @@ class DeepStates {
                            std::span<const double> gains) const;
 
   std::shared_ptr<const SiteField> field_;
+  std::shared_ptr<const FieldPatches> patches_;
   DeepOptions options_;
   std::shared_ptr<const EdgeDistances> ways_;
   double reach_ = 0, rest_reach_ = 0, length_ = 0;  // reach_s, reach_r and L of delta [m]

@@ -63,7 +63,9 @@ TEST_CASE("a linear body is exact everywhere, without a state") {
   const nlohmann::json said = run.json();
   CHECK(said["touch"]["count"].get<int>() > 1);
   CHECK(said["states"]["solved"] == 0);
-  // Facets are polynomials: exact at their places alone.
+  CHECK(said["states"]["jets"].get<int>() > 1);
+  // Facets are polynomials, near the exact field; where the hand's jet is known the force is exact.
+  CHECK(said["error"]["samples"]["p50"].get<double>() < 1e-6);
   CHECK(said["error"]["samples"]["p95"].get<double>() < 0.01);
 }
 
@@ -76,6 +78,12 @@ TEST_CASE("a recorded motion is registered by its first sample and the normal") 
   shop.write("motion.csv", trace);
   const Workshop::Outcome run = shop.forefeel(
       "session any.toml --device trace:motion.csv,register=0.06/0.01/0.03 --clock virtual -o run --json");
+  const Workshop::Outcome lifted = shop.forefeel(
+      "session any.toml --device trace:motion.csv,register=0.06/0.01/0.03,offset=0/0/0.004 --clock virtual "
+      "-o "
+      "lifted --json");
+  CHECK(lifted.json()["touch"]["count"] == 0);
+  CHECK(lifted.json()["notes"][0] == "the tip never entered the body");
   INFO(run.err);
   REQUIRE(run.code == 0);
   CHECK(run.json()["touch"]["count"] == 1);
@@ -152,6 +160,13 @@ TEST_CASE(
   CHECK(two.out.find("sparse  trusted") != std::string::npos);
   CHECK(two.out.find("blank   not trusted") != std::string::npos);
   check_refused(shop, "classify any.states", {"--scene", "contact.anywhere"});
+  shop.write("far.csv", "sx,sy,sz,x,y,z\n100,0,0,0,0,0\n");
+  for (const char* command : {"classify any.states", "evaluate any.states"})
+    check_refused(shop, std::string(command) + " --scene any.toml --points far.csv", {"far.csv", "farther"});
+  check_refused(shop, "evaluate any.csv --scene any.toml --set material.young=6000 --points points.csv",
+                {"any.csv", "of the site"});
+  check_refused(shop, "info any.toml --set contact.radius=1", {"contact.radius", "body"});
+  check_refused(shop, "info any.toml --set contact.site_spacing=0.00001", {"contact.site_spacing", "sites"});
   check_refused(shop, "classify any.states --scene any.toml --grid 0.01", {"--grid", "without sites"});
 }
 

@@ -8,6 +8,7 @@
 #include "pad_body.hpp"
 #include "solver/equilibrium/solver.hpp"
 #include "solver/jet/deep_states.hpp"
+#include "solver/jet/field_patches.hpp"
 
 namespace forefeel {
 namespace {
@@ -198,6 +199,36 @@ TEST_CASE("Between states the error falls, and a gain of 0 is a state that is no
     CHECK((set->at(model, place, x, none).force - model.at(x).force).norm() == 0);
   }
   CHECK(after < 0.4 * before);
+}
+
+TEST_CASE("Over patches, where a jet at rest was made, K is exact") {
+  const Deep deep = deep_of(Law::linear, 4, 3);
+  const auto patches = std::make_shared<const FieldPatches>(deep.field);
+  const DeepStates none(deep.field, {}, patches);
+  const auto known = none.with(deep.rests);
+  REQUIRE(known->size() == deep.rests.size());
+  double before = 0;
+  for (const State& rest : deep.rests) {
+    const SurfacePlace place = deep.field->rest().map().nearest(rest.site);
+    const Vec3 x = deeply(*deep.field, place, 0.01, 0.3), exact = -rest.stiffness * x;
+    before = std::max(before, (none.at(none.model(place), place, x).force - exact).norm() / exact.norm());
+    const SiteTerms now = known->at(known->model(place), place, x);
+    CHECK((now.force - exact).norm() < 1e-8 * exact.norm());
+    CHECK((now.stiffness - rest.stiffness).norm() < 1e-8 * rest.stiffness.norm());
+    CHECK(now.energy == Approx(0.5 * x.dot(rest.stiffness * x)).epsilon(1e-8));
+  }
+  CHECK(before > 1e-5);
+  // States over patches are exact where their site has a jet.
+  const Deep soft = deep_of(Law::neo_hookean, 4, 2);
+  const auto both = DeepStates(soft.field, {}, std::make_shared<const FieldPatches>(soft.field))
+                        .with(soft.rests)
+                        ->with(soft.states);
+  for (const State& state : soft.states) {
+    const SurfacePlace place = soft.field->rest().map().nearest(state.site);
+    const SiteTerms here = both->at(both->model(place), place, state.at);
+    CHECK((here.force - state.force).norm() < 1e-5 * state.force.norm());
+    CHECK((here.stiffness - state.stiffness).norm() < 1e-4 * state.stiffness.norm());
+  }
 }
 
 TEST_CASE("States beyond a fold do not spoil the places before it") {
