@@ -5,7 +5,9 @@
 #include <Eigen/Geometry>
 #include <algorithm>
 #include <array>
+#include <cmath>
 #include <map>
+#include <random>
 
 #include "solver/jet/site_turns.hpp"
 
@@ -46,6 +48,36 @@ Shape shape_at(const Vec3& b, int degree) {
   return shape;
 }
 
+// One of the equal triangles that a facet is split in, and where in it a place is: barycentric coordinates by its
+// corners, of which the first lies at (i, j) in parts of the facet's second and third coordinates. sign: -1 where it
+// lies upside down.
+struct SubFacet {
+  int i = 0, j = 0;
+  double sign = 1;
+  Vec3 share = Vec3::Zero();
+};
+SubFacet sub_facet_at(const Vec3& b, int parts) {
+  const double u = parts * b[1], v = parts * b[2];
+  SubFacet part;
+  part.i = std::clamp(static_cast<int>(u), 0, parts - 1);
+  part.j = std::clamp(static_cast<int>(v), 0, parts - 1 - part.i);
+  const double du = u - part.i, dv = v - part.j;
+  if (du + dv <= 1 || part.i + part.j == parts - 1) {
+    part.share = {1 - du - dv, du, dv};
+    return part;
+  }
+  ++part.i, ++part.j, part.sign = -1;
+  part.share = {du + dv - 1, 1 - du, 1 - dv};
+  return part;
+}
+
+// Of the place (i, j) in degree-ths of the part: its number among the facet's.
+std::size_t number_of(const SubFacet& part, int i, int j, int degree, int parts) {
+  const int sign = part.sign > 0 ? 1 : -1, row = part.i * degree + sign * i,
+            column = part.j * degree + sign * j, all = parts * degree;
+  return static_cast<std::size_t>(row * (all + 1) - row * (row - 1) / 2 + column);
+}
+
 Mat3 symmetric(const double* v) {
   Mat3 m;
   m << v[0], v[1], v[2], v[1], v[3], v[4], v[2], v[4], v[5];
@@ -83,13 +115,13 @@ Quantities quantities_at(const SiteField& field, const SurfacePlace& place) {
 
 }  // namespace
 
-FieldPatches::FieldPatches(std::shared_ptr<const SiteField> field, std::span<const double> known,
-                           const std::function<void(double)>& progress, const std::stop_token& stop)
-    : field_(std::move(field)), degree_(degree_for(field_->rest())) {
+// Places of all facets that can move: a lattice of `parts` times degree steps along each edge.
+void FieldPatches::place_points(int parts) {
   const SurfaceMap& map = field_->rest().map();
-  const auto n = static_cast<std::uint32_t>(degree_);
+  const auto n = static_cast<std::uint32_t>(parts * degree_);
+  parts_ = parts;
   std::map<Key, std::int32_t> numbers;
-  std::vector<SurfacePlace> places;
+  places_.clear(), points_.clear();
   first_.assign(map.facets().size(), -1);
   for (std::size_t f = 0; f < map.facets().size(); ++f) {
     if (map.facets()[f].clamped) continue;
@@ -99,45 +131,81 @@ FieldPatches::FieldPatches(std::shared_ptr<const SiteField> field, std::span<con
     for (std::uint32_t i = 0; i <= n; ++i)
       for (std::uint32_t j = 0; i + j <= n; ++j) {
         const auto [at, is_new] = numbers.try_emplace(key_of(map.facets()[f].corners, {n - i - j, i, j}),
-                                                      static_cast<std::int32_t>(places.size()));
-        if (is_new) places.push_back({facet, ((n - i - j) * a + i * b + j * c) / n});
+                                                      static_cast<std::int32_t>(places_.size()));
+        if (is_new) places_.push_back({facet, ((n - i - j) * a + i * b + j * c) / n});
         points_.push_back(at->second);
       }
   }
-  const std::size_t size = places.size() * static_cast<std::size_t>(quantities);
-  if (known.size() == size) {
+}
+
+double FieldPatches::error() const {
+  constexpr int tried = 40;
+  std::mt19937_64 random(1);
+  double square = 0;
+  for (int i = 0; i < tried; ++i) {
+    const SurfacePlace place = field_->rest().map().random(random);
+    SiteModel model;
+    fill(place, false, model);
+    const Mat3 exact = field_->rest().at(place, false).stiffness;
+    square += (model.rest().stiffness - exact).squaredNorm() / exact.squaredNorm();
+  }
+  return std::sqrt(square / tried);
+}
+
+FieldPatches::FieldPatches(std::shared_ptr<const SiteField> field, std::span<const double> known,
+                           const std::function<void(double)>& progress, const std::stop_token& stop)
+    : field_(std::move(field)), degree_(degree_for(field_->rest())) {
+  constexpr int most_parts = 4;
+  constexpr std::size_t most_points = 60'000;
+  constexpr double enough = 0.002;
+  const auto doubles = [&] { return places_.size() * static_cast<std::size_t>(quantities); };
+  for (int parts = 1; parts <= most_parts && !known.empty(); parts *= 2) {
+    place_points(parts);
+    if (known.size() != doubles()) continue;
     values_.assign(known.begin(), known.end());
     return;
   }
-  values_.assign(size, 0);
-  std::size_t done = 0;
+  for (int parts = 1;; parts *= 2) {
+    place_points(parts);
+    values_.assign(doubles(), 0);
+    std::size_t done = 0;
 #pragma omp parallel for schedule(dynamic, 8) num_threads(field_->options().threads)
-  for (std::size_t i = 0; i < places.size(); ++i) {
-    if (stop.stop_requested()) continue;
-    Eigen::Map<Quantities>(values_.data() + i * static_cast<std::size_t>(quantities)) =
-        quantities_at(*field_, places[i]);
+    for (std::size_t i = 0; i < places_.size(); ++i) {
+      if (stop.stop_requested()) continue;
+      Eigen::Map<Quantities>(values_.data() + i * static_cast<std::size_t>(quantities)) =
+          quantities_at(*field_, places_[i]);
 #pragma omp critical
-    if (++done % 64 == 0 && progress)
-      progress(static_cast<double>(done) / static_cast<double>(places.size()));
+      if (++done % 64 == 0 && progress)
+        progress(static_cast<double>(done) / static_cast<double>(places_.size()));
+    }
+    if (done < places_.size()) {
+      first_.assign(first_.size(), -1), values_.clear();
+      return;
+    }
+    if (2 * parts > most_parts || 4 * places_.size() > most_points || error() <= enough) return;
   }
-  if (done < places.size()) first_.assign(first_.size(), -1), values_.clear();
 }
 
 void FieldPatches::fill(const SurfacePlace& place, bool root, SiteModel& model) const {
   const SurfaceMap& map = field_->rest().map();
-  const Shape shape = shape_at(map.barycentric(place), degree_);
-  const std::array<Vec3, 3> by = barycentric_slopes(map, place.facet);
+  const SubFacet part = sub_facet_at(map.barycentric(place), parts_);
+  const Shape shape = shape_at(part.share, degree_);
+  std::array<Vec3, 3> by = barycentric_slopes(map, place.facet);
+  for (Vec3& slope : by) slope *= part.sign * parts_;
   Quantities value = Quantities::Zero();
   Eigen::Matrix<double, quantities, 3> slope = Eigen::Matrix<double, quantities, 3>::Zero();
   const auto first = static_cast<std::size_t>(first_[static_cast<std::size_t>(place.facet)]);
-  const auto count = static_cast<std::size_t>((degree_ + 1) * (degree_ + 2) / 2);
-  for (std::size_t k = 0; k < count; ++k) {
-    const Eigen::Map<const Quantities> at(values_.data() + static_cast<std::size_t>(points_[first + k]) *
-                                                               static_cast<std::size_t>(quantities));
-    const Vec3 in_space = shape.slope[k][0] * by[0] + shape.slope[k][1] * by[1] + shape.slope[k][2] * by[2];
-    value += shape.value[k] * at;
-    for (int i = 0; i < 3; ++i) slope.col(i) += in_space[i] * at;
-  }
+  std::size_t k = 0;
+  for (int i = 0; i <= degree_; ++i)
+    for (int j = 0; i + j <= degree_; ++j, ++k) {
+      const std::size_t number = number_of(part, i, j, degree_, parts_);
+      const Eigen::Map<const Quantities> at(values_.data() +
+                                            static_cast<std::size_t>(points_[first + number]) *
+                                                static_cast<std::size_t>(quantities));
+      const Vec3 in_space = shape.slope[k][0] * by[0] + shape.slope[k][1] * by[1] + shape.slope[k][2] * by[2];
+      value += shape.value[k] * at;
+      for (int axis = 0; axis < 3; ++axis) slope.col(axis) += in_space[axis] * at;
+    }
   SiteRest rest;
   rest.stiffness = symmetric(value.data());
   for (int k = 0; k < 3; ++k) rest.stiffness_by[static_cast<std::size_t>(k)] = symmetric(slope.col(k).data());

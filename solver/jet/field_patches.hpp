@@ -3,7 +3,9 @@
 // E(s, x) in x are polynomials of s through their exact values at places that lie evenly on the facet and its edges, so
 //   E(s, x) = 1/2 x^T K(s) x + sum_j c_j(s) m_j(x),   dE/ds = 1/2 x^T K'(s) x + sum_j c_j'(s) m_j(x)
 // are exact derivatives of one potential, continuous over edges, at a microsecond instead of the dense system that a
-// place costs. Of degree 4; 3 where the edges are shorter than half the pad's radius, in the mean.
+// place costs. Of degree 4; 3 where the edges are shorter than half the pad's radius, in the mean. All facets are
+// split alike, each edge in `parts`, as often as it takes until K errs by less than 0.2 % at random places (root mean
+// square; at most 4 parts, and 60,000 places).
 
 #include <functional>
 #include <memory>
@@ -18,8 +20,8 @@ namespace forefeel {
 // Immutable; any thread may ask, and a question allocates nothing.
 class FieldPatches {
  public:
-  // known: values() of the same field; of another length they are computed, by the field's threads. progress as
-  // SiteField's. Stopped early, no facet has a patch.
+  // known: values() of the same field; else they are computed, by the field's threads. progress as SiteField's.
+  // Stopped early, no facet has a patch.
   explicit FieldPatches(std::shared_ptr<const SiteField> field, std::span<const double> known = {},
                         const std::function<void(double)>& progress = {}, const std::stop_token& stop = {});
 
@@ -31,7 +33,11 @@ class FieldPatches {
 
  private:
   std::shared_ptr<const SiteField> field_;
-  int degree_ = 4;
+  void place_points(int parts);
+  double error() const;  // of K at random places, relative, root mean square
+
+  int degree_ = 4, parts_ = 1;
+  std::vector<SurfacePlace> places_;
   std::vector<std::int64_t> first_;   // by facet, into points_; -1: clamped, no patch
   std::vector<std::int32_t> points_;  // numbers of each facet's places
   std::vector<double> values_;        // by place
