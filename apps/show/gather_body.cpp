@@ -3,6 +3,7 @@
 #include <algorithm>
 #include <utility>
 
+#include "apps/console/console.hpp"
 #include "apps/scene/field_check.hpp"
 #include "apps/scene/palpation_map.hpp"
 #include "apps/scene/scene_body.hpp"
