@@ -37,12 +37,7 @@ std::vector<double> two_quantiles(const std::vector<double>& values, double high
   return {quantile_of(values, 0.5), quantile_of(values, high)};
 }
 
-// On an edge a site may stop although another facet's force would drive it on.
-bool is_on_edge(const SurfaceMap& map, const SurfacePlace& site) {
-  return map.barycentric(site).minCoeff() < 1e-5;
-}
-
-void summarise_frames(const std::vector<Frame>& frames, const SurfaceMap& map, double friction,
+void summarise_frames(const std::vector<Frame>& frames, const FieldPatches& patches, double friction,
                       TouchSummary& s) {
   std::vector<double> angles, costs;
   std::size_t touching = 0, slipping = 0, trusted = 0;
@@ -66,7 +61,7 @@ void summarise_frames(const std::vector<Frame>& frames, const SurfaceMap& map, d
       ++slipping;
       if (touched) s.touch.slid += (frame.site.at - before->site.at).norm();
       if (friction > 0 && std::isfinite(frame.source.slope) && !frame.source.at_border &&
-          !is_on_edge(map, frame.site)) {
+          !patches.is_on_edge(frame.site)) {
         const double off = std::abs(frame.source.slope - friction) / friction;
         s.touch.cone = std::isfinite(s.touch.cone) ? std::max(s.touch.cone, off) : off;
       }
@@ -107,7 +102,7 @@ TouchSummary summarise_touch(const TouchSessionResult& result, const TouchSessio
     s.states.jets += solved && d.x.isZero(0), s.states.solved += solved && !d.x.isZero(0);
     s.states.preempted += d.status == DispatchStatus::preempted;
   }
-  summarise_frames(result.frames, input.task.field->rest().map(), input.task.friction.value_or(0), s);
+  summarise_frames(result.frames, *input.task.patches, input.task.friction.value_or(0), s);
   const auto errors = [&](auto wanted) { return errors_of(result.frames, options.switching, wanted); };
   s.samples = errors([](const Frame& f) { return f.judged.sampled; });
   s.first_visit = errors([](const Frame& f) { return f.judged.first_visit; });

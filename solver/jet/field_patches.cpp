@@ -186,6 +186,12 @@ FieldPatches::FieldPatches(std::shared_ptr<const SiteField> field, std::span<con
   }
 }
 
+bool FieldPatches::is_on_edge(const SurfacePlace& place) const {
+  constexpr double near = 1e-5;
+  const Vec3 in_parts = parts_ * field_->rest().map().barycentric(place);
+  return (in_parts - in_parts.array().round().matrix()).cwiseAbs().minCoeff() < near;
+}
+
 void FieldPatches::fill(const SurfacePlace& place, bool root, SiteModel& model) const {
   const SurfaceMap& map = field_->rest().map();
   const SubFacet part = sub_facet_at(map.barycentric(place), parts_);

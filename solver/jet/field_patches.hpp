@@ -28,6 +28,8 @@ class FieldPatches {
   bool has(std::int32_t facet) const { return first_[static_cast<std::size_t>(facet)] >= 0; }
   // Of a place on a facet that has a patch, with slopes. root: also what corrections by states need.
   void fill(const SurfacePlace& place, bool root, SiteModel& model) const;
+  // On an edge of the parts that facets are split in: there the derivatives of E by s jump.
+  bool is_on_edge(const SurfacePlace& place) const;
   const SiteField& field() const { return *field_; }
   const std::vector<double>& values() const { return values_; }  // to be kept
 

@@ -129,7 +129,8 @@ TEST_CASE("A line with friction slides on the cone, and gains no work", "[touch 
     if (before) given -= 0.5 * (frame.force.undamped + before->force.undamped).dot(frame.tip - before->tip);
     if (before && frame.touch == TouchKind::slip && before->touch == TouchKind::slip) {
       ++slipping;
-      CHECK(frame.source.slope == Approx(0.3).epsilon(1e-3));
+      // On an edge a site may stop although another part's force would drive it on.
+      if (!input.task.patches->is_on_edge(frame.site)) CHECK(frame.source.slope == Approx(0.3).epsilon(1e-3));
     }
     before = &frame, stored = frame.energy;
   }
