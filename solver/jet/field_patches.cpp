@@ -197,7 +197,7 @@ void FieldPatches::fill(const SurfacePlace& place, bool root, SiteModel& model) 
   const SubFacet part = sub_facet_at(map.barycentric(place), parts_);
   const Shape shape = shape_at(part.share, degree_);
   std::array<Vec3, 3> by = barycentric_slopes(map, place.facet);
-  for (Vec3& slope : by) slope *= part.sign * parts_;
+  for (Vec3& row : by) row *= part.sign * parts_;
   Quantities value = Quantities::Zero();
   Eigen::Matrix<double, quantities, 3> slope = Eigen::Matrix<double, quantities, 3>::Zero();
   const auto first = static_cast<std::size_t>(first_[static_cast<std::size_t>(place.facet)]);
@@ -214,7 +214,8 @@ void FieldPatches::fill(const SurfacePlace& place, bool root, SiteModel& model) 
     }
   SiteRest rest;
   rest.stiffness = symmetric(value.data());
-  for (int k = 0; k < 3; ++k) rest.stiffness_by[static_cast<std::size_t>(k)] = symmetric(slope.col(k).data());
+  for (int axis = 0; axis < 3; ++axis)
+    rest.stiffness_by[static_cast<std::size_t>(axis)] = symmetric(slope.col(axis).data());
   const Vec3 sum = value.segment<3>(6);
   const double length = sum.norm();
   if (length > 0) rest.normal = sum / length;
