@@ -6,7 +6,12 @@ and loads under the virtual clock with 2 workers: a solve takes `load` times wha
 holds, over the seeds: the share of first visits within the just noticeable difference, and its gain over `nothing`; the
 p95 of the error of the samples, and the geometric mean of its ratio to that of `nothing`; states solved. Intervals are
 95 %, paired by seed (Student). `nothing` solves nothing in time: what is left for a policy to gain. `all` knows every
-state that any policy of this case solved, from the start; clairvoyant-greedy knows the motion: the ceilings."""
+state that any policy of this case solved, from the start; clairvoyant-greedy knows the motion: the ceilings.
+
+Measured with 3 to 4 seeds and loads 1 to 5: `coverage` and its placebo `shuffled` do the same, within the intervals, in
+every cell. Over the lump the field of jets at rest is within the just noticeable difference everywhere, and states
+take the p95 from 0.5 to 0.2 % (palpation) and from 1.4 to 0.95 % (raster) under any policy. On the St.
+Venant-Kirchhoff liver knowing the way gains (palpation: p95 0.48 of that without states at load 1), labels do not."""
 import argparse
 import csv
 import json
