@@ -45,10 +45,6 @@ class TouchStarts {
   std::deque<Start> starts_;
 };
 
-// A failed state in place of an exception.
-class TouchSolver;
-TouchSolved solved_by(TouchSolver& solver, const TouchJob& job, const std::stop_token& stop);
-
 class TouchSolver {
  public:
   TouchSolver(std::shared_ptr<const RestSites> sites, double step);  // of continuation [m]
@@ -69,5 +65,8 @@ class TouchSolver {
   std::unique_ptr<SiteJets> jets_;
   std::optional<RestJet> rest_;  // of the last site
 };
+
+// As solver.solve(), with a failed state in place of an exception.
+TouchSolved solved_by(TouchSolver& solver, const TouchJob& job, const std::stop_token& stop);
 
 }  // namespace forefeel
