@@ -22,11 +22,11 @@ struct Seen {
 
 class Slider {
  public:
-  Slider(const TouchField& field, const Vec3& tip, double friction)
-      : field_(field), tip_(tip), friction_(friction) {}
+  Slider(const TouchField& field, const Vec3& tip, double friction, double steepness)
+      : field_(field), tip_(tip), friction_(friction), steepness_(steepness) {}
 
   Seen see(const SurfaceMap::Walk& walk) const {
-    Seen seen{.walk = walk, .terms = field_.at(walk.end, tip_ - walk.end.at)};
+    Seen seen{.walk = walk, .terms = field_.at(walk.end, tip_ - walk.end.at, false)};
     seen.drive = drive(field_, walk.end, seen.terms);
     seen.limit = friction_ * std::max(0.0, push(seen));
     return seen;
@@ -38,9 +38,10 @@ class Slider {
 
   // The farthest place along `way` (length 1) to which E falls by more than friction takes. `from` if there is none.
   // By secants of the slope, kept between the last place before it and the first one behind.
-  Seen advance(const Seen& from, const Vec3& way) const {
+  Seen advance(const Seen& from, const Vec3& way) {
     double low = 0, low_slope = from.drive.dot(way) - from.limit, high = -1;
-    double step = std::clamp(low_slope / (from.terms.at.stiffness.norm() + 1e-300), 10 * shortest, longest);
+    const double guess = steepness_ > 0 ? steepness_ : from.terms.at.stiffness.norm() + 1e-300;
+    double step = std::clamp(low_slope / guess, 10 * shortest, longest);
     Seen best = from;
     for (int i = 0; i < most_halvings && (high < 0 || high - low > shortest); ++i) {
       Seen seen = see(field_.map().walk(from.walk.end, step * way));
@@ -50,6 +51,7 @@ class Slider {
       // Where the slope would vanish.
       const double steepness = (low_slope - slope) / (step - low);
       const double wanted = falls && steepness > 0 ? step + slope / steepness : -1;
+      if (wanted > 0) steepness_ = steepness;
       if (before) {
         best = seen, low = step, low_slope = slope;
         if (slope <= tolerance(seen) || !seen.walk.whole || low >= longest) break;
@@ -64,6 +66,7 @@ class Slider {
     }
     return best;
   }
+  double steepness() const { return steepness_; }
 
  private:
   // -dE/dh - mu f . n, h the way so far.
@@ -74,7 +77,7 @@ class Slider {
 
   const TouchField& field_;
   Vec3 tip_;
-  double friction_;
+  double friction_, steepness_;
 };
 
 // Along the edge of the facet that the site stands on, downhill; zero if it is on none.
@@ -100,11 +103,13 @@ Vec3 drive(const TouchField& field, const SurfacePlace& site, const TouchTerms& 
   return g - n.dot(g) * n;
 }
 
-Slip slide(const TouchField& field, const SurfacePlace& from, const Vec3& tip, double friction) {
-  const Slider slider(field, tip, friction);
+Slip slide(const TouchField& field, const SurfacePlace& from, const Vec3& tip, double friction,
+           double steepness) {
+  Slider slider(field, tip, friction, steepness);
   Seen here = slider.see({.end = from});
   const bool pulled = Slider::push(here) < 0;
-  Slip slip{.site = from};
+  Slip slip;
+  slip.site = from, slip.pulled = pulled;
   const double start = here.terms.at.energy;
   slip.end = SlipEnd::unsettled;
   for (int i = 0; i < most_steps; ++i) {
@@ -135,7 +140,7 @@ Slip slide(const TouchField& field, const SurfacePlace& from, const Vec3& tip, d
       break;
     }
   }
-  slip.site = here.walk.end;
+  slip.site = here.walk.end, slip.terms = here.terms, slip.steepness = slider.steepness();
   slip.lost = std::max(0.0, start - here.terms.at.energy);
   return slip;
 }

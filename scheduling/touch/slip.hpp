@@ -25,12 +25,16 @@ struct Slip {
   double lost = 0;  // energy that sliding dissipated [J], >= 0
   double slid = 0;  // way over the surface [m]
   SlipEnd end = SlipEnd::sticks;
+  bool pulled = false;   // the force was tensile at the start
+  TouchTerms terms;      // at the end; K only nearly
+  double steepness = 0;  // how fast |g| - mu f . n fell along the last way [N/m]; 0: no way was gone
 };
 
 // g at (s, p - s).
 Vec3 drive(const TouchField& field, const SurfacePlace& site, const TouchTerms& terms);
 
-// friction: mu >= 0.
-Slip slide(const TouchField& field, const SurfacePlace& from, const Vec3& tip, double friction);
+// friction: mu >= 0. steepness: of the last slide nearby, so that the first step is a good one; 0: not known.
+Slip slide(const TouchField& field, const SurfacePlace& from, const Vec3& tip, double friction,
+           double steepness = 0);
 
 }  // namespace forefeel

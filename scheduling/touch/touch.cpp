@@ -29,22 +29,21 @@ TouchFrame touch(const TouchField& field, const Touch& before, const Vec3& tip,
   if (!now.inside) {
     const std::optional<SurfacePlace> way_out = field.grid().crossing(tip, before.tip);
     frame.left = way_out ? way_out->at : tip;
-    frame.lost = field.at(now.site, *frame.left - now.site.at).at.energy;
+    frame.lost = field.at(now.site, *frame.left - now.site.at, false).at.energy;
     now.kind = TouchKind::none;
     return frame;
   }
-  TouchTerms terms = field.at(now.site, tip - now.site.at);
   now.kind = TouchKind::stick;
-  const bool pulled = terms.at.force.dot(terms.normal) < 0;
-  if (pulled || friction) {
-    const Slip slip = slide(field, now.site, tip, friction.value_or(0));
+  TouchTerms terms;
+  if (!friction) terms = field.at(now.site, tip - now.site.at, false);
+  if (friction || terms.at.force.dot(terms.normal) < 0) {
+    const Slip slip = slide(field, now.site, tip, friction.value_or(0), now.steepness);
+    terms = slip.terms;
+    now.steepness = slip.steepness;
     frame.lost = slip.lost;
     frame.at_border = slip.end == SlipEnd::border;
-    if (slip.slid > 0) {
-      now.kind = TouchKind::slip, now.site = slip.site;
-      terms = field.at(now.site, tip - now.site.at);
-    }
-    if (pulled && slip.end != SlipEnd::sticks) {
+    if (slip.slid > 0) now.kind = TouchKind::slip, now.site = slip.site;
+    if (slip.pulled && slip.end != SlipEnd::sticks) {
       frame.lost += terms.at.energy;
       now.kind = TouchKind::none;
       return frame;

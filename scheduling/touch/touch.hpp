@@ -21,6 +21,7 @@ struct Touch {
   Vec3 tip = Vec3::Zero();  // [m]
   bool known = false;       // false before the first tip
   bool inside = false;      // the tip, of the body at rest
+  double steepness = 0;     // of the last slide (slip.hpp); only the way to the answer depends on it
 };
 
 struct TouchFrame {

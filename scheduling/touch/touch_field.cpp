@@ -27,9 +27,9 @@ const SiteModel& FieldOfSites::model(const SurfacePlace& site) const {
   return model_;
 }
 
-SiteTerms FieldOfSites::terms(const SurfacePlace& site, const Vec3& x) const {
+SiteTerms FieldOfSites::terms(const SurfacePlace& site, const Vec3& x, bool stiff) const {
   const SiteModel& here = model(site);
-  return deep_ != nullptr && deep_->size() > 0 ? deep_->at(here, site, x) : here.at(x);
+  return deep_ != nullptr && deep_->size() > 0 ? deep_->at(here, site, x, stiff) : here.at(x);
 }
 
 double FieldOfSites::estimate(const SurfacePlace& site, const Vec3& x) const {
@@ -38,18 +38,18 @@ double FieldOfSites::estimate(const SurfacePlace& site, const Vec3& x) const {
   return deep_ != nullptr ? deep_->estimated_error(here, site, x) : here.estimate(x);
 }
 
-TouchTerms FieldOfSites::at(const SurfacePlace& site, const Vec3& x) const {
+TouchTerms FieldOfSites::at(const SurfacePlace& site, const Vec3& x, bool stiff) const {
   const Vec3 normal = model(site).rest().normal;
   const double r = x.norm();
-  if (!(r > farthest_)) return {terms(site, x), normal};
+  if (!(r > farthest_)) return {terms(site, x, stiff), normal};
   const Vec3 n = x / r;
   const double beyond = r - farthest_, step = 1e-4 * farthest_;
-  TouchTerms at{terms(site, farthest_ * n), normal};
-  const Vec3 outer = terms(site, (farthest_ + step) * n).by_site,
-             inner = terms(site, (farthest_ - step) * n).by_site;
-  const Vec3 stiff = at.at.stiffness * n;
+  TouchTerms at{terms(site, farthest_ * n, true), normal};
+  const Vec3 outer = terms(site, (farthest_ + step) * n, false).by_site,
+             inner = terms(site, (farthest_ - step) * n, false).by_site;
+  const Vec3 across = at.at.stiffness * n;
   at.at.energy -= beyond * n.dot(at.at.force);
-  at.at.force -= beyond * farthest_ / r * (stiff - n.dot(stiff) * n);
+  at.at.force -= beyond * farthest_ / r * (across - n.dot(across) * n);
   at.at.by_site += beyond / (2 * step) * (outer - inner);
   return at;
 }

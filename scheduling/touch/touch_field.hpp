@@ -23,7 +23,9 @@ struct TouchTerms {
 class TouchField {
  public:
   virtual ~TouchField() = default;
-  virtual TouchTerms at(const SurfacePlace& site, const Vec3& x) const = 0;
+  // stiff: K is wanted, and not only near to what it is.
+  virtual TouchTerms at(const SurfacePlace& site, const Vec3& x, bool stiff) const = 0;
+  TouchTerms at(const SurfacePlace& site, const Vec3& x) const { return at(site, x, true); }
   virtual const SurfaceMap& map() const = 0;
   virtual const SurfaceGrid& grid() const = 0;
 };
@@ -38,7 +40,8 @@ class FieldOfSites : public TouchField {
   // farthest: R [m]. patches: made by another thread; null: none.
   FieldOfSites(std::shared_ptr<const SiteField> field, std::shared_ptr<const SurfaceGrid> grid,
                double farthest, std::shared_ptr<const FieldPatches> patches = {});
-  TouchTerms at(const SurfacePlace& site, const Vec3& x) const override;
+  using TouchField::at;
+  TouchTerms at(const SurfacePlace& site, const Vec3& x, bool stiff) const override;
   // Of the error of the force [N]; infinite beyond R.
   double estimate(const SurfacePlace& site, const Vec3& x) const;
   void use(const DeepStates* deep) {
@@ -49,7 +52,7 @@ class FieldOfSites : public TouchField {
 
  private:
   const SiteModel& model(const SurfacePlace& site) const;
-  SiteTerms terms(const SurfacePlace& site, const Vec3& x) const;
+  SiteTerms terms(const SurfacePlace& site, const Vec3& x, bool stiff) const;
 
   std::shared_ptr<const SiteField> field_;
   std::shared_ptr<const SurfaceGrid> grid_;

@@ -54,7 +54,7 @@ Vec3 TouchLoop::rendered(const TouchFrame& frame, const TouchModel* came, double
   if (came) {  // the touch was found with the model so far
     model_ = came;
     field_.use(came->deep.get());
-    now = field_.at(frame.touch.site, x).at.force;
+    now = field_.at(frame.touch.site, x, false).at.force;
   }
   const ForceSwitch::Frame step =
       switch_.step(frame.force, now, came != nullptr, (frame.touch.tip - last_tip_).norm());
@@ -84,7 +84,7 @@ void TouchLoop::send(const TouchFrame& frame, bool came, double started, TouchFr
     if (touching) {
       const SiteTerms terms = field_.at(frame.touch.site, x).at;
       view.here = terms.force, view.jacobian = -terms.stiffness;
-      view.half_way = field_.at(frame.touch.site, 0.5 * x).at.force;
+      view.half_way = field_.at(frame.touch.site, 0.5 * x, false).at.force;
     }
     output_.note_model(frame.touch.tip, view, came);
   }

@@ -130,7 +130,7 @@ std::vector<TouchPlanner::Wanted> TouchPlanner::candidates(const std::vector<Vis
           const Key key = key_of(visit.site, tip);
           if (gone_.contains(key) || found.contains(key)) continue;
           const Visit at{visit.site, tip - visit.site.at};
-          const TouchTerms terms = field_.at(at.site, at.x);
+          const TouchTerms terms = field_.at(at.site, at.x, false);
           if (!in_region(at, terms.normal)) continue;
           const double allowed = task_.tolerance * std::max(terms.at.force.norm(), task_.floor);
           if (!(trust_factor * field_.estimate(at.site, at.x) > allowed)) continue;
@@ -169,7 +169,7 @@ double TouchPlanner::estimated_jnds(const Vec3& tip) const {
       pressed_, {}, [&](const Visit& v) { return (v.site.at + v.x - tip).squaredNorm(); });
   const Vec3 x = tip - visit.site.at;
   const double error = std::min(field_.estimate(visit.site, x), 1e3);
-  return error / (task_.tolerance * std::max(field_.at(visit.site, x).at.force.norm(), task_.floor));
+  return error / (task_.tolerance * std::max(field_.at(visit.site, x, false).at.force.norm(), task_.floor));
 }
 
 TouchJob TouchPlanner::dispatch(const SurfacePlace& site, const Vec3& x, double priority, int worker,

@@ -6,113 +6,23 @@
 
 #include "solver/jet/field_patches.hpp"
 #include "solver/jet/site_turns.hpp"
+#include "solver/jet/state_series.hpp"
 
 namespace forefeel {
 namespace {
 
-constexpr std::size_t series_size = 10 + jet_size;
 constexpr double same_place = 1e-9;        // [m]
 constexpr double least_square = 1e-12;     // q^2 at a state, where the weight would be infinite
 constexpr double least_surprise = 1;       // of the field, until states say more
 constexpr double surprise_quantile = 0.8;  // of the states' that counts for other places
 
-std::size_t start_of(int degree) {
-  return static_cast<std::size_t>(degree * (degree + 1) * (degree + 2) / 6);
-}
-std::size_t place_of(int a, int b, int c) {
-  const int left = b + c;
-  return start_of(a + left) + static_cast<std::size_t>(left * (left + 1) / 2 + c);
-}
-
-// A polynomial in d to degree 5; degrees 3 to 5 are those of an EnergyJet.
-using Series = Eigen::Matrix<double, static_cast<int>(series_size), 1>;
-
-template <class Visit>
-void for_each_power(const Visit& visit) {
-  for (int degree = 0; degree <= 5; ++degree)
-    for (int a = degree; a >= 0; --a)
-      for (int b = degree - a; b >= 0; --b) visit(a, b, degree - a - b);
-}
-
-double& coefficient(Series& s, int a, int b, int c) {
-  return s[static_cast<Eigen::Index>(place_of(a, b, c))];
-}
-
-Series product(const Series& p, const Series& q) {
-  Series r = Series::Zero();
-  for_each_power([&](int a, int b, int c) {
-    const double left = p[static_cast<Eigen::Index>(place_of(a, b, c))];
-    if (left == 0) return;
-    for_each_power([&](int i, int j, int k) {
-      if (a + b + c + i + j + k <= 5)
-        coefficient(r, a + i, b + j, c + k) += left * q[static_cast<Eigen::Index>(place_of(i, j, k))];
-    });
-  });
-  return r;
-}
-
-// 1/2 d^T K d - f . d + e and a jet's terms.
-Series series_of(double e, const Vec3& f, const Mat3& k, const JetCoefficients& jet) {
-  Series s;
-  s << e, -f, 0.5 * k(0, 0), k(0, 1), k(0, 2), 0.5 * k(1, 1), k(1, 2), 0.5 * k(2, 2), jet;
-  return s;
-}
-
-// p(x + d) as a polynomial in d.
-Series moved(const Series& p, const Vec3& x) {
-  Series r = Series::Zero();
-  constexpr double choose[6][6] = {{1},          {1, 1},          {1, 2, 1},
-                                   {1, 3, 3, 1}, {1, 4, 6, 4, 1}, {1, 5, 10, 10, 5, 1}};
-  for_each_power([&](int a, int b, int c) {
-    const double value = p[static_cast<Eigen::Index>(place_of(a, b, c))];
-    for (int i = 0; i <= a; ++i)
-      for (int j = 0; j <= b; ++j)
-        for (int k = 0; k <= c; ++k)
-          coefficient(r, i, j, k) += value * choose[a][i] * choose[b][j] * choose[c][k] *
-                                     std::pow(x[0], a - i) * std::pow(x[1], b - j) * std::pow(x[2], c - k);
-  });
-  return r;
-}
-
-// (|x| / |x + d|)^6.
-Series inverse_growth(const Vec3& x) {
-  const double square = x.squaredNorm();
-  Series u = series_of(0, -2 * x / square, 2 * Mat3::Identity() / square, JetCoefficients::Zero());
-  Series power = Series::Zero(), sum = Series::Zero();
-  power[0] = 1;
-  for (int n = 0; n <= 5; ++n, power = product(power, u))
-    sum += (n % 2 == 0 ? 0.5 : -0.5) * (n + 1) * (n + 2) * power;
-  return sum;
-}
-
-struct Value {
-  double value = 0;
-  Vec3 slope = Vec3::Zero();
-  Mat3 bend = Mat3::Zero();
-};
-
-Value value_of(const Series& p, const Vec3& d, int degree) {
-  Mat3 k;
-  k << 2 * p[4], p[5], p[6], p[5], 2 * p[7], p[8], p[6], p[8], 2 * p[9];
-  const Vec3 first = p.segment<3>(1), bent = k * d;
-  Value v{p[0] + first.dot(d) + 0.5 * d.dot(bent), first + bent, k};
-  if (degree <= 2) return v;
-  const JetTerms more = jet_sum(p.tail<static_cast<int>(jet_size)>(), jet_monomials(d), degree);
-  v.value += more.energy, v.slope += more.gradient, v.bend += more.hessian;
-  return v;
-}
-
-Value times(const Value& a, const Value& b) {
-  const Mat3 mixed = a.slope * b.slope.transpose();
-  return {a.value * b.value, a.value * b.slope + b.value * a.slope,
-          a.value * b.bend + b.value * a.bend + mixed + mixed.transpose()};
-}
-
-// (|y|^2 / square)^3.
-Value growth(const Vec3& y, double square) {
-  const double r = y.squaredNorm() / square;
-  return {r * r * r, 6 * r * r / square * y,
-          6 * r * r / square * Mat3::Identity() + 24 * r / (square * square) * y * y.transpose()};
+// (z^T M z / square)^3.
+Smooth growth(const Vec3& z, const Mat3& metric, double square, bool bend) {
+  const Vec3 by = 2 / square * (metric * z);
+  const double r = 0.5 * z.dot(by);
+  Smooth g{r * r * r, 3 * r * r * by};
+  if (bend) g.bend = 6 * r * (r / square * metric + by * by.transpose());
+  return g;
 }
 
 // (1 - q)^3 / q^2 and its derivatives by q.
@@ -127,33 +37,43 @@ Weight weight_of(double q) {
 
 }  // namespace
 
+// In z = Q_k B x, so that y = B_k^-1 z.
 struct DeepStates::Record {
+  Vec3 normal = Vec3::Zero();
+  double square = 0;  // reach_r^2 or reach_s^2
   SurfacePlace place;
-  Vec3 x = Vec3::Zero(), normal = Vec3::Zero();
-  Mat3 back = Mat3::Identity();  // B_k^-1
-  double scale = 1;              // c_k^2
-  double reach = 0;              // [m]
+  Vec3 x = Vec3::Zero(), z = Vec3::Zero();
+  Mat3 metric = Mat3::Zero();  // |y|^2 = z^T metric z
+  double near = 0;             // 1 / reach_k^2; 0 at rest
   double surprise = 0;
-  int degree = 2;
-  Series correction = Series::Zero();  // P_k
-  std::vector<NodeDistance> ways;
+  SeriesForm correction;  // P_k / c_k^2 in z - z_k
+  bool at_rest = false;
 };
 
-// One state or jet, as it is seen from (s, x).
+// Where and what is asked.
+struct DeepStates::Asked {
+  const SiteModel& model;
+  const SurfacePlace& place;
+  Vec3 u = Vec3::Zero();  // B x
+  bool bend = true;
+  Vec3 share = Vec3::Zero();       // barycentric
+  std::array<Vec3, 3> share_by{};  // by s
+};
+
+// One state or jet, as it is seen from (s, x): derivatives by u, by s where it stands alone, and by the normal.
 struct DeepStates::Seen {
-  // By the place alone: q, its derivative by s, the cut along the way, and y = to_state x.
+  LeastTurn turn;
   double site_q = 0, cut = 1;
-  Vec3 site_q_by = Vec3::Zero(), cut_by = Vec3::Zero();
-  Mat3 turn = Mat3::Zero(), to_state = Mat3::Zero();
-  // By s and x.
-  Value weight, correction;  // p_k and C_k, with their derivatives by x
-  Vec3 weight_by = Vec3::Zero(), correction_by = Vec3::Zero();
+  Vec3 away = Vec3::Zero(), cut_by = Vec3::Zero();
+  Smooth weight, correction;  // p_k and C_k / c(s)^2
+  Vec3 weight_by = Vec3::Zero(), weight_by_normal = Vec3::Zero(), correction_by_normal = Vec3::Zero();
 };
 
-// The weighted sums over states, with their derivatives by x and s.
+// The weighted sums over states and their derivatives.
 struct DeepStates::Sums {
-  Value weights, values;
+  Smooth weights, values;
   Vec3 weights_by = Vec3::Zero(), values_by = Vec3::Zero();
+  Vec3 weights_by_normal = Vec3::Zero(), values_by_normal = Vec3::Zero();
   Vec3 mean = Vec3::Zero();  // sum of p_k times the correction of the force
   double square = 0;
 };
@@ -173,6 +93,7 @@ DeepStates::DeepStates(std::shared_ptr<const SiteField> field, const DeepOptions
     edge = std::max({edge, (b - a).norm(), (c - b).norm(), (a - c).norm()});
   }
   far_ = 2 * std::max(reach_, rest_reach_) + edge;
+  near_.resize(map.facets().size());
 }
 
 SiteModel DeepStates::model(const SurfacePlace& place) const {
@@ -202,47 +123,73 @@ std::shared_ptr<const DeepStates::Record> DeepStates::record_of(const State& sta
   auto record = std::make_shared<Record>();
   record->place = field_->rest().map().nearest(state.site);
   if (field_->rest().map().facet(record->place).clamped) return {};
-  record->x = state.at;
-  record->degree = state.jet ? state.jet->order + 1 : 2;
+  record->x = state.at, record->at_rest = at_rest;
+  const int degree = state.jet ? state.jet->order + 1 : 2;
   const SiteModel model = this->model(record->place);
   record->normal = model.rest().normal;
+  const double reach = at_rest ? rest_reach_ : reach_;
+  record->square = reach * reach;
+  record->z = model.root() * record->x;
+  const Mat3 back = model.root().inverse();
+  record->metric = back.transpose() * back;
   const JetCoefficients jet =
       state.jet ? coefficients_of(*state.jet) : JetCoefficients(JetCoefficients::Zero());
+  Series correction;
   if (at_rest) {
-    record->correction =
+    correction =
         series_of(0, Vec3::Zero(), patches_ ? Mat3(state.stiffness - model.rest().stiffness) : Mat3::Zero(),
                   jet - model.polynomial());
   } else {
     const Rest rest = before(model, record->place);
     const Series known = series_of(state.energy, state.force, state.stiffness, jet),
                  so_far = moved(series_of(0, Vec3::Zero(), rest.stiffness, rest.coefficients), state.at);
-    record->correction = product(known - so_far, inverse_growth(state.at));
+    correction = product(known - so_far, inverse_growth(state.at));
     record->surprise = (known - so_far).segment<3>(1).norm() / model.estimate(state.at);
-    record->reach = std::min(options_.reach * state.at.norm(), series_radius(state.stiffness, jet)) /
-                    std::sqrt(std::max(1.0, record->surprise));
+    const double deep = std::min(options_.reach * state.at.norm(), series_radius(state.stiffness, jet));
+    record->near = std::max(1.0, record->surprise) / (deep * deep);
   }
-  record->correction.tail(static_cast<Eigen::Index>(series_size - start_of(record->degree + 1))).setZero();
-  record->back = model.root().inverse();
-  record->scale = model.scale();
-  record->ways = ways_->from(record->place, 2 * far_);
+  record->correction = SeriesForm(turned(cut_after(correction, degree), back) / model.scale());
   return record;
 }
 
-void DeepStates::add(const State& state) {
-  auto record = record_of(state);
+void DeepStates::add(const State& state, std::vector<bool>& own) {
+  const auto record = record_of(state);
   if (!record) return;
-  lights_.push_back({record->place.at, record->normal, record->x.isZero() ? rest_reach_ : reach_});
-  records_.push_back(std::move(record));
+  records_.push_back(record);
+  const SurfaceMap& map = field_->rest().map();
+  const std::vector<NodeDistance> ways = ways_->from(record->place, 2 * far_);
+  const double reach = std::sqrt(record->square);
+  for (std::size_t f = 0; f < near_.size(); ++f) {
+    if (map.facets()[f].clamped) continue;
+    const auto [a, b, c] = map.corners(static_cast<std::int32_t>(f));
+    const Vec3 middle = (a + b + c) / 3;
+    const double round = std::sqrt(
+        std::max({(a - middle).squaredNorm(), (b - middle).squaredNorm(), (c - middle).squaredNorm()}));
+    if ((middle - record->place.at).norm() > reach + round) continue;
+    Near near{record.get(), Vec3::Constant(2 * far_)};
+    for (std::size_t i = 0; i < 3; ++i) {
+      const NodeIndex corner = map.facets()[f].corners[i];
+      const auto at = std::ranges::lower_bound(ways, corner, {}, &NodeDistance::node);
+      if (at != ways.end() && at->node == corner) near.way[static_cast<int>(i)] = at->distance;
+    }
+    if (near.way.minCoeff() >= 2 * far_) continue;
+    if (!own[f])
+      near_[f] =
+          near_[f] ? std::make_shared<std::vector<Near>>(*near_[f]) : std::make_shared<std::vector<Near>>();
+    own[f] = true;
+    near_[f]->push_back(near);
+  }
 }
 
 std::shared_ptr<const DeepStates> DeepStates::with(std::span<const State> states) const {
   auto more = std::make_shared<DeepStates>(*this);
+  std::vector<bool> own(near_.size());
   for (const bool at_rest : {true, false})
     for (const State& state : states)
-      if (state.at.isZero() == at_rest) more->add(state);
+      if (state.at.isZero() == at_rest) more->add(state, own);
   std::vector<double> surprises;
   for (const auto& record : more->records_)
-    if (!record->x.isZero()) surprises.push_back(record->surprise);
+    if (!record->at_rest) surprises.push_back(record->surprise);
   if (surprises.empty()) return more;
   const auto at = surprises.begin() +
                   static_cast<std::ptrdiff_t>(surprise_quantile * static_cast<double>(surprises.size() - 1));
@@ -251,126 +198,132 @@ std::shared_ptr<const DeepStates> DeepStates::with(std::span<const State> states
   return more;
 }
 
+std::span<const DeepStates::Near> DeepStates::near(const SurfacePlace& place) const {
+  const auto& list = near_[static_cast<std::size_t>(place.facet)];
+  return list ? std::span<const Near>(*list) : std::span<const Near>();
+}
+
 // Of field and jets at rest.
 DeepStates::Rest DeepStates::before(const SiteModel& model, const SurfacePlace& place) const {
   double weights = options_.rest_weight;
   Rest sum;
-  for (std::size_t k = 0; k < records_.size(); ++k) {
+  const Asked asked{.model = model, .place = place, .share = field_->rest().map().barycentric(place)};
+  for (const Near& near : near(place)) {
     Seen seen;
-    if (!records_[k]->x.isZero() || !nearby(model, place, k, seen)) continue;
+    if (!near.record->at_rest || !nearby(asked, near, seen)) continue;
     const double weight = weight_of(seen.site_q).value * seen.cut;
     weights += weight;
-    const double share = weight * model.scale() / records_[k]->scale;
-    sum.stiffness += share * seen.to_state.transpose() *
-                     value_of(records_[k]->correction, Vec3::Zero(), 2).bend * seen.to_state;
-    sum.coefficients +=
-        share * substituted(records_[k]->correction.tail<static_cast<int>(jet_size)>(), seen.to_state);
+    const Series here = turned(near.record->correction.series(),
+                               least_turn(model.rest().normal, near.record->normal) * model.root());
+    const Smooth bent = SeriesForm(here).at(Vec3::Zero(), true);
+    sum.stiffness += weight * model.scale() * bent.bend;
+    sum.coefficients += weight * model.scale() * here.tail<static_cast<int>(jet_size)>();
   }
   return {model.rest().stiffness + sum.stiffness / weights, model.polynomial() + sum.coefficients / weights};
 }
 
 // Sets what depends on the place alone; false where it is too far away.
-bool DeepStates::nearby(const SiteModel& model, const SurfacePlace& place, std::size_t k, Seen& seen) const {
-  const Light& light = lights_[k];
-  const Vec3 &normal = model.rest().normal, away = place.at - light.at;
-  const double far = light.reach * light.reach, bent = length_ * length_;
-  seen.site_q = (away.squaredNorm() + bent * (normal - light.normal).squaredNorm()) / far;
+bool DeepStates::nearby(const Asked& asked, const Near& near, Seen& seen) const {
+  const Record& record = *near.record;
+  const Vec3& normal = asked.model.rest().normal;
+  seen.away = asked.place.at - record.place.at;
+  seen.site_q =
+      (seen.away.squaredNorm() + length_ * length_ * (normal - record.normal).squaredNorm()) / record.square;
   if (!(seen.site_q < 1)) return false;
-  const Record& record = *records_[k];
-  const SurfaceMap& map = field_->rest().map();
-  const Triangle& corner = map.facet(place).corners;
-  Vec3 way;
-  for (std::size_t i = 0; i < 3; ++i) {
-    const auto at = std::ranges::lower_bound(record.ways, corner[i], {}, &NodeDistance::node);
-    way[static_cast<int>(i)] = at != record.ways.end() && at->node == corner[i] ? at->distance : 2 * far_;
-  }
-  const double late = (map.barycentric(place).dot(way) - far_) / far_;
+  const double late = (asked.share.dot(near.way) - far_) / far_;
   seen.cut = fade(late);
-  seen.turn = least_turn(normal, light.normal);
-  seen.to_state = record.back * seen.turn * model.root();
-  if (!model.has_slopes()) return seen.cut > 0;
-  seen.site_q_by = 2 / far * (away + bent * model.rest().normal_by.transpose() * (normal - light.normal));
-  const std::array<Vec3, 3> share_by = barycentric_slopes(map, place.facet);
-  seen.cut_by =
-      fade_slope(late) / far_ * (way[0] * share_by[0] + way[1] * share_by[1] + way[2] * share_by[2]);
-  return seen.cut > 0;
+  if (!(seen.cut > 0)) return false;
+  if (late > 0)
+    seen.cut_by =
+        fade_slope(late) / far_ *
+        (near.way[0] * asked.share_by[0] + near.way[1] * asked.share_by[1] + near.way[2] * asked.share_by[2]);
+  return true;
 }
 
-bool DeepStates::see(const SiteModel& model, const SurfacePlace& place, const Vec3& x, std::size_t k,
-                     Seen& seen) const {
-  if (!nearby(model, place, k, seen)) return false;
-  const Record& record = *records_[k];
-  const Mat3& to_state = seen.to_state;
-  const bool at_rest = record.x.isZero();
-  const Vec3 y = to_state * x, d = y - record.x;
-  const double near = at_rest ? 0 : 1 / (record.reach * record.reach),
-               q = seen.site_q + near * d.squaredNorm();
+bool DeepStates::see(const Asked& asked, const Near& near, Seen& seen) const {
+  if (!nearby(asked, near, seen)) return false;
+  const Record& record = *near.record;
+  const Vec3& normal = asked.model.rest().normal;
+  seen.turn = LeastTurn(normal, record.normal);
+  const Vec3 z = seen.turn.of(asked.u), d = z - record.z, bent = record.metric * d;
+  const double q = seen.site_q + record.near * d.dot(bent);
   if (!(q < 1)) return false;
   const Weight core = weight_of(q);
-  const Vec3 q_slope = 2 * near * (to_state.transpose() * d);
-  seen.weight = {seen.cut * core.value, seen.cut * core.slope * q_slope,
-                 seen.cut * (core.bend * q_slope * q_slope.transpose() +
-                             2 * near * core.slope * to_state.transpose() * to_state)};
-  const double scale = model.scale() / record.scale;
-  Value at_state = value_of(record.correction, d, record.degree);
-  if (!at_rest) at_state = times(growth(y, record.x.squaredNorm()), at_state);
-  seen.correction = {scale * at_state.value, scale * (to_state.transpose() * at_state.slope),
-                     scale * (to_state.transpose() * at_state.bend * to_state)};
-  if (!model.has_slopes()) return true;
-  Vec3 q_by = seen.site_q_by;
-  seen.correction_by = model.scale_by() / record.scale * at_state.value;
-  for (int i = 0; i < 3; ++i) {
-    const Mat3 turn_by = least_turn_by(model.rest().normal, lights_[k].normal, model.rest().normal_by.col(i));
-    const Vec3 y_by =
-        record.back * (turn_by * model.root() + seen.turn * model.root_by()[static_cast<std::size_t>(i)]) * x;
-    q_by[i] += 2 * near * d.dot(y_by);
-    seen.correction_by[i] += scale * at_state.slope.dot(y_by);
+  const Vec3 by_z = 2 * record.near * bent;  // of q
+  Smooth at_z = record.correction.at(d, asked.bend);
+  if (!record.at_rest)
+    at_z = times(growth(z, record.metric, record.x.squaredNorm(), asked.bend), at_z, asked.bend);
+  const Vec3 q_slope = seen.turn.back(by_z);
+  seen.weight.value = seen.cut * core.value, seen.weight.slope = seen.cut * core.slope * q_slope;
+  seen.correction.value = at_z.value, seen.correction.slope = seen.turn.back(at_z.slope);
+  if (asked.bend) {
+    const Mat3 turn = least_turn(normal, record.normal);
+    seen.weight.bend = seen.cut * (core.bend * q_slope * q_slope.transpose() +
+                                   2 * record.near * core.slope * turn.transpose() * record.metric * turn);
+    seen.correction.bend = turn.transpose() * at_z.bend * turn;
   }
-  seen.weight_by = seen.cut * core.slope * q_by + core.value * seen.cut_by;
+  if (!asked.model.has_slopes()) return true;
+  const double by_q = seen.cut * core.slope;
+  seen.weight_by = 2 * by_q / record.square * seen.away + core.value * seen.cut_by;
+  seen.weight_by_normal = 2 * by_q * length_ * length_ / record.square * (normal - record.normal);
+  if (!record.at_rest) seen.weight_by_normal += by_q * seen.turn.by_normal(by_z, asked.u);
+  seen.correction_by_normal = seen.turn.by_normal(at_z.slope, asked.u);
   return true;
 }
 
 std::array<DeepStates::Sums, 2> DeepStates::sums(const SiteModel& model, const SurfacePlace& place,
-                                                 const Vec3& x, std::span<const double> gains) const {
+                                                 const Vec3& x, bool bend) const {
+  const SurfaceMap& map = field_->rest().map();
+  Asked asked{
+      .model = model, .place = place, .u = model.root() * x, .bend = bend, .share = map.barycentric(place)};
+  if (model.has_slopes()) asked.share_by = barycentric_slopes(map, place.facet);
   std::array<Sums, 2> both;
   both[0].weights.value = options_.rest_weight, both[1].weights.value = options_.field_weight;
-  for (std::size_t k = 0; k < records_.size(); ++k) {
-    const double gain = k < gains.size() ? gains[k] : 1;
+  for (const Near& near : near(place)) {
     Seen seen;
-    if (!(gain > 0) || !see(model, place, x, k, seen)) continue;
-    Sums& all = both[records_[k]->x.isZero() ? 0 : 1];
-    const Value weight{gain * seen.weight.value, gain * seen.weight.slope, gain * seen.weight.bend},
-        value = times(weight, seen.correction);
-    all.weights.value += weight.value;
-    all.weights.slope += weight.slope, all.weights.bend += weight.bend;
-    all.weights_by += gain * seen.weight_by;
-    all.values.value += value.value;
-    all.values.slope += value.slope, all.values.bend += value.bend;
-    all.values_by += weight.value * seen.correction_by + gain * seen.correction.value * seen.weight_by;
-    all.mean -= weight.value * seen.correction.slope;
-    all.square += weight.value * seen.correction.slope.squaredNorm();
+    if (!see(asked, near, seen)) continue;
+    Sums& all = both[near.record->at_rest ? 0 : 1];
+    const Smooth value = times(seen.weight, seen.correction, bend);
+    all.weights.value += seen.weight.value, all.weights.slope += seen.weight.slope;
+    all.values.value += value.value, all.values.slope += value.slope;
+    if (bend) all.weights.bend += seen.weight.bend, all.values.bend += value.bend;
+    const Vec3 force = model.scale() * (model.root() * seen.correction.slope);
+    all.mean -= seen.weight.value * force;
+    all.square += seen.weight.value * force.squaredNorm();
+    if (!model.has_slopes()) continue;
+    all.weights_by += seen.weight_by, all.weights_by_normal += seen.weight_by_normal;
+    all.values_by += seen.correction.value * seen.weight_by;
+    all.values_by_normal +=
+        seen.weight.value * seen.correction_by_normal + seen.correction.value * seen.weight_by_normal;
   }
   return both;
 }
 
-SiteTerms DeepStates::at(const SiteModel& model, const SurfacePlace& place, const Vec3& x,
-                         std::span<const double> gains) const {
+SiteTerms DeepStates::at(const SiteModel& model, const SurfacePlace& place, const Vec3& x, bool stiff) const {
   SiteTerms terms = model.at(x);
-  for (const Sums& all : sums(model, place, x, gains)) {
-    const double weight = all.weights.value, energy = all.values.value / weight;
-    const Vec3 slope = (all.values.slope - energy * all.weights.slope) / weight;
-    const Mat3 mixed = slope * all.weights.slope.transpose();
-    terms.energy += energy;
-    terms.force -= slope;
-    terms.stiffness += (all.values.bend - mixed - mixed.transpose() - energy * all.weights.bend) / weight;
-    if (model.has_slopes()) terms.by_site += (all.values_by - energy * all.weights_by) / weight;
+  for (const Sums& all : sums(model, place, x, stiff)) {
+    const double weight = all.weights.value, mean = all.values.value / weight, scale = model.scale();
+    const Vec3 slope = (all.values.slope - mean * all.weights.slope) / weight;
+    terms.energy += scale * mean;
+    terms.force -= scale * (model.root() * slope);
+    if (stiff) {
+      const Mat3 mixed = slope * all.weights.slope.transpose();
+      terms.stiffness += scale / weight * model.root() *
+                         (all.values.bend - mixed - mixed.transpose() - mean * all.weights.bend) *
+                         model.root();
+    }
+    if (!model.has_slopes()) continue;
+    terms.by_site += scale / weight * (all.values_by - mean * all.weights_by) + mean * model.scale_by() +
+                     scale / weight * model.rest().normal_by.transpose() *
+                         (all.values_by_normal - mean * all.weights_by_normal);
+    for (int i = 0; i < 3; ++i)
+      terms.by_site[i] += scale * slope.dot(model.root_by()[static_cast<std::size_t>(i)] * x);
   }
   return terms;
 }
 
-double DeepStates::estimated_error(const SiteModel& model, const SurfacePlace& place, const Vec3& x,
-                                   std::span<const double> gains) const {
-  const auto [jets, states] = sums(model, place, x, gains);
+double DeepStates::estimated_error(const SiteModel& model, const SurfacePlace& place, const Vec3& x) const {
+  const auto [jets, states] = sums(model, place, x, false);
   const double weight = states.weights.value;
   const Vec3 mean = states.mean / weight;
   const double spread = std::max(0.0, states.square / weight - mean.squaredNorm());
@@ -380,9 +333,9 @@ double DeepStates::estimated_error(const SiteModel& model, const SurfacePlace& p
 }
 
 bool DeepStates::trusted(const SiteModel& model, const SurfacePlace& place, const Vec3& x, double tolerance,
-                         double floor, std::span<const double> gains) const {
-  return 3 * estimated_error(model, place, x, gains) <=
-         tolerance * std::max(at(model, place, x, gains).force.norm(), floor);
+                         double floor) const {
+  return 3 * estimated_error(model, place, x) <=
+         tolerance * std::max(at(model, place, x, false).force.norm(), floor);
 }
 
 }  // namespace forefeel

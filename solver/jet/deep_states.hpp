@@ -1,6 +1,6 @@
 #pragma once
 // Jets at rest of single places and solved states as corrections of a field of jets at rest (site_field.hpp):
-//   E(s, x) = E_field(s, x) + sum_j g_j r_j R_j / (r_0 + sum_j g_j r_j) + sum_k g_k p_k C_k / (p_0 + sum_k g_k p_k)
+//   E(s, x) = E_field(s, x) + sum_j r_j R_j / (r_0 + sum_j r_j) + sum_k p_k C_k / (p_0 + sum_k p_k)
 //   R_j = c(s)^2 / c_j^2 (the jet's degrees 2 to 5 minus the field's at s_j)(y)
 //   C_k = c(s)^2 / c_k^2 (|y| / |x_k|)^6 P_k(y - x_k),   y = B_k^-1 Q_k B(s) x
 // over jets j made at s_j and states k at (s_k, x_k), with B, c^2 and the least turn Q of site_field.hpp, so y = x at
@@ -17,9 +17,12 @@
 // Venant-Kirchhoff liver to 16 mm, four runs, the p95 of the force's error was 6 to 15 % without this, and is 0.6 to
 // 10 % with it. At s_j, E is
 // the jet's. At a state whose site has a jet, E is the state's own to second order. r_0 and p_0, constants, are the
-// field's: E is continuous where the last neighbour ends. g in [0, 1], given with each question, lets one grow in
-// without a jump. E stays a potential. The field's own K is exact, so a linear body has no corrections; over patches
-// (field_patches.hpp), whose K is near the exact one, jets at rest bring the difference.
+// field's: E is continuous where the last neighbour ends. E stays a potential. The field's own K is exact, so a linear
+// body has no corrections; over patches (field_patches.hpp), whose K is near the exact one, jets at rest bring the
+// difference.
+//
+// A loop asks several times a frame: each facet has a list of the states that reach it, and their polynomials are kept
+// in z = Q_k B(s) x, so that a state costs a turn of one vector and a polynomial with its gradient.
 
 #include <array>
 #include <memory>
@@ -64,38 +67,39 @@ class DeepStates {
   double surprise(std::size_t k) const;
   const SiteField& field() const { return *field_; }
 
-  // model: the field's at this place. gains: of each state; empty, or shorter than size(): the others are 1.
-  SiteTerms at(const SiteModel& model, const SurfacePlace& place, const Vec3& x,
-               std::span<const double> gains = {}) const;
+  // model: of this place, by model() or the field's. stiff: with the stiffness; else the corrections' part of it is
+  // left out.
+  SiteTerms at(const SiteModel& model, const SurfacePlace& place, const Vec3& x, bool stiff = true) const;
   // Of the force's error [N]: the spread of the states' corrections about their mean, the field's own correction, 0,
   // among them; the field's estimate times its weight and the usual surprise(); and what its neighbours differ by, the
   // less the nearer a jet at rest is.
-  double estimated_error(const SiteModel& model, const SurfacePlace& place, const Vec3& x,
-                         std::span<const double> gains = {}) const;
+  double estimated_error(const SiteModel& model, const SurfacePlace& place, const Vec3& x) const;
   // Three times the estimate is within tolerance * max(|f|, floor).
   bool trusted(const SiteModel& model, const SurfacePlace& place, const Vec3& x, double tolerance,
-               double floor, std::span<const double> gains = {}) const;
+               double floor) const;
 
  private:
   struct Record;
-  struct Light {  // what is looked at of every state
-    Vec3 at, normal;
-    double reach = 0;  // of delta
+  struct Near {  // of a facet
+    const Record* record = nullptr;
+    Vec3 way = Vec3::Zero();  // over the surface to the facet's corners [m]
   };
+  struct Asked;
   struct Sums;
   struct Seen;
   std::shared_ptr<const Record> record_of(const State& state) const;
-  void add(const State& state);
+  // own: the facets whose lists are this set's alone.
+  void add(const State& state, std::vector<bool>& own);
+  std::span<const Near> near(const SurfacePlace& place) const;
   struct Rest {  // degrees 2 to 5 at a place, for any x
     Mat3 stiffness = Mat3::Zero();
     JetCoefficients coefficients = JetCoefficients::Zero();
   };
   Rest before(const SiteModel& model, const SurfacePlace& place) const;
-  bool nearby(const SiteModel& model, const SurfacePlace& place, std::size_t k, Seen& seen) const;
-  bool see(const SiteModel& model, const SurfacePlace& place, const Vec3& x, std::size_t k, Seen& seen) const;
+  bool nearby(const Asked& asked, const Near& near, Seen& seen) const;
+  bool see(const Asked& asked, const Near& near, Seen& seen) const;
   // Of jets at rest and of states.
-  std::array<Sums, 2> sums(const SiteModel& model, const SurfacePlace& place, const Vec3& x,
-                           std::span<const double> gains) const;
+  std::array<Sums, 2> sums(const SiteModel& model, const SurfacePlace& place, const Vec3& x, bool bend) const;
 
   std::shared_ptr<const SiteField> field_;
   std::shared_ptr<const FieldPatches> patches_;
@@ -104,8 +108,8 @@ class DeepStates {
   double reach_ = 0, rest_reach_ = 0, length_ = 0;  // reach_s, reach_r and L of delta [m]
   double far_ = 0;                                  // along the surface, from where on a state fades [m]
   double usual_surprise_ = 1;
-  std::vector<Light> lights_;
   std::vector<std::shared_ptr<const Record>> records_;
+  std::vector<std::shared_ptr<std::vector<Near>>> near_;  // by facet; null: no state reaches it
 };
 
 }  // namespace forefeel
