@@ -3,79 +3,54 @@
 #include <Eigen/Dense>
 #include <algorithm>
 #include <cmath>
+#include <limits>
 
 #include "solver/jet/field_patches.hpp"
 #include "solver/jet/site_turns.hpp"
 #include "solver/jet/state_series.hpp"
+#include "solver/kernels/site_sums.hpp"
 
 namespace forefeel {
 namespace {
 
 constexpr double same_place = 1e-9;        // [m]
-constexpr double least_square = 1e-12;     // q^2 at a state, where the weight would be infinite
 constexpr double least_surprise = 1;       // of the field, until states say more
 constexpr double surprise_quantile = 0.8;  // of the states' that counts for other places
 
-// (z^T M z / square)^3.
-Smooth growth(const Vec3& z, const Mat3& metric, double square, bool bend) {
-  const Vec3 by = 2 / square * (metric * z);
-  const double r = 0.5 * z.dot(by);
-  Smooth g{r * r * r, 3 * r * r * by};
-  if (bend) g.bend = 6 * r * (r / square * metric + by * by.transpose());
-  return g;
+// (1 - q)^3 / q^2.
+double weight_of(double q) {
+  const double left = 1 - q;
+  return left * left * left / (q * q + site_softening);
 }
 
-// (1 - q)^3 / q^2 and its derivatives by q.
-struct Weight {
-  double value = 0, slope = 0, bend = 0;
-};
-Weight weight_of(double q) {
-  const double left = 1 - q, over = q * q + least_square;
-  const double value = left * left * left / over, slope = (-3 * left * left - value * 2 * q) / over;
-  return {value, slope, (6 * left - 2 * value - 4 * q * slope) / over};
+Vec3 vec(const double* v) {
+  return {v[0], v[1], v[2]};
+}
+Mat3 bend_of(const double* v) {
+  Mat3 m;
+  m << v[0], v[1], v[2], v[1], v[3], v[4], v[2], v[4], v[5];
+  return m;
+}
+void put(const Vec3& from, double* to) {
+  std::copy_n(from.data(), 3, to);
 }
 
 }  // namespace
 
-// In z = Q_k B x, so that y = B_k^-1 z.
 struct DeepStates::Record {
-  Vec3 normal = Vec3::Zero();
-  double square = 0;  // reach_r^2 or reach_s^2
   SurfacePlace place;
-  Vec3 x = Vec3::Zero(), z = Vec3::Zero();
-  Mat3 metric = Mat3::Zero();  // |y|^2 = z^T metric z
-  double near = 0;             // 1 / reach_k^2; 0 at rest
+  Vec3 x = Vec3::Zero(), normal = Vec3::Zero();
   double surprise = 0;
-  SeriesForm correction;  // P_k / c_k^2 in z - z_k
-  bool at_rest = false;
+  Series correction = Series::Zero();  // P_k / c_k^2 in z - z_k
+  SiteRow row;
+  bool at_rest() const { return row.growth == 0; }
 };
 
-// Where and what is asked.
-struct DeepStates::Asked {
-  const SiteModel& model;
-  const SurfacePlace& place;
-  Vec3 u = Vec3::Zero();  // B x
-  bool bend = true;
-  Vec3 share = Vec3::Zero();       // barycentric
-  std::array<Vec3, 3> share_by{};  // by s
-};
-
-// One state or jet, as it is seen from (s, x): derivatives by u, by s where it stands alone, and by the normal.
-struct DeepStates::Seen {
-  LeastTurn turn;
-  double site_q = 0, cut = 1;
-  Vec3 away = Vec3::Zero(), cut_by = Vec3::Zero();
-  Smooth weight, correction;  // p_k and C_k / c(s)^2
-  Vec3 weight_by = Vec3::Zero(), weight_by_normal = Vec3::Zero(), correction_by_normal = Vec3::Zero();
-};
-
-// The weighted sums over states and their derivatives.
-struct DeepStates::Sums {
-  Smooth weights, values;
-  Vec3 weights_by = Vec3::Zero(), values_by = Vec3::Zero();
-  Vec3 weights_by_normal = Vec3::Zero(), values_by_normal = Vec3::Zero();
-  Vec3 mean = Vec3::Zero();  // sum of p_k times the correction of the force
-  double square = 0;
+// A part of a facet's list: at most eight, then those that were known before.
+struct DeepStates::Pack {
+  SitePack sites;
+  int count = 0;
+  std::shared_ptr<const Pack> next;
 };
 
 DeepStates::DeepStates(std::shared_ptr<const SiteField> field, const DeepOptions& options,
@@ -93,7 +68,7 @@ DeepStates::DeepStates(std::shared_ptr<const SiteField> field, const DeepOptions
     edge = std::max({edge, (b - a).norm(), (c - b).norm(), (a - c).norm()});
   }
   far_ = 2 * std::max(reach_, rest_reach_) + edge;
-  near_.resize(map.facets().size());
+  near_.resize(2 * map.facets().size());
 }
 
 SiteModel DeepStates::model(const SurfacePlace& place) const {
@@ -123,15 +98,17 @@ std::shared_ptr<const DeepStates::Record> DeepStates::record_of(const State& sta
   auto record = std::make_shared<Record>();
   record->place = field_->rest().map().nearest(state.site);
   if (field_->rest().map().facet(record->place).clamped) return {};
-  record->x = state.at, record->at_rest = at_rest;
+  record->x = state.at;
   const int degree = state.jet ? state.jet->order + 1 : 2;
   const SiteModel model = this->model(record->place);
   record->normal = model.rest().normal;
+  const Mat3 back = model.root().inverse(), metric = back.transpose() * back;
+  SiteRow& row = record->row;
   const double reach = at_rest ? rest_reach_ : reach_;
-  record->square = reach * reach;
-  record->z = model.root() * record->x;
-  const Mat3 back = model.root().inverse();
-  record->metric = back.transpose() * back;
+  put(record->place.at, row.at), put(record->normal, row.normal), put(model.root() * record->x, row.z);
+  row.reach = 1 / (reach * reach);
+  for (int i = 0, k = 0; i < 3; ++i)
+    for (int j = i; j < 3; ++j) row.metric[k++] = metric(i, j);
   const JetCoefficients jet =
       state.jet ? coefficients_of(*state.jet) : JetCoefficients(JetCoefficients::Zero());
   Series correction;
@@ -146,50 +123,64 @@ std::shared_ptr<const DeepStates::Record> DeepStates::record_of(const State& sta
     correction = product(known - so_far, inverse_growth(state.at));
     record->surprise = (known - so_far).segment<3>(1).norm() / model.estimate(state.at);
     const double deep = std::min(options_.reach * state.at.norm(), series_radius(state.stiffness, jet));
-    record->near = std::max(1.0, record->surprise) / (deep * deep);
+    row.near = std::max(1.0, record->surprise) / (deep * deep);
+    row.growth = 1 / state.at.squaredNorm();
   }
-  record->correction = SeriesForm(turned(cut_after(correction, degree), back) / model.scale());
+  record->correction = turned(cut_after(correction, degree), back) / model.scale();
+  std::copy_n(record->correction.data(), series_terms, row.series);
   return record;
 }
 
-void DeepStates::add(const State& state, std::vector<bool>& own) {
+void DeepStates::add(const State& state) {
   const auto record = record_of(state);
   if (!record) return;
   records_.push_back(record);
   const SurfaceMap& map = field_->rest().map();
   const std::vector<NodeDistance> ways = ways_->from(record->place, 2 * far_);
-  const double reach = std::sqrt(record->square);
-  for (std::size_t f = 0; f < near_.size(); ++f) {
+  const double reach = record->at_rest() ? rest_reach_ : reach_;
+  for (std::size_t f = 0; f < map.facets().size(); ++f) {
     if (map.facets()[f].clamped) continue;
     const auto [a, b, c] = map.corners(static_cast<std::int32_t>(f));
     const Vec3 middle = (a + b + c) / 3;
     const double round = std::sqrt(
         std::max({(a - middle).squaredNorm(), (b - middle).squaredNorm(), (c - middle).squaredNorm()}));
     if ((middle - record->place.at).norm() > reach + round) continue;
-    Near near{record.get(), Vec3::Constant(2 * far_)};
+    Vec3 way = Vec3::Constant(2 * far_);
     for (std::size_t i = 0; i < 3; ++i) {
       const NodeIndex corner = map.facets()[f].corners[i];
       const auto at = std::ranges::lower_bound(ways, corner, {}, &NodeDistance::node);
-      if (at != ways.end() && at->node == corner) near.way[static_cast<int>(i)] = at->distance;
+      if (at != ways.end() && at->node == corner) way[static_cast<int>(i)] = at->distance;
     }
-    if (near.way.minCoeff() >= 2 * far_) continue;
-    if (!own[f])
-      near_[f] =
-          near_[f] ? std::make_shared<std::vector<Near>>(*near_[f]) : std::make_shared<std::vector<Near>>();
-    own[f] = true;
-    near_[f]->push_back(near);
+    if (way.minCoeff() < 2 * far_) list(*record, way, near_[2 * f + (record->at_rest() ? 0 : 1)]);
   }
+}
+
+void DeepStates::list(const Record& record, const Vec3& way, std::shared_ptr<const Pack>& first) {
+  const bool full = !first || first->count == lane_count;
+  const auto pack = full ? std::make_shared<Pack>() : std::make_shared<Pack>(*first);
+  if (full) pack->next = first, pack->sites.next = first ? &first->sites : nullptr;
+  for (int lane = pack->count++; lane < (full ? lane_count : pack->count);
+       ++lane) {  // none behind it: out of reach
+    const auto i = static_cast<std::size_t>(lane);
+    for (std::size_t axis = 0; axis < 3; ++axis) {
+      pack->sites.at[axis][i] = record.row.at[axis];
+      pack->sites.normal[axis][i] = record.row.normal[axis];
+      pack->sites.way[axis][i] = way[static_cast<int>(axis)];
+    }
+    pack->sites.reach[i] = lane < pack->count ? record.row.reach : std::numeric_limits<double>::infinity();
+    pack->sites.row[i] = &record.row;
+  }
+  first = pack;
 }
 
 std::shared_ptr<const DeepStates> DeepStates::with(std::span<const State> states) const {
   auto more = std::make_shared<DeepStates>(*this);
-  std::vector<bool> own(near_.size());
   for (const bool at_rest : {true, false})
     for (const State& state : states)
-      if (state.at.isZero() == at_rest) more->add(state, own);
+      if (state.at.isZero() == at_rest) more->add(state);
   std::vector<double> surprises;
   for (const auto& record : more->records_)
-    if (!record->at_rest) surprises.push_back(record->surprise);
+    if (!record->at_rest()) surprises.push_back(record->surprise);
   if (surprises.empty()) return more;
   const auto at = surprises.begin() +
                   static_cast<std::ptrdiff_t>(surprise_quantile * static_cast<double>(surprises.size() - 1));
@@ -198,135 +189,79 @@ std::shared_ptr<const DeepStates> DeepStates::with(std::span<const State> states
   return more;
 }
 
-std::span<const DeepStates::Near> DeepStates::near(const SurfacePlace& place) const {
-  const auto& list = near_[static_cast<std::size_t>(place.facet)];
-  return list ? std::span<const Near>(*list) : std::span<const Near>();
-}
-
 // Of field and jets at rest.
 DeepStates::Rest DeepStates::before(const SiteModel& model, const SurfacePlace& place) const {
   double weights = options_.rest_weight;
   Rest sum;
-  const Asked asked{.model = model, .place = place, .share = field_->rest().map().barycentric(place)};
-  for (const Near& near : near(place)) {
-    Seen seen;
-    if (!near.record->at_rest || !nearby(asked, near, seen)) continue;
-    const double weight = weight_of(seen.site_q).value * seen.cut;
-    weights += weight;
-    const Series here = turned(near.record->correction.series(),
-                               least_turn(model.rest().normal, near.record->normal) * model.root());
-    const Smooth bent = SeriesForm(here).at(Vec3::Zero(), true);
-    sum.stiffness += weight * model.scale() * bent.bend;
-    sum.coefficients += weight * model.scale() * here.tail<static_cast<int>(jet_size)>();
-  }
+  const Vec3& normal = model.rest().normal;
+  const Vec3 share = field_->rest().map().barycentric(place);
+  for (const Pack* pack = near_[2 * static_cast<std::size_t>(place.facet)].get(); pack;
+       pack = pack->next.get())
+    for (int i = 0; i < pack->count; ++i) {
+      const SiteRow& row = *pack->sites.row[i];
+      const Vec3 way(pack->sites.way[0][i], pack->sites.way[1][i], pack->sites.way[2][i]);
+      const double q = ((place.at - vec(row.at)).squaredNorm() +
+                        length_ * length_ * (normal - vec(row.normal)).squaredNorm()) *
+                       row.reach;
+      if (!(q < 1)) continue;
+      const double weight = weight_of(q) * fade((share.dot(way) - far_) / far_);
+      weights += weight;
+      const Series here =
+          turned(Eigen::Map<const Series>(row.series), least_turn(normal, vec(row.normal)) * model.root());
+      sum.stiffness += weight * model.scale() * stiffness_of(here);
+      sum.coefficients += weight * model.scale() * here.tail<static_cast<int>(jet_size)>();
+    }
   return {model.rest().stiffness + sum.stiffness / weights, model.polynomial() + sum.coefficients / weights};
 }
 
-// Sets what depends on the place alone; false where it is too far away.
-bool DeepStates::nearby(const Asked& asked, const Near& near, Seen& seen) const {
-  const Record& record = *near.record;
-  const Vec3& normal = asked.model.rest().normal;
-  seen.away = asked.place.at - record.place.at;
-  seen.site_q =
-      (seen.away.squaredNorm() + length_ * length_ * (normal - record.normal).squaredNorm()) / record.square;
-  if (!(seen.site_q < 1)) return false;
-  const double late = (asked.share.dot(near.way) - far_) / far_;
-  seen.cut = fade(late);
-  if (!(seen.cut > 0)) return false;
-  if (late > 0)
-    seen.cut_by =
-        fade_slope(late) / far_ *
-        (near.way[0] * asked.share_by[0] + near.way[1] * asked.share_by[1] + near.way[2] * asked.share_by[2]);
-  return true;
-}
-
-bool DeepStates::see(const Asked& asked, const Near& near, Seen& seen) const {
-  if (!nearby(asked, near, seen)) return false;
-  const Record& record = *near.record;
-  const Vec3& normal = asked.model.rest().normal;
-  seen.turn = LeastTurn(normal, record.normal);
-  const Vec3 z = seen.turn.of(asked.u), d = z - record.z, bent = record.metric * d;
-  const double q = seen.site_q + record.near * d.dot(bent);
-  if (!(q < 1)) return false;
-  const Weight core = weight_of(q);
-  const Vec3 by_z = 2 * record.near * bent;  // of q
-  Smooth at_z = record.correction.at(d, asked.bend);
-  if (!record.at_rest)
-    at_z = times(growth(z, record.metric, record.x.squaredNorm(), asked.bend), at_z, asked.bend);
-  const Vec3 q_slope = seen.turn.back(by_z);
-  seen.weight.value = seen.cut * core.value, seen.weight.slope = seen.cut * core.slope * q_slope;
-  seen.correction.value = at_z.value, seen.correction.slope = seen.turn.back(at_z.slope);
-  if (asked.bend) {
-    const Mat3 turn = least_turn(normal, record.normal);
-    seen.weight.bend = seen.cut * (core.bend * q_slope * q_slope.transpose() +
-                                   2 * record.near * core.slope * turn.transpose() * record.metric * turn);
-    seen.correction.bend = turn.transpose() * at_z.bend * turn;
-  }
-  if (!asked.model.has_slopes()) return true;
-  const double by_q = seen.cut * core.slope;
-  seen.weight_by = 2 * by_q / record.square * seen.away + core.value * seen.cut_by;
-  seen.weight_by_normal = 2 * by_q * length_ * length_ / record.square * (normal - record.normal);
-  if (!record.at_rest) seen.weight_by_normal += by_q * seen.turn.by_normal(by_z, asked.u);
-  seen.correction_by_normal = seen.turn.by_normal(at_z.slope, asked.u);
-  return true;
-}
-
-std::array<DeepStates::Sums, 2> DeepStates::sums(const SiteModel& model, const SurfacePlace& place,
-                                                 const Vec3& x, bool bend) const {
+// Of jets at rest and of states.
+std::array<SiteSums, 2> DeepStates::sums(const SiteModel& model, const SurfacePlace& place, const Vec3& x,
+                                         bool bend) const {
   const SurfaceMap& map = field_->rest().map();
-  Asked asked{
-      .model = model, .place = place, .u = model.root() * x, .bend = bend, .share = map.barycentric(place)};
-  if (model.has_slopes()) asked.share_by = barycentric_slopes(map, place.facet);
-  std::array<Sums, 2> both;
+  SiteQuestion asked;
+  put(place.at, asked.at), put(model.rest().normal, asked.normal), put(model.root() * x, asked.u);
+  put(map.barycentric(place), asked.share);
+  const std::array<Vec3, 3> share_by = barycentric_slopes(map, place.facet);
+  for (std::size_t i = 0; i < 3; ++i) put(share_by[i], asked.share_by + 3 * i);
+  std::copy_n(model.root().data(), 9, asked.root);  // symmetric
+  asked.square = length_ * length_, asked.far = far_;
+  std::array<SiteSums, 2> both;
   both[0].weights.value = options_.rest_weight, both[1].weights.value = options_.field_weight;
-  for (const Near& near : near(place)) {
-    Seen seen;
-    if (!see(asked, near, seen)) continue;
-    Sums& all = both[near.record->at_rest ? 0 : 1];
-    const Smooth value = times(seen.weight, seen.correction, bend);
-    all.weights.value += seen.weight.value, all.weights.slope += seen.weight.slope;
-    all.values.value += value.value, all.values.slope += value.slope;
-    if (bend) all.weights.bend += seen.weight.bend, all.values.bend += value.bend;
-    const Vec3 force = model.scale() * (model.root() * seen.correction.slope);
-    all.mean -= seen.weight.value * force;
-    all.square += seen.weight.value * force.squaredNorm();
-    if (!model.has_slopes()) continue;
-    all.weights_by += seen.weight_by, all.weights_by_normal += seen.weight_by_normal;
-    all.values_by += seen.correction.value * seen.weight_by;
-    all.values_by_normal +=
-        seen.weight.value * seen.correction_by_normal + seen.correction.value * seen.weight_by_normal;
-  }
+  const SiteKernels& kernels = site_kernels();
+  for (std::size_t i = 0; i < 2; ++i)
+    if (const Pack* first = near_[2 * static_cast<std::size_t>(place.facet) + i].get())
+      (bend ? kernels.bends : kernels.slopes)(&first->sites, asked, both[i]);
   return both;
 }
 
 SiteTerms DeepStates::at(const SiteModel& model, const SurfacePlace& place, const Vec3& x, bool stiff) const {
   SiteTerms terms = model.at(x);
-  for (const Sums& all : sums(model, place, x, stiff)) {
-    const double weight = all.weights.value, mean = all.values.value / weight, scale = model.scale();
-    const Vec3 slope = (all.values.slope - mean * all.weights.slope) / weight;
-    terms.energy += scale * mean;
-    terms.force -= scale * (model.root() * slope);
+  for (const SiteSums& all : sums(model, place, x, stiff)) {
+    const double weight = all.weights.value, mean = all.values.value / weight, share = model.scale() / weight;
+    const Vec3 weights_u = vec(all.weights.by_u), slope = share * (vec(all.values.by_u) - mean * weights_u);
+    terms.energy += model.scale() * mean;
+    terms.force -= model.root() * slope;
     if (stiff) {
-      const Mat3 mixed = slope * all.weights.slope.transpose();
-      terms.stiffness += scale / weight * model.root() *
-                         (all.values.bend - mixed - mixed.transpose() - mean * all.weights.bend) *
-                         model.root();
+      const Mat3 mixed = slope * weights_u.transpose() / weight,
+                 bend = share * (bend_of(all.values.bend) - mean * bend_of(all.weights.bend));
+      terms.stiffness += model.root() * (bend - mixed - mixed.transpose()) * model.root();
     }
     if (!model.has_slopes()) continue;
-    terms.by_site += scale / weight * (all.values_by - mean * all.weights_by) + mean * model.scale_by() +
-                     scale / weight * model.rest().normal_by.transpose() *
-                         (all.values_by_normal - mean * all.weights_by_normal);
+    terms.by_site += share * (vec(all.values.by_site) - mean * vec(all.weights.by_site)) +
+                     mean * model.scale_by() +
+                     share * model.rest().normal_by.transpose() *
+                         (vec(all.values.by_normal) - mean * vec(all.weights.by_normal));
     for (int i = 0; i < 3; ++i)
-      terms.by_site[i] += scale * slope.dot(model.root_by()[static_cast<std::size_t>(i)] * x);
+      terms.by_site[i] += slope.dot(model.root_by()[static_cast<std::size_t>(i)] * x);
   }
   return terms;
 }
 
 double DeepStates::estimated_error(const SiteModel& model, const SurfacePlace& place, const Vec3& x) const {
   const auto [jets, states] = sums(model, place, x, false);
-  const double weight = states.weights.value;
-  const Vec3 mean = states.mean / weight;
-  const double spread = std::max(0.0, states.square / weight - mean.squaredNorm());
+  const double weight = states.weights.value, scale = model.scale();
+  const Vec3 mean = scale / weight * (model.root() * vec(states.slope));
+  const double spread = std::max(0.0, scale * scale * states.square / weight - mean.squaredNorm());
   const double alone = options_.field_weight / weight * usual_surprise_ * model.estimate(x);
   const double between = options_.rest_weight / jets.weights.value * model.spread(x);
   return std::sqrt(spread + alone * alone + between * between);

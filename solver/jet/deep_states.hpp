@@ -22,7 +22,8 @@
 // difference.
 //
 // A loop asks several times a frame: each facet has a list of the states that reach it, and their polynomials are kept
-// in z = Q_k B(s) x, so that a state costs a turn of one vector and a polynomial with its gradient.
+// in z = Q_k B(s) x, eight
+// side by side (solver/kernels/site_sums.hpp).
 
 #include <array>
 #include <memory>
@@ -37,6 +38,7 @@
 namespace forefeel {
 
 class FieldPatches;
+struct SiteSums;
 
 struct DeepOptions {
   double site_reach = 1;    // reach_s over the pad's radius
@@ -80,26 +82,18 @@ class DeepStates {
 
  private:
   struct Record;
-  struct Near {  // of a facet
-    const Record* record = nullptr;
-    Vec3 way = Vec3::Zero();  // over the surface to the facet's corners [m]
-  };
-  struct Asked;
-  struct Sums;
-  struct Seen;
+  struct Pack;
   std::shared_ptr<const Record> record_of(const State& state) const;
-  // own: the facets whose lists are this set's alone.
-  void add(const State& state, std::vector<bool>& own);
-  std::span<const Near> near(const SurfacePlace& place) const;
+  void add(const State& state);
+  // Puts a state first in a facet's list. way: over the surface to the facet's corners [m].
+  static void list(const Record& record, const Vec3& way, std::shared_ptr<const Pack>& first);
   struct Rest {  // degrees 2 to 5 at a place, for any x
     Mat3 stiffness = Mat3::Zero();
     JetCoefficients coefficients = JetCoefficients::Zero();
   };
   Rest before(const SiteModel& model, const SurfacePlace& place) const;
-  bool nearby(const Asked& asked, const Near& near, Seen& seen) const;
-  bool see(const Asked& asked, const Near& near, Seen& seen) const;
-  // Of jets at rest and of states.
-  std::array<Sums, 2> sums(const SiteModel& model, const SurfacePlace& place, const Vec3& x, bool bend) const;
+  std::array<SiteSums, 2> sums(const SiteModel& model, const SurfacePlace& place, const Vec3& x,
+                               bool bend) const;
 
   std::shared_ptr<const SiteField> field_;
   std::shared_ptr<const FieldPatches> patches_;
@@ -109,7 +103,8 @@ class DeepStates {
   double far_ = 0;                                  // along the surface, from where on a state fades [m]
   double usual_surprise_ = 1;
   std::vector<std::shared_ptr<const Record>> records_;
-  std::vector<std::shared_ptr<std::vector<Near>>> near_;  // by facet; null: no state reaches it
+  // Of each facet what reaches it: of 2 f the jets at rest, of 2 f + 1 the states; null: none.
+  std::vector<std::shared_ptr<const Pack>> near_;
 };
 
 }  // namespace forefeel

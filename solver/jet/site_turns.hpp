@@ -28,30 +28,6 @@ inline Mat3 least_turn_by(const Vec3& n, const Vec3& m, const Vec3& dn) {
   return dv + (dv * v + v * dv) / c - v * v * (dn.dot(m) / (c * c));
 }
 
-// The same turn of single vectors, without its matrix.
-class LeastTurn {
- public:
-  LeastTurn() = default;
-  LeastTurn(const Vec3& n, const Vec3& m) : m_(m), v_(n.cross(m)), over_(1 / (1 + n.dot(m))) {}
-  Vec3 of(const Vec3& u) const {  // Q u
-    const Vec3 once = v_.cross(u);
-    return u + once + over_ * v_.cross(once);
-  }
-  Vec3 back(const Vec3& p) const {  // Q^T p
-    const Vec3 once = v_.cross(p);
-    return p - once + over_ * v_.cross(once);
-  }
-  Vec3 by_normal(const Vec3& p, const Vec3& u) const {  // d(p . Q u)/dn
-    const Vec3 once = v_.cross(u);
-    const Vec3 by_v = u.cross(p) + over_ * (once.cross(p) + u.cross(p.cross(v_)));
-    return m_.cross(by_v) - over_ * over_ * p.dot(v_.cross(once)) * m_;
-  }
-
- private:
-  Vec3 m_ = Vec3::Zero(), v_ = Vec3::Zero();
-  double over_ = 0;
-};
-
 // 1 to 0 over [0, 1], with a continuous second derivative.
 inline double fade(double t) {
   t = std::clamp(t, 0.0, 1.0);

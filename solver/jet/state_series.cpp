@@ -20,19 +20,6 @@ void for_each_power(const Visit& visit) {
       for (int b = degree - a; b >= 0; --b) visit(a, b, degree - a - b);
 }
 
-// Of degree n: x times all of degree n - 1, then y times its last n, which have no x, then z times its last.
-Series monomials(const Vec3& d) {
-  Series m;
-  m[0] = 1;
-  for (int n = 1; n <= 5; ++n) {
-    const int count = n * (n + 1) / 2, before = start_of(n - 1), at = start_of(n);
-    for (int i = 0; i < count; ++i) m[at + i] = d[0] * m[before + i];
-    for (int i = 0; i < n; ++i) m[at + count + i] = d[1] * m[at - n + i];
-    m[at + count + n] = d[2] * m[at - 1];
-  }
-  return m;
-}
-
 }  // namespace
 
 Series product(const Series& p, const Series& q) {
@@ -69,9 +56,7 @@ Series moved(const Series& p, const Vec3& x) {
 }
 
 Series turned(const Series& p, const Mat3& t) {
-  Mat3 k;
-  k << 2 * p[4], p[5], p[6], p[5], 2 * p[7], p[8], p[6], p[8], 2 * p[9];
-  return series_of(p[0], -t.transpose() * p.segment<3>(1), t.transpose() * k * t,
+  return series_of(p[0], -t.transpose() * p.segment<3>(1), t.transpose() * stiffness_of(p) * t,
                    substituted(p.tail<static_cast<int>(jet_size)>(), t));
 }
 
@@ -91,32 +76,10 @@ Series cut_after(const Series& p, int degree) {
   return cut;
 }
 
-Smooth times(const Smooth& a, const Smooth& b, bool bend) {
-  Smooth both{a.value * b.value, a.value * b.slope + b.value * a.slope};
-  if (!bend) return both;
-  const Mat3 mixed = a.slope * b.slope.transpose();
-  both.bend = a.value * b.bend + b.value * a.bend + mixed + mixed.transpose();
-  return both;
-}
-
-SeriesForm::SeriesForm(const Series& p) : p_(p) {
-  rows_.row(0) = p.head<low>();
-  for_each_power([&](int a, int b, int c) {
-    const double value = p[place_of(a, b, c)];
-    if (a > 0) rows_(1, place_of(a - 1, b, c)) += a * value;
-    if (b > 0) rows_(2, place_of(a, b - 1, c)) += b * value;
-    if (c > 0) rows_(3, place_of(a, b, c - 1)) += c * value;
-  });
-}
-
-Smooth SeriesForm::at(const Vec3& d, bool bend) const {
-  const Series m = monomials(d);
-  const Eigen::Vector4d sum = rows_ * m.head<low>();
-  Smooth at{sum[0] + p_.tail<series_size - low>().dot(m.tail<series_size - low>()), sum.tail<3>()};
-  if (!bend) return at;
-  at.bend << 2 * p_[4], p_[5], p_[6], p_[5], 2 * p_[7], p_[8], p_[6], p_[8], 2 * p_[9];
-  at.bend += jet_sum(p_.tail<static_cast<int>(jet_size)>(), jet_monomials(d)).hessian;
-  return at;
+Mat3 stiffness_of(const Series& p) {
+  Mat3 k;
+  k << 2 * p[4], p[5], p[6], p[5], 2 * p[7], p[8], p[6], p[8], 2 * p[9];
+  return k;
 }
 
 }  // namespace forefeel

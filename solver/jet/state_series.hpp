@@ -19,27 +19,6 @@ Series moved(const Series& p, const Vec3& x);      // p(x + d) as a polynomial i
 Series turned(const Series& p, const Mat3& t);     // p(T d)
 Series inverse_growth(const Vec3& x);              // (|x| / |x + d|)^6
 Series cut_after(const Series& p, int degree);     // the degrees above are zero
-
-// A value that depends on three variables, with its derivatives by them; bend is zero if it was not asked for.
-struct Smooth {
-  double value = 0;
-  Vec3 slope = Vec3::Zero();
-  Mat3 bend = Mat3::Zero();
-};
-Smooth times(const Smooth& a, const Smooth& b, bool bend);
-
-// A polynomial that is asked for often.
-class SeriesForm {
- public:
-  SeriesForm() = default;
-  explicit SeriesForm(const Series& p);
-  Smooth at(const Vec3& d, bool bend) const;
-  const Series& series() const { return p_; }
-
- private:
-  static constexpr int low = 35;  // terms to degree 4, that gradients consist of
-  Series p_ = Series::Zero();
-  Eigen::Matrix<double, 4, low> rows_ = Eigen::Matrix<double, 4, low>::Zero();  // of p and its gradient
-};
+Mat3 stiffness_of(const Series& p);                // its second derivatives at 0
 
 }  // namespace forefeel
