@@ -7,7 +7,7 @@
 namespace forefeel {
 namespace {
 
-constexpr double settled = 2e-4;   // of mu f . n, or of |f| where the force pulls
+constexpr double settled = 5e-4;   // of mu f . n, or of |f| where the force pulls
 constexpr double shortest = 1e-9;  // step [m]
 constexpr double longest = 2e-3;   // step [m]; a longer way has several
 constexpr int most_steps = 200, most_halvings = 60;
