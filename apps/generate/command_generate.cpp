@@ -24,8 +24,10 @@
 #include "apps/generate/generate_memory.hpp"
 #include "apps/generate/generate_sites.hpp"
 #include "apps/generate/kept_states.hpp"
+#include "apps/generate/site_ranks.hpp"
 #include "apps/scene/mpi_run.hpp"
 #include "apps/scene/scene_anywhere.hpp"
+#include "apps/scene/scene_field.hpp"
 #include "geometry/common/error.hpp"
 #include "geometry/common/memory.hpp"
 #include "geometry/common/output_file.hpp"
@@ -246,11 +248,12 @@ bool is_gone(const Globals& globals, const std::string& output) {
 int run_generate(const Globals& globals, const GenerateArguments& arguments, RankPool* ranks) {
   const Scene scene = checked_scene(globals, arguments);
   end_if_interrupted("anything was solved");
-  if (is_anywhere(scene)) {
-    if (ranks)
-      throw InputError("--mpi", "is for a contact with one place, expected threads with contact.anywhere");
-    return generate_sites(globals, scene, {arguments.output, arguments.where, arguments.error});
-  }
+  if (is_anywhere(scene))
+    return generate_sites(globals, scene, {arguments.output, arguments.where, arguments.error}, ranks);
+  if (ranks && arguments.error)
+    throw InputError(
+        "--mpi",
+        "has no use with --error, where each state is placed by those before it; expected one of the two");
   StateFile file = StateFile::open_or_create(arguments.output, header_of(scene));
   const bool held =
       !scene.spacing.chosen || scene.spacing.chosen->holds;  // otherwise the scene has a warning
@@ -285,11 +288,7 @@ int run_generate(const Globals& globals, const GenerateArguments& arguments, Ran
 }
 
 // Only rank 0 checks, so that there is a single error line.
-void check_mpi(const Globals& globals, const GenerateArguments& arguments) {
-  if (arguments.error)
-    throw InputError(
-        "--mpi",
-        "has no use with --error, where each state is placed by those before it; expected one of the two");
+void check_mpi(const Globals& globals) {
   if (globals.threads > 1)
     throw InputError("--threads",
                      fmt::format("is {}, but with --mpi each rank solves with one thread, expected more "
@@ -299,11 +298,14 @@ void check_mpi(const Globals& globals, const GenerateArguments& arguments) {
 
 int run_with_mpi(const Globals& globals, const GenerateArguments& arguments) {
   const auto lead = [&](RankPool& ranks) {
-    check_mpi(globals, arguments);
+    check_mpi(globals);
     return run_generate(globals, arguments, &ranks);
   };
   const auto load = [&](const RankContext& rank) {
-    const Scene scene = load_scene(arguments.scene, globals.set, nullptr, {.spacing = false});
+    const Scene scene = load_scene_with_sites(arguments.scene, globals.set, {.spacing = false});
+    if (is_anywhere(scene))
+      return LoadedWorker{.worker = make_site_worker(rest_sites_of(scene), received_spacing(scene, rank)),
+                          .identity = rank_identity(scene.source.hash)};
     LatticeOptions options = options_of(scene);
     options.spacing = received_spacing(scene, rank);
     return LoadedWorker{.worker = make_lattice_worker(scene.body, options, rank.ended),

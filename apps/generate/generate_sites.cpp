@@ -17,7 +17,9 @@
 #include "apps/console/provenance.hpp"
 #include "apps/generate/generate_deep.hpp"
 #include "apps/generate/kept_states.hpp"
+#include "apps/generate/site_ranks.hpp"
 #include "apps/scene/field_check.hpp"
+#include "apps/scene/mpi_run.hpp"
 #include "apps/scene/scene_anywhere.hpp"
 #include "apps/scene/scene_field.hpp"
 #include "apps/scene/scene_fine.hpp"
@@ -35,7 +37,8 @@ struct SitesResult {
   bool kept = false, interrupted = false;
   FieldErrors error;  // of places whose pad is free of the clamp, and that are not through the body
   FieldErrors all;
-  DeepRounds deep;  // with --error
+  DeepRounds deep;                       // with --error
+  std::optional<FarmReport> ranks = {};  // with --mpi
 };
 
 const JsonKeys<SitesResult>& sites_keys() {
@@ -68,6 +71,10 @@ const JsonKeys<SitesResult>& sites_keys() {
        [](const S& s) { return s.deep.error.p50; }},
       {"error_with_states.p95", "1", "95th percentile of that", [](const S& s) { return s.deep.error.p95; }},
       {"error_with_states.max", "1", "largest of that", [](const S& s) { return s.deep.error.max; }},
+      {"ranks.solving", "", "with --mpi: ranks that solved",
+       [](const S& s) { return s.ranks ? std::optional(s.ranks->ranks) : std::nullopt; }},
+      {"ranks.lost", "", "with --mpi: ranks that answered no more",
+       [](const S& s) { return s.ranks ? std::optional(s.ranks->lost) : std::nullopt; }},
       {"interrupted", "", "true: some places are not solved; the same command resumes", &S::interrupted}};
   return keys;
 }
@@ -106,12 +113,15 @@ class SitesFile {
     for (const SitedPlace& place : places)
       if (!where_.contains(key(place.site.at, place.x))) missing.push_back(place);
     const auto take = [&](State state, std::size_t) {
-      if (watch_.raised()) stop_.request_stop();
+      look();
       (state.usable() ? result_.solved : result_.failed) += 1;
       add(std::move(state));
       progress_->show(fmt::format("{} states solved, {} failed{}", result_.solved, result_.failed, words_));
     };
-    solve_places(rest_, missing, scene_.space.spacing, threads(), take, stop_.get_token());
+    if (ranks_)
+      ranks_(missing, take);
+    else
+      solve_places(rest_, missing, scene_.space.spacing, threads(), take, stop_.get_token());
     kept_.flush();
     std::vector<State> found;
     for (const SitedPlace& place : places)
@@ -119,6 +129,12 @@ class SitesFile {
         found.push_back(known_[at->second]);
     if (found.size() < places.size() || kept_.failed()) result_.interrupted = true, stop_.request_stop();
     return found;
+  }
+
+  // From now on these solve; empty: threads.
+  void solve_by(SolvePlaces ranks) { ranks_ = std::move(ranks); }
+  void look() {
+    if (watch_.raised()) stop_.request_stop();
   }
 
   std::vector<State> jets(std::span<const SurfacePlace> places) {
@@ -162,6 +178,7 @@ class SitesFile {
   KeptStates kept_;
   SitesResult& result_;
   std::string words_;
+  SolvePlaces ranks_;
   InterruptWatch watch_;
   std::optional<Progress> progress_;
 };
@@ -237,8 +254,9 @@ DeclaredTable generate_sites_output() {
   return {"generate_sites.json", "Of generate --json, with contact.anywhere.", declared(sites_keys())};
 }
 
-int generate_sites(const Globals& globals, const Scene& scene, const GenerateSites& wanted) {
+int generate_sites(const Globals& globals, const Scene& scene, const GenerateSites& wanted, RankPool* ranks) {
   const auto start = std::chrono::steady_clock::now();
+  if (ranks) ranks->begin(rank_identity(scene.source.hash), pack_spacing(scene.space.spacing));
   const Body& answered = scene.touch.anywhere->fine ? scene.touch.anywhere->fine->first : *scene.body;
   const SurfacePart part = surface_part(wanted.where, answered, "--where");
   const FieldFound found = find_field(scene, globals);
@@ -256,10 +274,27 @@ int generate_sites(const Globals& globals, const Scene& scene, const GenerateSit
                  result);
   if (std::ranges::none_of(file.known(), [](const State& s) { return s.has_site() && s.at.isZero(); }))
     for (State& state : rest_states(*field)) file.add(std::move(state));
-  if (wanted.error)
-    result.deep = refine(scene, wanted, part, field, file);
+  const auto work = [&] {
+    if (wanted.error)
+      result.deep = refine(scene, wanted, part, field, file);
+    else
+      file.solve(places);
+  };
+  if (ranks)
+    result.ranks = with_ranks(*ranks, field->rest_shared(), scene.space.spacing,
+                              {.stop = file.stop(),
+                               .tick = [&] { file.look(); },
+                               .note =
+                                   [&](const std::string& line) {
+                                     warn(globals, line);
+                                     flush_warnings();
+                                   }},
+                              [&](const SolvePlaces& solve) {
+                                file.solve_by(solve);
+                                work();
+                              });
   else
-    file.solve(places);
+    work();
   file.end();
   measure(scene, *field, file.known(), result);
   result.seconds = seconds_since(start);

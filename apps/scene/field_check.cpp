@@ -104,16 +104,21 @@ FieldForce field_force(const DeepStates& states, const SiteModel& model, const S
   return {states.at(model, place, x).force, states.estimated_error(model, place, x)};
 }
 
+State solve_place(const RestSites& sites, const SitedPlace& place, double step) {
+  Body there = sites.body();
+  there.fine.reset();
+  there.pad->site = place.site.at;
+  State state = Solver(std::move(there)).reference(place.x, step, {.jet = most_jet_order}).state;
+  state.site = place.site.at;
+  return state;
+}
+
 void solve_places(const RestSites& sites, std::span<const SitedPlace> places, double step, int threads,
                   const std::function<void(State, std::size_t)>& done, const std::stop_token& stop) {
 #pragma omp parallel for schedule(dynamic) num_threads(threads)
   for (std::size_t i = 0; i < places.size(); ++i) {
     if (stop.stop_requested()) continue;
-    Body there = sites.body();
-    there.fine.reset();
-    there.pad->site = places[i].site.at;
-    State state = Solver(std::move(there)).reference(places[i].x, step, {.jet = most_jet_order}).state;
-    state.site = places[i].site.at;
+    State state = solve_place(sites, places[i], step);
 #pragma omp critical
     done(std::move(state), i);
   }

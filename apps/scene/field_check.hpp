@@ -49,7 +49,9 @@ struct FieldForce {
 FieldForce field_force(const DeepStates& states, const SiteModel& model, const SurfacePlace& place,
                        const Vec3& x);
 
-// Tight solves with jets of order 4; converged or not, with their sites. done(state, place number) is called by one
+// A tight solve with a jet of order 4, converged or not, with its site. step [m]: of the way from rest.
+State solve_place(const RestSites& sites, const SitedPlace& place, double step);
+// Several. done(state, place number) is called by one
 // thread at a time.
 void solve_places(const RestSites& sites, std::span<const SitedPlace> places, double step, int threads,
                   const std::function<void(State, std::size_t)>& done, const std::stop_token& stop);

@@ -119,7 +119,7 @@ class Farm {
     auto ticked = std::chrono::steady_clock::now();
     give_out();
     while (!work_.finished() && !options_.stop.stop_requested()) {
-      const bool news = look();
+      const bool arrived = look(), news = work_.grew() || arrived;
       tell_notes();
       if (news) give_out();
       const auto now = std::chrono::steady_clock::now();

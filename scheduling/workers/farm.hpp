@@ -28,6 +28,8 @@ class FarmWork {
   virtual void again(std::uint64_t id) = 0;  // it was not done: next() must offer it again
   virtual void lost(int /*worker*/) {}       // that process is gone, with all data that it was sent
   virtual bool finished() const = 0;
+  // True once after another thread has added pieces; else next() is only asked after a result or another event.
+  virtual bool grew() { return false; }
 
   // Questions of the workers (RankContext::ask), and the answers found since the last call.
   struct Answer {

@@ -205,6 +205,26 @@ TEST_CASE("a session whose worker rank is killed goes on with the other, where M
   CHECK(summary["interrupted"] == false);
 }
 
+TEST_CASE("generate anywhere by two ranks gives the states of threads, also in rounds") {
+  const Workshop shop;
+  if (const std::string why = reason_to_skip(shop); !why.empty()) return forefeel::test::skip(why);
+  shop.write("any.toml",
+             "[body]\nphantom = \"beam\"\nelements = 240\n[material]\nlaw = \"neo-hookean\"\nyoung = 5000.0\n"
+             "poisson = 0.3\n[contact]\nanywhere = true\npad = 400.0\nradius = 0.012\nsite_spacing = 0.02\n"
+             "[state_space]\ndepth = 0.006\n");
+  for (const std::string& error : {std::string(), std::string(" --error 0.02")}) {
+    shop.shell("rm -f threads.states ranks.states");
+    const auto alone = shop.forefeel("generate any.toml -o threads.states --json --quiet" + error);
+    const auto both = ranks(shop, 2, "generate any.toml --mpi -o ranks.states --json --quiet" + error);
+    INFO(error << both.err);
+    REQUIRE(both.code == alone.code);
+    CHECK(both.json()["ranks"]["solving"] == 2);
+    CHECK(both.json()["solved"] == alone.json()["solved"]);
+    CHECK(both.json()["rounds"] == alone.json()["rounds"]);
+    CHECK(states_of(shop, "ranks.states") == states_of(shop, "threads.states"));
+  }
+}
+
 TEST_CASE("a session that touches anywhere has its workers in other processes") {
   const Workshop shop;
   if (const std::string why = reason_to_skip(shop); !why.empty()) return forefeel::test::skip(why);
