@@ -146,7 +146,10 @@ void add_import(CommandLine& line) {
       line.add("import", "Convert states from a CSV, measured or from elsewhere, into a state file");
   sub.reads_no_scene();
   sub.runs([arguments](const Globals& globals) { return run_import(globals, *arguments); });
-  sub.option("CSV", arguments->input, "Columns x,y,z,fx,fy,fz[,k11,…,k33][,h]").required().shows("F.csv");
+  sub.option("CSV", arguments->input,
+             "Columns x,y,z,fx,fy,fz[,k11,…,k33][,h][,sx,sy,sz], the last three the site of each state")
+      .required()
+      .shows("F.csv");
   sub.option("-o,--output", arguments->output, "State file to write").required().shows("S.states");
   sub.option("--spacing", arguments->spacing, "Spacing h that counts as fully populated [m]")
       .required()

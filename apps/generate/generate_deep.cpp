@@ -1,17 +1,18 @@
 #include "apps/generate/generate_deep.hpp"
 
 #include <algorithm>
-#include <limits>
+
+#include "geometry/common/quantiles.hpp"
 
 namespace forefeel {
 namespace {
 
-constexpr std::size_t checked = 100;           // fresh places of a round;
-constexpr std::size_t checked_again = 400;     // these and more, where they are within the error
-constexpr std::size_t looked_at = 1000;        // places of a round among which the worst are found
-constexpr std::size_t states_a_round = 50;     // beside the checked ones
-constexpr double sites_a_round = 0.25;         // of the field's
-constexpr int most_rounds = 60, patience = 5;  // rounds without a better p95
+constexpr std::size_t checked = 100;        // fresh places of a round;
+constexpr std::size_t checked_again = 400;  // these and more, where they are within the error: they decide
+constexpr std::size_t looked_at = 1000;     // places of a round among which the worst are found
+constexpr std::size_t states_a_round = 50;  // beside the checked ones
+constexpr double sites_a_round = 0.25;      // of the field's
+constexpr int most_rounds = 200, patience = 10;  // rounds over which p95 must have become better
 constexpr unsigned first_seed = 7, others = 1000;
 
 std::vector<SurfacePlace> sites_of(std::span<const SitedPlace> places) {
@@ -27,12 +28,19 @@ std::vector<State> counting(const std::vector<SitedPlace>& places, const std::ve
   return kept;
 }
 
+// The p95 of a hundred places scatters by a third, so the median of several rounds is compared with that of those before.
+bool helps_no_longer(const std::vector<double>& p95) {
+  constexpr double less = 0.95;
+  if (static_cast<int>(p95.size()) < 2 * patience) return false;
+  const auto end = p95.end(), middle = end - patience, start = middle - patience;
+  return median({middle, end}) > less * median({start, middle});
+}
+
 }  // namespace
 
 DeepRounds refine_to(const DeepWork& work) {
   DeepRounds result{.known = std::make_shared<const DeepStates>(work.field), .error = {}};
-  double best = std::numeric_limits<double>::infinity();
-  int since = 0;
+  std::vector<double> p95;  // at the first fresh places of each round
   for (int round = 0;; ++round) {
     const auto seed = static_cast<unsigned>(round);
     std::vector<SitedPlace> fresh;
@@ -44,12 +52,12 @@ DeepRounds refine_to(const DeepWork& work) {
       measured = counting(fresh, solved);
       result.error = field_errors(*result.known, measured, work.floor);
       work.tell(round, result.error.p95);
+      if (count == checked) p95.push_back(result.error.p95);
       if (!(result.error.p95 <= work.error)) break;
     }
-    if (result.error.p95 <= work.error || result.error.states == 0 || round == most_rounds) return result;
-    since = result.error.p95 < 0.95 * best ? 0 : since + 1;
-    best = std::min(best, result.error.p95);
-    if (since > patience) return result;
+    if (result.error.states == 0 || round == most_rounds) return result;
+    if (fresh.size() > checked && result.error.surely_within(work.error)) return result;
+    if (helps_no_longer(p95)) return result;
 
     ++result.rounds;
     std::vector<SitedPlace> candidates = work.places(looked_at, others + seed);

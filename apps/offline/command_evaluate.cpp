@@ -166,6 +166,10 @@ struct KnownStates {
 KnownStates read_known(const Globals& globals, const EvaluateArguments& arguments) {
   LoadedStates loaded = load_states(arguments.states);
   if (loaded.damaged > 0) warn(globals, damage_in_words(arguments.states, loaded.damaged));
+  if (std::ranges::any_of(loaded.states, &State::has_site))
+    throw InputError(arguments.points, fmt::format("has no columns sx,sy,sz, expected them: the states of {} "
+                                                   "touch at sites of the surface",
+                                                   arguments.states));
   if (std::ranges::none_of(loaded.states, &State::usable))
     throw InputError(arguments.states, "holds no solved state, expected at least one");
   if (loaded.header.identity.empty())
@@ -295,8 +299,32 @@ void tell(const Globals& globals, const EvaluateResult& evaluated, bool with_for
   if (evaluated.mesh && !mesh_first) answer(globals, discretisation_line(*evaluated.mesh, shown));
 }
 
+// The field of the scene and its jets answer at sites; no model is chosen.
+void check_no_model(const EvaluateArguments& arguments) {
+  const ModelArguments& model = arguments.model;
+  const std::pair<const char*, bool> given[]{{"--method", model.method.has_value()},
+                                             {"--kernel", model.kernel.has_value()},
+                                             {"--data", model.data.has_value()},
+                                             {"--neighbours", model.neighbours.has_value()},
+                                             {"--select", model.select.has_value()},
+                                             {"--ridge", model.ridge.has_value()},
+                                             {"--spacing", arguments.spacing.has_value()},
+                                             {"--noise", arguments.noise.force.has_value()},
+                                             {"--position-noise", arguments.noise.position.has_value()},
+                                             {"--no-bars", arguments.no_bars},
+                                             {"--foreign", arguments.foreign}};
+  for (const auto& [option, is_given] : given)
+    if (is_given)
+      throw InputError(option,
+                       fmt::format("is not for points with sites ({}), where the scene's field at rest "
+                                   "answers; expected it left out",
+                                   arguments.points));
+}
+
 int run_evaluate(const Globals& globals, const EvaluateArguments& arguments) {
-  if (has_site_columns(arguments.points))
+  const bool sites = has_site_columns(arguments.points);
+  if (sites) check_no_model(arguments);
+  if (sites)
     return evaluate_sites(globals, {arguments.states, arguments.points, arguments.scene, arguments.output});
   warn_of_unused(globals, arguments.model);
   if (!globals.set.empty() && arguments.scene.empty())

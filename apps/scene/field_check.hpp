@@ -64,6 +64,9 @@ std::vector<State> jets_at(const RestSites& sites, std::span<const SurfacePlace>
 struct FieldErrors {
   double p50 = unknown, p95 = unknown, max = unknown;
   std::size_t states = 0;
+  std::vector<double> sorted = {};
+  // p95 of all such states is within `error` by as much as a standard error of this sample.
+  bool surely_within(double error) const;
 };
 FieldErrors field_errors(const SiteField& field, std::span<const State> states, double floor);
 FieldErrors field_errors(const DeepStates& known, std::span<const State> states, double floor);

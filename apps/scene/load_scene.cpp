@@ -119,6 +119,8 @@ void read_state_space(const SceneTable& table, const TetMesh& mesh, bool default
   else
     scene.space.spacing =
         table.number("spacing", {0, 1e300, true, false, "a number above 0 [m], or \"auto\""}).value_or(0.006);
+  if (anywhere && anywhere->depth > longest_side(mesh))
+    throw table.wrong("depth", fmt::format("at most {:.3g} m, the body's longest side", longest_side(mesh)));
   if (anywhere)  // the cube that holds every displacement of a touch of this depth, in the frame of any site
     scene.space.box = {Vec3::Constant(-anywhere->depth), Vec3::Constant(anywhere->depth)};
   else

@@ -232,7 +232,7 @@ std::vector<DeclaredTable> touch_outputs() {
   std::vector<DeclaredTable> tables = declared_touch_files();
   std::vector<Declared> rows = declared(touch_summary_keys());
   rows.push_back({"provenance.KEY", "", "", "program, machine and inputs"});
-  tables.push_back({"touch/summary.json", "Of a session with contact.anywhere.", std::move(rows)});
+  tables.push_back({"summary.json, anywhere", "Of a session with contact.anywhere.", std::move(rows)});
   return tables;
 }
 

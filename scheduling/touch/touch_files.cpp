@@ -98,9 +98,9 @@ void write_touch_files(const std::filesystem::path& folder, const TouchSessionRe
 }
 
 std::vector<DeclaredTable> declared_touch_files() {
-  return {{"touch/frames.csv", "With contact.anywhere: one row a frame.",
+  return {{"frames.csv, anywhere", "Of a session with contact.anywhere: one row a frame.",
            declared<TouchRow>(touch_frame_columns)},
-          {"touch/dispatch.csv", "With contact.anywhere: one row a solve.",
+          {"dispatch.csv, anywhere", "Of a session with contact.anywhere: one row a solve.",
            declared<TouchDispatch>(touch_dispatch_columns)}};
 }
 

@@ -25,6 +25,23 @@
 namespace forefeel {
 namespace {
 
+// Where the site moved far while the tip hardly did: the body snapped under it, or E has another valley beyond.
+std::string jumps_in_words(std::span<const TouchFrameRecord> frames) {
+  constexpr double far = 0.002, times = 10;  // [m], and over the way of the tip
+  std::size_t jumps = 0;
+  double farthest = 0;
+  for (std::size_t k = 1; k < frames.size(); ++k) {
+    const TouchFrameRecord &now = frames[k], &before = frames[k - 1];
+    if (now.touch == TouchKind::none || before.touch == TouchKind::none) continue;
+    const double way = (now.site.at - before.site.at).norm();
+    if (way < far + times * (now.tip - before.tip).norm()) continue;
+    ++jumps, farthest = std::max(farthest, way);
+  }
+  if (jumps == 0) return {};
+  return fmt::format("the site jumped in {} frames, by up to {:.1f} mm: the body snaps under the tip there",
+                     jumps, 1e3 * farthest);
+}
+
 using Show = std::function<void(const TouchProgress&)>;
 
 // Everything of one run but the workers.
@@ -137,6 +154,7 @@ struct Parts {
     result.frames = loop.take_log();
     if (std::ranges::none_of(result.frames, [](const auto& f) { return f.touch != TouchKind::none; }))
       result.notes.push_back("the tip never entered the body");
+    if (const std::string line = jumps_in_words(result.frames); !line.empty()) result.notes.push_back(line);
     result.dispatches = planner.dispatches();
     result.states = planner.known();
     result.models = planner.models();
