@@ -167,7 +167,7 @@ FieldErrors field_errors(const DeepStates& known, std::span<const State> states,
 bool FieldErrors::surely_within(double error) const {
   const double count = static_cast<double>(states);
   const auto above = static_cast<double>(sorted.end() - std::ranges::upper_bound(sorted, error));
-  return states > 0 && above <= 0.05 * count - std::sqrt(0.05 * 0.95 * count);
+  return states > 0 && above <= 0.05 * count - 1.64 * std::sqrt(0.05 * 0.95 * count);
 }
 
 std::shared_ptr<const DeepStates> field_with(std::shared_ptr<const SiteField> field,

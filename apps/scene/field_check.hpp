@@ -65,7 +65,7 @@ struct FieldErrors {
   double p50 = unknown, p95 = unknown, max = unknown;
   std::size_t states = 0;
   std::vector<double> sorted = {};
-  // p95 of all such states is within `error` by as much as a standard error of this sample.
+  // p95 of all such places is within `error`, with 95 % confidence.
   bool surely_within(double error) const;
 };
 FieldErrors field_errors(const SiteField& field, std::span<const State> states, double floor);

@@ -6,6 +6,7 @@
 #include "apps/console/outputs.hpp"
 #include "geometry/common/quantiles.hpp"
 #include "scheduling/touch/touch_files.hpp"
+#include "scheduling/touch/touch_judge.hpp"
 
 namespace forefeel {
 namespace {
@@ -32,6 +33,26 @@ TouchErrors errors_of(const std::vector<Frame>& frames, const SwitchOptions& jnd
   return errors;
 }
 
+TouchBars bars_of(const std::vector<Frame>& frames, const SwitchOptions& jnd, std::size_t level) {
+  TouchBars bars;
+  std::vector<double> widths;
+  std::size_t inside = 0, inside_above = 0;
+  for (const Frame& frame : frames) {
+    const double width = frame.source.bar.half_width[level];
+    if (!frame.judged.sampled || !frame.judged.reference.allFinite() || !std::isfinite(width)) continue;
+    const bool holds = (frame.force.elastic - frame.judged.reference).norm() <= width,
+               floored = width <= touch_bar_floor(frame, jnd) * (1 + 1e-12);
+    widths.push_back(width);
+    inside += holds, inside_above += holds && !floored, bars.at_floor += floored;
+  }
+  if (widths.empty()) return bars;
+  const std::size_t above = widths.size() - bars.at_floor;
+  bars.inside = static_cast<double>(inside) / static_cast<double>(widths.size());
+  if (above > 0) bars.inside_above = static_cast<double>(inside_above) / static_cast<double>(above);
+  bars.width = quantile_of(widths, 0.5);
+  return bars;
+}
+
 std::vector<double> two_quantiles(const std::vector<double>& values, double high) {
   if (values.empty()) return {};
   return {quantile_of(values, 0.5), quantile_of(values, high)};
@@ -51,7 +72,7 @@ void summarise_frames(const std::vector<Frame>& frames, const FieldPatches& patc
     if (std::isfinite(frame.timing.cost_us)) costs.push_back(frame.timing.cost_us);
     const bool touches = frame.touch != TouchKind::none, touched = before && before->touch != TouchKind::none;
     if (touches) {
-      ++touching, ++labels[frame.label], trusted += frame.source.trusted;
+      ++touching, ++labels[frame.label], trusted += frame.source.bar.trusted;
       s.touch.count += !touched;
       s.touch.stored = std::max(s.touch.stored, frame.energy);
       const double push = frame.force.undamped.dot(frame.normal), size = frame.force.undamped.norm();
@@ -106,8 +127,10 @@ TouchSummary summarise_touch(const TouchSessionResult& result, const TouchSessio
   const auto errors = [&](auto wanted) { return errors_of(result.frames, options.switching, wanted); };
   s.samples = errors([](const Frame& f) { return f.judged.sampled; });
   s.first_visit = errors([](const Frame& f) { return f.judged.first_visit; });
-  s.trusted = errors([](const Frame& f) { return f.judged.sampled && f.source.trusted; });
-  s.untrusted = errors([](const Frame& f) { return f.judged.sampled && !f.source.trusted; });
+  s.trusted = errors([](const Frame& f) { return f.judged.sampled && f.source.bar.trusted; });
+  s.untrusted = errors([](const Frame& f) { return f.judged.sampled && !f.source.bar.trusted; });
+  for (std::size_t level = 0; level < s.bars.size(); ++level)
+    s.bars[level] = bars_of(result.frames, options.switching, level);
   s.safety = result.safety;
   std::vector<Vec3> sent;
   for (std::size_t k = 0; k + result.loop.ending_frames < result.frames.size(); ++k)
@@ -125,6 +148,21 @@ JsonKeys<TouchErrors> error_keys() {
           {"p95", "1", "95th percentile", &E::p95},
           {"max", "1", "largest", &E::max},
           {"within_jnd", "1", "share of the samples whose error is below the JND", &E::within_jnd}};
+}
+
+JsonKeys<TouchBars> bar_keys() {
+  using B = TouchBars;
+  return {{"coverage", "1", "share of the samples inside the bar; null: no sample has one", &B::inside},
+          {"coverage_above", "1", "the same of samples whose bar is above its floor, a tenth of the JND",
+           &B::inside_above},
+          {"at_floor", "", "samples whose bar is at that floor", &B::at_floor},
+          {"width_p50", "N", "median half-width", &B::width}};
+}
+
+JsonKey<TouchSummary> bars_row(const std::string& name, std::size_t level) {
+  return {below(name, declared(bar_keys())), [name, level](Json& document, const TouchSummary& s) {
+            put(document, name, document_of(bar_keys(), s.bars[level]));
+          }};
 }
 
 JsonKey<TouchSummary> errors_row(const std::string& name, TouchErrors TouchSummary::*member) {
@@ -189,6 +227,9 @@ const JsonKeys<TouchSummary>& touch_summary_keys() {
       errors_row("error.first_visit", &S::first_visit),
       errors_row("error.by_trusted.1", &S::trusted),
       errors_row("error.by_trusted.0", &S::untrusted),
+      bars_row("error_bar.p90", 0),
+      bars_row("error_bar.p95", 1),
+      bars_row("error_bar.p99", 2),
       {"error.failed", "", "frames whose tight solve failed: there is no equilibrium, or none was found",
        &S::references_failed},
       {"switching.count", "", "models that the loop took", [](const S& s) { return s.switching.count; }},

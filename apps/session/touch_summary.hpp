@@ -17,6 +17,13 @@ struct TouchErrors {
   double within_jnd = unknown;  // share of the samples [1]
 };
 
+// Of the error bars of one level, at samples.
+struct TouchBars {
+  double inside = unknown, inside_above = unknown;  // share of samples; of those above the floor of the bars
+  std::size_t at_floor = 0;                         // samples
+  double width = unknown;                           // median half-width [N]
+};
+
 struct TouchSummary {
   struct Settings {
     std::string device, clock, policy, predictor;
@@ -50,6 +57,7 @@ struct TouchSummary {
   ByLabel<double> time_in;  // shares of the time in touch
   double time_trusted = unknown;
   TouchErrors samples, first_visit, trusted, untrusted;
+  std::array<TouchBars, 3> bars;  // of 90, 95 and 99 %
   std::size_t references_failed = 0;
   Switching switching;
   SafetyReport safety;

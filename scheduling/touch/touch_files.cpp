@@ -40,8 +40,15 @@ constexpr RunColumn<TouchRow> touch_frame_columns[] = {
     {"label", "", "coverage at (site, tip - site): safe, sparse, gap or blank; empty: no touch",
      [](RowText& o, const TouchRow& f) { put(o, is_touching(f) ? name(f.label) : ""); }},
     {"trusted", "", "1: the model's own estimate of its error is within state_space.tolerance; else 0",
-     [](RowText& o, const TouchRow& f) { put(o, f.source.trusted); }},
-    {"estimate", "N", "of that error", [](RowText& o, const TouchRow& f) { put(o, f.source.estimate); }},
+     [](RowText& o, const TouchRow& f) { put(o, f.source.bar.trusted); }},
+    {"estimate", "N", "of that error", [](RowText& o, const TouchRow& f) { put(o, f.source.bar.scale); }},
+    {"bar90,bar95,bar99", "N",
+     "error bar: |elastic - reference| is at most this with 90, 95, 99 %; at least a tenth of the "
+     "JND; empty: deeper than states are placed",
+     [](RowText& o, const TouchRow& f) {
+       const auto& [at_90, at_95, at_99] = f.source.bar.half_width;
+       put(o, Vec3(at_90, at_95, at_99));
+     }},
     {"model", "", "serial number of the newest model",
      [](RowText& o, const TouchRow& f) { put(o, std::int64_t{f.source.model}); }},
     {"known", "", "number of solved states in it",

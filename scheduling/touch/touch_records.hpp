@@ -25,8 +25,7 @@ struct TouchForces {
 // Where the force came from.
 struct TouchSource {
   std::uint32_t model = 0, known = 0;  // serial number; states that it holds
-  double estimate = unknown;           // of its own error [N]; judged after the run
-  bool trusted = false;                // the estimate is within the tolerance
+  ForceBar bar;            // scale: its estimate of its error; judged after the run (touch_judge.hpp)
   double slope = unknown;  // |g| / (f . n), g of slip.hpp [1]; above mu where the clamp stopped the site
   bool at_border = false;  // that
 };

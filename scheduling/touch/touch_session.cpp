@@ -309,6 +309,7 @@ TouchSessionResult run_and_judge(const TouchSessionInput& input, const SessionOp
   }
   judge(input,
         {.judging = options.judging,
+         .jnd = options.switching,
          .stop = options.stop,
          .threads = options.workers.threads > 0 ? options.workers.threads : omp_get_max_threads(),
          .progress = progress},

@@ -131,9 +131,9 @@ std::shared_ptr<const DeepStates::Record> DeepStates::record_of(const State& sta
   return record;
 }
 
-void DeepStates::add(const State& state) {
+bool DeepStates::add(const State& state) {
   const auto record = record_of(state);
-  if (!record) return;
+  if (!record) return false;
   records_.push_back(record);
   const SurfaceMap& map = field_->rest().map();
   const std::vector<NodeDistance> ways = ways_->from(record->place, 2 * far_);
@@ -153,6 +153,14 @@ void DeepStates::add(const State& state) {
     }
     if (way.minCoeff() < 2 * far_) list(*record, way, near_[2 * f + (record->at_rest() ? 0 : 1)]);
   }
+  return true;
+}
+
+double DeepStates::score(const State& state) const {
+  const SurfacePlace place = field_->rest().map().nearest(state.site);
+  const SiteModel model = this->model(place);
+  return (at(model, place, state.at, false).force - state.force).norm() /
+         estimated_error(model, place, state.at);
 }
 
 void DeepStates::list(const Record& record, const Vec3& way, std::shared_ptr<const Pack>& first) {
@@ -177,7 +185,8 @@ std::shared_ptr<const DeepStates> DeepStates::with(std::span<const State> states
   auto more = std::make_shared<DeepStates>(*this);
   for (const bool at_rest : {true, false})
     for (const State& state : states)
-      if (state.at.isZero() == at_rest) more->add(state);
+      if (state.at.isZero() == at_rest && more->add(state) && !at_rest && patches_)
+        more->scores_.push_back(score(state));
   std::vector<double> surprises;
   for (const auto& record : more->records_)
     if (!record->at_rest()) surprises.push_back(record->surprise);
@@ -263,8 +272,9 @@ double DeepStates::estimated_error(const SiteModel& model, const SurfacePlace& p
   const Vec3 mean = scale / weight * (model.root() * vec(states.slope));
   const double spread = std::max(0.0, scale * scale * states.square / weight - mean.squaredNorm());
   const double alone = options_.field_weight / weight * usual_surprise_ * model.estimate(x);
-  const double between = options_.rest_weight / jets.weights.value * model.spread(x);
-  return std::sqrt(spread + alone * alone + between * between);
+  const double no_jet = options_.rest_weight / jets.weights.value, between = no_jet * model.spread(x),
+               facets = patches_ ? no_jet * patches_->error() * (model.rest().stiffness * x).norm() : 0;
+  return std::sqrt(spread + alone * alone + between * between + facets * facets);
 }
 
 bool DeepStates::trusted(const SiteModel& model, const SurfacePlace& place, const Vec3& x, double tolerance,

@@ -67,14 +67,16 @@ class DeepStates {
   const Vec3& displacement(std::size_t k) const;  // x_k
   // |f_k - f_before| over what the field estimated there; 0 of a jet at rest.
   double surprise(std::size_t k) const;
+  // Over patches, of each state the error of the set that it was added to, over the estimate there.
+  const std::vector<double>& scores() const { return scores_; }
   const SiteField& field() const { return *field_; }
 
   // model: of this place, by model() or the field's. stiff: with the stiffness; else the corrections' part of it is
   // left out.
   SiteTerms at(const SiteModel& model, const SurfacePlace& place, const Vec3& x, bool stiff = true) const;
-  // Of the force's error [N]: the spread of the states' corrections about their mean, the field's own correction, 0,
+  // Of the force's error [N], the root of the squares of: the spread of the states' corrections about their mean, the field's own correction, 0,
   // among them; the field's estimate times its weight and the usual surprise(); and what its neighbours differ by, the
-  // less the nearer a jet at rest is.
+  // less the nearer a jet at rest is; and over patches their error() times |K x|, the same way.
   double estimated_error(const SiteModel& model, const SurfacePlace& place, const Vec3& x) const;
   // Three times the estimate is within tolerance * max(|f|, floor).
   bool trusted(const SiteModel& model, const SurfacePlace& place, const Vec3& x, double tolerance,
@@ -84,7 +86,8 @@ class DeepStates {
   struct Record;
   struct Pack;
   std::shared_ptr<const Record> record_of(const State& state) const;
-  void add(const State& state);
+  bool add(const State& state);
+  double score(const State& state) const;
   // Puts a state first in a facet's list. way: over the surface to the facet's corners [m].
   static void list(const Record& record, const Vec3& way, std::shared_ptr<const Pack>& first);
   struct Rest {  // degrees 2 to 5 at a place, for any x
@@ -102,6 +105,7 @@ class DeepStates {
   double reach_ = 0, rest_reach_ = 0, length_ = 0;  // reach_s, reach_r and L of delta [m]
   double far_ = 0;                                  // along the surface, from where on a state fades [m]
   double usual_surprise_ = 1;
+  std::vector<double> scores_;
   std::vector<std::shared_ptr<const Record>> records_;
   // Of each facet what reaches it: of 2 f the jets at rest, of 2 f + 1 the states; null: none.
   std::vector<std::shared_ptr<const Pack>> near_;

@@ -138,7 +138,7 @@ void FieldPatches::place_points(int parts) {
   }
 }
 
-double FieldPatches::error() const {
+double FieldPatches::measured_error() const {
   constexpr int tried = 40;
   std::mt19937_64 random(1);
   double square = 0;
@@ -158,7 +158,7 @@ FieldPatches::FieldPatches(std::shared_ptr<const SiteField> field, std::span<con
   constexpr int most_parts = 4;
   constexpr std::size_t most_points = 60'000;
   constexpr double enough = 0.002;
-  const auto doubles = [&] { return places_.size() * static_cast<std::size_t>(quantities); };
+  const auto doubles = [&] { return places_.size() * static_cast<std::size_t>(quantities) + 1; };
   for (int parts = 1; parts <= most_parts && !known.empty(); parts *= 2) {
     place_points(parts);
     if (known.size() != doubles()) continue;
@@ -182,6 +182,7 @@ FieldPatches::FieldPatches(std::shared_ptr<const SiteField> field, std::span<con
       first_.assign(first_.size(), -1), values_.clear();
       return;
     }
+    values_.back() = measured_error();
     if (2 * parts > most_parts || 4 * places_.size() > most_points || error() <= enough) return;
   }
 }

@@ -31,18 +31,20 @@ class FieldPatches {
   // On an edge of the parts that facets are split in: there the derivatives of E by s jump.
   bool is_on_edge(const SurfacePlace& place) const;
   const SiteField& field() const { return *field_; }
+  // Of K between its places, relative, root mean square over some random ones.
+  double error() const { return values_.empty() ? 0 : values_.back(); }
   const std::vector<double>& values() const { return values_; }  // to be kept
 
  private:
   std::shared_ptr<const SiteField> field_;
   void place_points(int parts);
-  double error() const;  // of K at random places, relative, root mean square
+  double measured_error() const;
 
   int degree_ = 4, parts_ = 1;
   std::vector<SurfacePlace> places_;
   std::vector<std::int64_t> first_;   // by facet, into points_; -1: clamped, no patch
   std::vector<std::int32_t> points_;  // numbers of each facet's places
-  std::vector<double> values_;        // by place
+  std::vector<double> values_;        // by place; then error()
 };
 
 }  // namespace forefeel
