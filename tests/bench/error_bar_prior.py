@@ -1,11 +1,12 @@
 """Scores of error bars of sessions: the prior of approx/error/prior_scores.cpp, and how well bars cover.
 
     /usr/bin/python3 tests/bench/error_bar_prior.py prior FOLDER...    # prints the rows of prior_scores.cpp
-    /usr/bin/python3 tests/bench/error_bar_prior.py check SEED [COUNT] [SECONDS] [FOLDER]
+    /usr/bin/python3 tests/bench/error_bar_prior.py check|check-anywhere SEED [COUNT] [SECONDS] [FOLDER]
 
 check: COUNT (10) sessions of SECONDS (10), each of a body, a law, a contact and a motion drawn at random from the seed:
 how well bars cover, in the worst 2 s of a session, above and at the floor of the bars, and what they decide at the just
 noticeable difference (JND). Runs build/release/apps/forefeel under the virtual clock. FOLDER keeps the runs.
+check-anywhere: the same of sessions with contact.anywhere, whose prior is in scheduling/touch/touch_judge.cpp.
 prior: of such runs, the scores sqrt(max(0, e^2 - r^2)) / s of samples whose bar of 95 % is above its floor: e is the
 distance of the rendered force from that of a tight solve, r what the switch holds back, s the scale in frames.csv.
 """
@@ -57,6 +58,22 @@ def drawn_session(draw):
     return keys, ["--device", device, "--cost", cost, "--set", f"session.workers={draw.randint(2, 6)}"]
 
 
+def drawn_touch(draw):
+    """The same of a session with contact.anywhere."""
+    law = draw.choice(["neo-hookean", "mooney-rivlin", "st-venant-kirchhoff", "stable-neo-hookean", "linear"])
+    phantom, depth = draw.choice(["liver", "beam", "slab", "ball"]), draw.uniform(0.005, 0.016)
+    contact = (f"contact={{anywhere=true,pad={draw.choice([400, 1000, 3000])},"
+               f"radius={draw.choice([0.01, 0.015, 0.02])},friction={draw.choice([0.1, 0.3, 0.6])}}}")
+    keys = [f"body.phantom={phantom}", f"material.law={law}", f"material.poisson={draw.choice([0.3, 0.4, 0.45])}",
+            f"material.young={draw.choice([2000, 5000, 20000])}", f"body.elements={draw.choice([600, 1000, 1600])}",
+            "body.fine=false", contact, f"state_space={{depth={depth:.4f}}}", "session.discretisation_error=false"]
+    path = draw.choice(["line", "raster", "palpation", "tour"])
+    speed = "" if path == "palpation" else f",speed={draw.uniform(0.02, 0.1):.3f}"
+    policy = draw.choice(["error", "coverage", "nearest", "worth"])
+    return keys, ["--device", f"path:{path},depth={0.9 * depth:.4f}{speed}", "--policy", policy, "--workers",
+                  str(draw.choice([1, 2, 4])), "--cost", draw.choice(["paper", "constant:0.02"])]
+
+
 def vector(row, name):
     """The three columns name_x or namex, ..."""
     return [float(row[name + axis]) for axis in "xyz"]
@@ -102,10 +119,10 @@ def worst_window(samples, seconds=2.0, least=20):
     return worst
 
 
-def print_check(seed, count, seconds, folder):
+def print_check(drawn, seed, count, seconds, folder):
     draw, every = random.Random(seed), []
     for k in range(count):
-        keys, options = drawn_session(draw)
+        keys, options = drawn(draw)
         rows = samples(keys, options, seconds, folder / f"{seed}-{k}")
         mine = [Sample(row) for row in rows if row["bar95"]]
         if not mine:
@@ -153,12 +170,12 @@ def main():
     kind, given = (sys.argv[1] if len(sys.argv) > 1 else ""), sys.argv[2:]
     if kind == "prior" and given:
         print_prior(given)
-    elif kind == "check" and given:
+    elif kind in ("check", "check-anywhere") and given:
         with tempfile.TemporaryDirectory() as folder:
             seed, count, seconds, kept = given + [None, "10", "10", folder][len(given):]
-            print_check(int(seed), int(count), float(seconds), pathlib.Path(kept))
+            print_check(drawn_session if kind == "check" else drawn_touch, int(seed), int(count), float(seconds), pathlib.Path(kept))
     else:
-        sys.exit("error_bar_prior.py: expected prior FOLDER... or check SEED")
+        sys.exit("error_bar_prior.py: expected prior FOLDER..., check SEED or check-anywhere SEED")
 
 
 if __name__ == "__main__":
