@@ -69,6 +69,8 @@ struct Trial {
 struct Trials {
   std::vector<Trial> each;
   std::size_t positions = 0, groups = 0;  // held out, over all trials; caps count as groups
+  bool alike =
+      true;  // no mismatch above log 2.5: the held-out positions are as far from the rest as wanted places
 };
 
 // states: usable ones, one at each position. wanted: the places where the force is wanted, relative to the states;

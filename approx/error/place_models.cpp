@@ -31,7 +31,7 @@ const Model& PlaceModels::at(const Vec3& x) {
 }
 
 PlaceForces::PlaceForces(const StateSpace& known, const PlaceMethod& method) {
-  const bool same = method.field && method.judge && method.field->neighbours == method.judge->neighbours;
+  const bool same = method.field && method.judge && same_process(*method.field, *method.judge);
   if (method.field && !same) field_.emplace(known, *method.field);
   if (!method.field) models_.emplace(known, method.model, method.all);
   if (method.judge) judge_.emplace(known, *method.judge);

@@ -29,8 +29,12 @@ constexpr double least_across =
 constexpr double known_share = 0.25;  // a direction is known up to the deviation of the rows divided by this
 constexpr double thin = 0.2;  // deviation of a thin direction, in the largest of the rows about a place
 constexpr double thin_share = 0.67;  // its share of the distance across, below which the error grows
+constexpr double surely_off = 2;     // standard errors of where rows lie, within which a place is among them
 constexpr double surely = 2.8;       // 95 % of |e| lie within 2.8 deviations of a component (chi, 3 degrees)
 constexpr double cone = 0.5;  // cosine of the angle to the direction across, within which rows tell of it
+constexpr double most_across =
+    10;  // distances across, within which rows beyond tell of the direction at any l
+constexpr double spline_share = 0.7;  // of the spline's deviation, in its weight
 constexpr double most_overshoot = 2;  // no force is larger than this many times the largest known one
 
 std::vector<Vec3> positions_of(std::span<const State> states) {
@@ -90,6 +94,7 @@ double largest_secant(const MeasuredRows& boxes, double noise, double apart) {
 // Where rows lie across themselves, from x, and how far they are from there.
 struct Lie {
   double off = 0, deviation = 0;  // [m]
+  double doubt = 0;               // of off: its standard error [m]
 };
 
 // Rows of a curve bend: their coordinate `axis` is a parabola of the one along them (axis 2), that of least squares.
@@ -108,11 +113,14 @@ Lie lie_of(const std::vector<Vec3>& near, int axis) {
     normal += powers(r[2]) * powers(r[2]).transpose();
     right += r[axis] * powers(r[2]);
   }
-  const Vec3 parabola = normal.completeOrthogonalDecomposition().solve(right);
+  const Eigen::CompleteOrthogonalDecomposition<Mat3> factor(normal);
+  const Vec3 parabola = factor.solve(right), here = powers(std::clamp(0.0, first, last));
   double squared = 0;
   for (const Vec3& r : near) squared += std::pow(r[axis] - parabola.dot(powers(r[2])), 2);
-  return {.off = parabola.dot(powers(std::clamp(0.0, first, last))),
+  Lie lie{.off = parabola.dot(here),
           .deviation = std::sqrt(squared / std::max(1.0, double(near.size()) - 3))};
+  lie.doubt = lie.deviation * std::sqrt(std::max(0.0, here.dot(factor.solve(here))));
+  return lie;
 }
 
 double radius_of(const MeasuredRows& rows) {
@@ -178,6 +186,7 @@ std::optional<FieldOptions> field_of(std::span<const State> states, const KnownN
       .stiffest = std::max(largest_secant(boxes, best->law.noise, apart), most / radius_of(boxes)),
       .box = box_size(states.size(), most_rows)};
   if (best->law.length <= found.doubt.length) found.doubt = best->law;
+  found.spline = likely_spline(more, noise.force).value_or(SplineLaw{});
   if (!flat_within(states, found.box, best->law)) found.neighbours = field_neighbours;
   return found;
 }
@@ -196,9 +205,15 @@ ForceField::ForceField(const StateSpace& known, const FieldOptions& options)
     states.push_back(std::move(light));
   }
   if (options.neighbours > 0) return;
-  MeasuredRows rows = averaged_boxes(states, options.box);
-  if (doubted()) doubt_ = std::make_shared<const GaussianProcess>(rows, options.doubt);
-  all_ = std::make_shared<const GaussianProcess>(std::move(rows), options.law);
+  all_ = processes_of(averaged_boxes(states, options.box));
+}
+
+ForceField::Processes ForceField::processes_of(const MeasuredRows& rows) const {
+  Processes made;
+  made.own = std::make_shared<const GaussianProcess>(rows, options_.law);
+  if (doubted()) made.doubt = std::make_shared<const GaussianProcess>(rows, options_.doubt);
+  if (options_.spline.amplitude > 0) made.spline = std::make_shared<const ThinPlate>(rows, options_.spline);
+  return made;
 }
 
 bool ForceField::doubted() const {
@@ -206,18 +221,29 @@ bool ForceField::doubted() const {
 }
 
 ForceField::Prediction ForceField::predicted(const Vec3& x) const {
-  std::shared_ptr<const GaussianProcess> own = all_, doubt = doubt_;
-  if (!own) {
+  Processes of = all_;
+  if (!of.own) {
     std::vector<StateId> ids;
     known_->nearest(x, options_.neighbours, ids);
     MeasuredRows rows;
     for (const StateId id : ids) rows.add((*known_)[id].at, (*known_)[id].force);
-    if (doubted()) doubt = std::make_shared<const GaussianProcess>(rows, options_.doubt);
-    own = std::make_shared<const GaussianProcess>(std::move(rows), options_.law);
+    of = processes_of(rows);
   }
-  const GaussianProcess::Prediction likeliest = own->at(x), judged = doubt ? doubt->at(x) : likeliest;
-  Prediction made{.force = likeliest.force, .own_deviation = std::sqrt(3.0) * likeliest.deviation};
+  const GaussianProcess::Prediction likeliest = of.own->at(x),
+                                    judged = of.doubt ? of.doubt->at(x) : likeliest;
+  Prediction made{.force = likeliest.force,
+                  .alone = likeliest.force,
+                  .own_deviation = std::sqrt(3.0) * likeliest.deviation};
+  double rough = 0;
+  if (of.spline) {
+    const GaussianProcess::Prediction plain = of.spline->at(x);
+    const double ratio =
+        spline_share * plain.deviation / std::max(likeliest.deviation, std::numeric_limits<double>::min());
+    made.force += (plain.force - likeliest.force) / (1 + std::pow(ratio, 4));
+    if (options_.law.smoothness != Smoothness::gaussian) rough = std::sqrt(3.0) * plain.deviation;
+  }
   made.deviation = std::hypot(std::sqrt(3.0) * judged.deviation, (judged.force - made.force).norm());
+  made.deviation = std::max(made.deviation, rough);
   return made;
 }
 
@@ -247,9 +273,10 @@ ForceField::Foot ForceField::foot_of(const Vec3& x) const {
     const Vec3 u = axes.eigenvectors().col(k);
     const double own = std::sqrt(std::max(0.0, axes.eigenvalues()[k]));
     const Lie lie = own < thin * widest ? lie_of(near, k) : Lie{.off = u.dot(middle), .deviation = own};
-    if (known_share * std::abs(lie.off) > lie.deviation)
+    const double off = std::abs(lie.off) - surely_off * lie.doubt;
+    if (known_share * off > lie.deviation)
       across -= lie.off * u;
-    else if (lie.deviation < thin * widest && thin_share * std::abs(lie.off) > lie.deviation)
+    else if (lie.deviation < thin * widest && thin_share * off > lie.deviation)
       doubtful -= lie.off * u;
   }
   const double least = least_across * nearest;
@@ -273,7 +300,7 @@ std::optional<Vec3> ForceField::row_across(const Vec3& x, const Vec3& foot) cons
   const double across = (x - foot).norm();
   const Vec3 u = (x - foot) / across;
   std::optional<Vec3> found;
-  double nearest = options_.law.length;
+  double nearest = std::max(options_.law.length, most_across * across);
   const auto tells = [&](const Vec3& from, const Vec3& towards) {
     const double away = from.norm();
     return away >= across && away <= nearest && from.dot(towards) >= cone * away;
@@ -293,9 +320,14 @@ ForceField::Prediction ForceField::at(const Vec3& x) const {
   made.foot = foot.at;
   made.least_error = std::min(options_.stiffest * foot.across, bound());
   if (foot.between) made.least_error = std::min(made.least_error, predicted(*foot.between).deviation);
-  const double size = made.force.norm();
-  if (size > bound()) made.force *= bound() / size;
+  made.force = bounded(made.force);
+  made.alone = bounded(made.alone);
   return made;
+}
+
+Vec3 ForceField::bounded(const Vec3& force) const {
+  const double size = force.norm();
+  return size > bound() ? Vec3(force * (bound() / size)) : force;
 }
 
 double ForceField::bound() const {

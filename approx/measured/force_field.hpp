@@ -9,6 +9,12 @@
 // second law, `doubt`, the likeliest of those no longer than the extent:
 //   s^2 = 3 v_doubt(x) + |f~_doubt(x) - f~(x)|^2
 //
+// A process is as good as its law. Where it is unsure, as between two presses far apart, a thin plate spline of the rows
+// (thin_plate.hpp) is often nearer. So the force is the mean of both with weights 1 / v^2; the deviation of the spline
+// counts as 0.7 of what it is, for it is seldom far off. Where the process knows the field, it has nearly all weight.
+// Where the likeliest law is a rough one (Matern's), the field may have a kink between the rows as it has one elsewhere:
+// s is then at least the deviation of the spline.
+//
 // Directions that the rows do not know. Rows of a line, a curve or a surface determine nothing across it. Let M be the
 // covariance of the positions within 4 d of x (d: distance of the nearest row; at least 12 rows) and c their mean. An
 // eigenvector u of M is unknown at x if |u.(x - c)| exceeds four times the deviation of the rows along u. A direction
@@ -30,12 +36,18 @@
 #include <span>
 
 #include "approx/measured/gaussian_process.hpp"
+#include "approx/measured/thin_plate.hpp"
 #include "geometry/coverage/state_space.hpp"
 
 namespace forefeel {
 
 // The likeliest law of the forces of the states, and S. Nothing for fewer than 8 states or states at one place.
 std::optional<FieldOptions> field_of(std::span<const State> states, const KnownNoise& noise = {});
+
+// Whether both give the same forces; of one set of states.
+inline bool same_process(const FieldOptions& a, const FieldOptions& b) {
+  return a.neighbours == b.neighbours && a.spline.amplitude == b.spline.amplitude;
+}
 
 // Means of boxes of at most `size` neighbouring states.
 MeasuredRows averaged_boxes(std::span<const State> states, std::size_t size);
@@ -44,6 +56,7 @@ class ForceField {
  public:
   struct Prediction {
     Vec3 force = Vec3::Zero();  // [N]
+    Vec3 alone = Vec3::Zero();  // of the process without the spline [N]
     double deviation = 0;       // of |force - f~| at the foot, without noise: s [N]
     double own_deviation = 0;   // by the likeliest law alone, to tell places that are alike: sqrt(3 v) [N]
     Vec3 foot = Vec3::Zero();   // x itself where all directions are known [m]
@@ -63,14 +76,21 @@ class ForceField {
   Foot foot_of(const Vec3& x) const;
   std::optional<Vec3> row_across(const Vec3& x, const Vec3& foot) const;
   bool doubted() const;
+  // The processes of some rows.
+  struct Processes {
+    std::shared_ptr<const GaussianProcess> own,
+        doubt;                                // no doubt: the law of the deviation is that of the force
+    std::shared_ptr<const ThinPlate> spline;  // null: none
+  };
+  Processes processes_of(const MeasuredRows& rows) const;
   Prediction predicted(const Vec3& x) const;
+  Vec3 bounded(const Vec3& force) const;
 
   const StateSpace* known_;
   FieldOptions options_;
-  double most_ = 0;                               // largest force [N]
-  std::vector<Vec3> rows_;                        // positions
-  std::shared_ptr<const GaussianProcess> all_;    // null: of each place
-  std::shared_ptr<const GaussianProcess> doubt_;  // null: the law of the deviation is that of the force
+  double most_ = 0;         // largest force [N]
+  std::vector<Vec3> rows_;  // positions
+  Processes all_;           // none: of each place
 };
 
 }  // namespace forefeel

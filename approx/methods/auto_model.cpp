@@ -28,7 +28,7 @@ struct Candidate {
   ModelOptions model;
   bool all = false;  // all states in one model
   std::optional<FieldOptions> field = {};
-  bool judge = false;  // the process that judges the positions
+  bool judge = false;  // the process that judges the positions, with the spline or alone
   double score = std::numeric_limits<double>::infinity();
 };
 
@@ -58,9 +58,10 @@ std::vector<double> misses(const Trial& trial, const Judged& judged, const Candi
   for (std::size_t i = 0; i < trial.held.size(); i += stride) {
     const State& held = trial.held[i];
     const Vec3 foot = judged.empty() ? held.at : judged[i].foot;
-    const Vec3 force = own               ? field->at(held.at).force
-                       : candidate.field ? judged[i].force
-                                         : models->at(foot).force(foot);
+    const Vec3 force = own ? field->at(held.at).force
+                       : candidate.field
+                           ? (candidate.field->spline.amplitude > 0 ? judged[i].force : judged[i].alone)
+                           : models->at(foot).force(foot);
     out.push_back((force - held.force).norm());
   }
   return out;
@@ -235,6 +236,10 @@ std::vector<Candidate> fields_to_try(const AutoModelOptions& options, std::size_
                   .field = options.field,
                   .judge = true};
   std::vector<Candidate> fields{field};
+  if (field.field->spline.amplitude > 0) {
+    fields.push_back(field);
+    fields.back().field->spline = {};
+  }
   if (states <= most_for_all || near > 0) return fields;
   field.all = field.judge = false;
   field.field->neighbours = field.model.neighbours = field_neighbours;
@@ -318,17 +323,23 @@ AutoModel choose_model(std::span<const State> states, const AutoModelOptions& op
     if (!options.progress) return {};
     return [&options, from, to](double share) { options.progress(from + (to - from) * share); };
   };
-  candidates = with_ridges(candidates, wishes.ridge, {0, 1e-4, 1e-2});
+  std::vector<Candidate> fields = fields_to_try(options, states.size());
+  if (!fields.empty() && !trials.alike) {
+    // What is best along presses may be anything between them: the blend of process and spline, which is safe.
+    candidates.clear();
+    std::erase_if(fields, [&](const Candidate& c) { return !same_process(*c.field, *options.field); });
+  } else
+    candidates = with_ridges(candidates, wishes.ridge, {0, 1e-4, 1e-2});
   sort_by_score(trials, judged, outside, candidates, stage(0, 0.4));
   candidates = with_ridges(best_sets(candidates, finalists), wishes.ridge,
                            {0, 1e-8, 1e-6, 1e-5, 1e-4, 3e-4, 1e-3, 3e-3, 1e-2, 3e-2, 1e-1});
   sort_by_score(trials, judged, outside, candidates, stage(0.4, 0.7));
   candidates.resize(std::min(finalists, candidates.size()));
-  if (!wishes.ridge && candidates.front().model.ridge > 0) {
+  if (!wishes.ridge && !candidates.empty() && candidates.front().model.ridge > 0) {
     candidates.insert(candidates.begin(), candidates.front());
     candidates.front().model.ridge = 0;
   }
-  for (const Candidate& field : fields_to_try(options, states.size())) candidates.push_back(field);
+  candidates.insert(candidates.end(), fields.begin(), fields.end());
   const Sampling all = sampling(trials, trials.each.size(), most_positions);
   const std::vector<std::vector<double>> errors = misses(trials, judged, candidates, all, stage(0.7, 1));
   const std::vector<SeenPlace> seen = positions(trials, judged, all);

@@ -285,7 +285,7 @@ Evaluation evaluate(std::span<const State> states, std::span<const Vec3> points,
   if (result.method == Method::rbf_network)
     result.options.centres = RbfNetwork::centres_of(rows, options.model.neighbours.value_or(0));
   const std::optional<FieldOptions> process = result.chosen ? result.chosen->field : std::nullopt;
-  const bool own = process && process->neighbours != result.field->neighbours;
+  const bool own = process && !same_process(*process, *result.field);
   const JudgedPoints near = own ? judge(space, points, process) : JudgedPoints{};
   result.made = process ? evaluate_field(space, points, own ? near : judged, *process, show)
                 : result.chosen && result.chosen->all

@@ -47,9 +47,15 @@ struct FieldLaw {
   double length = 0, amplitude = 0, noise = 0;  // l [m], a [N], sigma [N]
 };
 
+// A thin plate spline (approx/measured/thin_plate.hpp). amplitude 0: none.
+struct SplineLaw {
+  double length = 0, amplitude = 0, noise = 0;  // [m], [N], sigma [N]
+};
+
 struct FieldOptions {
   FieldLaw law = {};
   FieldLaw doubt = {};         // law of the deviation (force_field.hpp)
+  SplineLaw spline = {};       // blended with the process (force_field.hpp)
   double stiffest = 0;         // S [N/m] (force_field.hpp)
   std::size_t neighbours = 0;  // rows of each place; 0: all
   std::size_t box = 1;         // neighbouring rows averaged to one, of all rows
