@@ -69,8 +69,7 @@ struct Trial {
 struct Trials {
   std::vector<Trial> each;
   std::size_t positions = 0, groups = 0;  // held out, over all trials; caps count as groups
-  bool alike =
-      true;  // no mismatch above log 2.5: the held-out positions are as far from the rest as wanted places
+  bool alike = true;  // they are no easier to predict than the wanted places: as far away, in such directions
 };
 
 // states: usable ones, one at each position. wanted: the places where the force is wanted, relative to the states;

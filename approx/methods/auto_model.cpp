@@ -22,7 +22,8 @@ constexpr std::size_t first_positions = 60, most_positions = 300;
 constexpr std::size_t first_trials = 3;
 constexpr std::size_t finalists = 3;
 constexpr std::size_t field_neighbours = 120;
-constexpr double ridge_gain = 1.02;  // a ridge is used if the error without it is larger by this factor
+constexpr std::size_t enough_groups = 20;  // that tell a process from its blend with a spline
+constexpr double ridge_gain = 1.02;        // a ridge is used if the error without it is larger by this factor
 
 struct Candidate {
   ModelOptions model;
@@ -276,19 +277,25 @@ std::vector<Candidate> best_sets(const std::vector<Candidate>& sorted, std::size
 }
 
 // The candidate with the least score; one without a ridge if it is about as good. A process, which the likelihood of
-// all states chose, gives way only to a model that is surely better.
+// all states chose, gives way only to what is surely better. Few groups show little: then it is the one with a spline.
 std::size_t best_of(const std::vector<Candidate>& candidates, const std::vector<std::vector<double>>& errors,
-                    const std::vector<SeenPlace>& seen, const std::vector<std::size_t>& trial,
-                    double outside) {
+                    const std::vector<SeenPlace>& seen, const std::vector<std::size_t>& trial, double outside,
+                    std::size_t groups) {
   std::vector<double> scores;
   for (const std::vector<double>& of : errors) scores.push_back(score(of, seen, outside));
   const auto best = static_cast<std::size_t>(std::ranges::min_element(scores) - scores.begin());
-  if (!candidates[best].field) {
-    std::size_t process = candidates.size();
-    for (std::size_t c = 0; c < candidates.size(); ++c)
-      if (candidates[c].field && (process == candidates.size() || scores[c] < scores[process])) process = c;
-    if (process < candidates.size() && !surely_less(errors[best], errors[process], trial)) return process;
+  const auto safer = [&](std::size_t c) {
+    return groups < enough_groups && candidates[c].field->spline.amplitude > 0;
+  };
+  std::size_t process = candidates.size();
+  for (std::size_t c = 0; c < candidates.size(); ++c) {
+    if (!candidates[c].field) continue;
+    if (process == candidates.size() || safer(c) > safer(process) ||
+        (safer(c) == safer(process) && scores[c] < scores[process]))
+      process = c;
   }
+  if (process < candidates.size() && best != process && !surely_less(errors[best], errors[process], trial))
+    return process;
   if (candidates[best].model.ridge > 0)
     for (std::size_t c = 0; c < candidates.size(); ++c)
       if (candidates[c].model.ridge == 0 && scores[c] <= ridge_gain * scores[best]) return c;
@@ -343,7 +350,7 @@ AutoModel choose_model(std::span<const State> states, const AutoModelOptions& op
   const Sampling all = sampling(trials, trials.each.size(), most_positions);
   const std::vector<std::vector<double>> errors = misses(trials, judged, candidates, all, stage(0.7, 1));
   const std::vector<SeenPlace> seen = positions(trials, judged, all);
-  const std::size_t best = best_of(candidates, errors, seen, trials_of(trials, all), outside);
+  const std::size_t best = best_of(candidates, errors, seen, trials_of(trials, all), outside, trials.groups);
   chosen.model = candidates[best].model;
   chosen.model.neighbours = std::min(chosen.model.neighbours, states.size());
   chosen.all = candidates[best].all;

@@ -124,7 +124,47 @@ MeasuredCase scattered(const Variant& v) {
   return made;
 }
 
+// Two presses 2 cm apart, held at five depths each, with noise in the positions. Points between them.
+MeasuredCase held_presses(const Variant& v) {
+  MeasuredCase made{.noise = 0.02 * v.noise};
+  std::mt19937 random(v.seed);
+  std::normal_distribution<double> normal;
+  std::uniform_real_distribution<double> uniform(0, 1);
+  const auto drawn = [&] { return Vec3(normal(random), normal(random), normal(random)); };
+  const auto force = [](const Vec3& x) {
+    return Vec3(-40 * x.x(), -40 * x.y() * (1 + 10 * x.x()), 2 * std::exp(-60 * x.z()));
+  };
+  const auto place = [](double side, int depth) { return Vec3(0.01 * side, 0.004, -0.002 * (depth + 1)); };
+  for (const double side : {-1.0, 1.0})
+    for (int depth = 0; depth < 5; ++depth)
+      for (int row = 0; row < 10; ++row) {
+        made.at.push_back(place(side, depth) + 2e-5 * drawn());
+        made.force.push_back(force(place(side, depth)) + made.noise * drawn());
+      }
+  for (int i = 0; i < 100; ++i) {
+    const double away = uniform(random);
+    made.points.push_back((1 - away) * place(-1, i % 5) + away * place(1, i % 5));
+    made.truth.push_back(force(made.points.back()));
+  }
+  apply(v, made);
+  return made;
+}
+
 }  // namespace
+
+// The forces of the two presses differ by less than the error allowed here. Slopes across a press, from its noise, and
+// feet on a parabola through two presses gave twice the largest force.
+TEST_CASE("Between two presses that were held the force is between theirs", "[measured]") {
+  for (const Variant& v : ten_variants()) {
+    const MeasuredCase given = held_presses(v);
+    const Evaluation found =
+        evaluate(given.states(), given.points, {.bars = true, .spacing = 0.002 * v.length});
+    const std::vector<double> errors = errors_of(found, given);
+    CAPTURE(v.seed, given.largest(), quantile_of(errors, 0.95));
+    CHECK(quantile_of(errors, 0.95) < 0.1 * given.largest());
+    CHECK(held(found, errors) >= 0.93);
+  }
+}
 
 TEST_CASE("Noise in the positions of a line changes nothing; beside it the bar grows with the distance",
           "[measured]") {
