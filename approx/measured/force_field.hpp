@@ -9,11 +9,11 @@
 // second law, `doubt`, the likeliest of those no longer than the extent:
 //   s^2 = 3 v_doubt(x) + |f~_doubt(x) - f~(x)|^2
 //
-// A process is as good as its law. Where it is unsure, as between two presses far apart, a thin plate spline of the rows
-// (thin_plate.hpp) is often nearer. So the force is the mean of both with weights 1 / v^2; the deviation of the spline
-// counts as 0.7 of what it is, for it is seldom far off. Where the process knows the field, it has nearly all weight.
-// Where the likeliest law is a rough one (Matern's), the field may have a kink between the rows as it has one elsewhere:
-// s is then at least the deviation of the spline.
+// A process is as good as its law. Where it is unsure, as between two presses far apart, a thin plate spline of the
+// rows (thin_plate.hpp) is often nearer. So the force is the mean of both with weights 1 / v^2; the deviation of the
+// spline counts as 0.7 of what it is, for it is seldom far off. Where the process knows the field, it has nearly all
+// weight. Where the likeliest law is a rough one (Matern's), the field may have a kink between the rows as it has one
+// elsewhere: s is then at least the deviation of the spline.
 //
 // Directions that the rows do not know. Rows of a line, a curve or a surface determine nothing across it. Let M be the
 // covariance of the positions within 4 d of x (d: distance of the nearest row; at least 12 rows) and c their mean. An

@@ -1,11 +1,11 @@
 #pragma once
 // Thin plate spline of measured forces with noise (Duchon 1977; Wahba, Spline Models for Observational Data, 1990): the
 // process of gaussian_process.hpp with a linear function in place of the constant, and no length to be sure of.
-//   f_c(x) = p(x)^T b + g_c(x),   cov(g_c) = a^2 phi(|x - x'| / l),   phi(r) = r^2 log r,   measured: F_ic = f_c(x_i) + noise
+//   f_c(x) = p(x)^T b + g_c(x),   cov(g_c) = a^2 phi(|x - x'| / l),   phi(r) = r^2 log r
 // p: 1 and the coordinates along the principal directions of the rows, without those in which they deviate by less than
 // a hundredth of the largest deviation: noise in the positions of a line is no slope across it. l [m] is a unit: it
-// changes nothing but a. Of the rows alone it is the simplest method that is in wide use, and it is sure of little. With
-// Q_2 orthogonal to the values of p at the rows, w = Q_2 (Q_2^T (R + D) Q_2)^-1 Q_2^T F and b by F - (R + D) w.
+// changes nothing but a. Of the rows alone it is the simplest method that is in wide use, and it is sure of little.
+// With Q_2 orthogonal to the values of p at the rows, w = Q_2 (Q_2^T (R + D) Q_2)^-1 Q_2^T F, and b by F - (R + D) w.
 
 #include <Eigen/Core>
 #include <optional>
