@@ -70,31 +70,20 @@ std::vector<double> lengths(std::span<const Vec3> displacements) {
   return all;
 }
 
-// How far the directions of held-out positions are from those of the wanted places: the second term above.
-double turned(std::span<const Vec3> held, std::span<const Vec3> wanted) {
+// easier: only what makes held-out positions easier to predict than the wanted places: less far from the rest.
+double mismatch(std::span<const Vec3> held, std::span<const Vec3> wanted, bool easier = false) {
+  const double found = median(lengths(held)), target = median(lengths(wanted));
+  if (!(found > 0 && target > 0)) return easier ? 0 : found;
   const Eigen::SelfAdjointEigenSolver<Mat3> axes(second_moment(wanted));
   const Mat3 moment = second_moment(held);
-  double sum = 0;
+  double turned = 0;
   for (int k = 0; k < 3; ++k) {
     const Vec3 u = axes.eigenvectors().col(k);
     const double share = std::max(0.0, axes.eigenvalues()[k]) / axes.eigenvalues().sum();
-    sum += 0.5 * share * std::abs(std::log((u.dot(moment * u) / moment.trace() + 1e-4) / (share + 1e-4)));
+    turned += 0.5 * share * std::abs(std::log((u.dot(moment * u) / moment.trace() + 1e-4) / (share + 1e-4)));
   }
-  return std::max(0.0, sum - same_direction);
-}
-
-double mismatch(std::span<const Vec3> held, std::span<const Vec3> wanted) {
-  const double found = median(lengths(held)), target = median(lengths(wanted));
-  if (!(found > 0 && target > 0)) return found;
-  return std::abs(std::log(found / target)) + turned(held, wanted);
-}
-
-// Whether held-out positions are no easier to predict than the wanted places: as far from the rest, in such directions.
-bool tells_of(std::span<const Vec3> held, std::span<const Vec3> wanted) {
-  if (held.empty() || wanted.empty()) return true;
-  const double found = median(lengths(held)), target = median(lengths(wanted));
-  if (!(found > 0 && target > 0)) return true;
-  return std::max(0.0, std::log(target / found)) + turned(held, wanted) <= std::log(natural_mismatch);
+  const double farther = std::log(target / found);
+  return (easier ? std::max(0.0, farther) : std::abs(farther)) + std::max(0.0, turned - same_direction);
 }
 
 struct Match {
@@ -159,7 +148,7 @@ void add_groups(std::span<const State> states, std::span<const Vec3> wanted, dou
   for (const State& s : states) at.push_back(s.at);
   const Division division = best_division(at, wanted).division;
   if (division.count == 0) return;
-  trials.alike = tells_of(displacements(at, division), wanted);
+  trials.alike = mismatch(displacements(at, division), wanted, true) <= std::log(natural_mismatch);
   trials.groups += division.groups.count;
   add_division(states, division, division.groups.of, std::vector<char>(at.size(), 1), spacing, trials);
 }
@@ -197,7 +186,8 @@ void add_patch(std::span<const State> states, std::span<const Vec3> wanted, doub
   for (const State& s : states) at.push_back(s.at);
   const Division division = best_division(at, wanted).division;
   if (division.count == 0) return;
-  trials.alike = trials.alike && tells_of(displacements(at, division), wanted);
+  trials.alike =
+      trials.alike && mismatch(displacements(at, division), wanted, true) <= std::log(natural_mismatch);
   const PositionGroups& groups = division.groups;
   std::vector<char> used(groups.count, 1);
   for (std::size_t i = at.size() / 2 + 1; i < at.size(); ++i) used[groups.of[i]] = 0;
