@@ -28,7 +28,8 @@ std::vector<State> counting(const std::vector<SitedPlace>& places, const std::ve
   return kept;
 }
 
-// The p95 of a hundred places scatters by a third, so the median of several rounds is compared with that of those before.
+// The p95 of a hundred places scatters by a third, so the median of several rounds is compared with that of those
+// before.
 bool helps_no_longer(const std::vector<double>& p95) {
   constexpr double less = 0.95;
   if (static_cast<int>(p95.size()) < 2 * patience) return false;

@@ -17,8 +17,8 @@ struct GenerateSites {
   std::optional<double> error;  // p95 that is wanted [1]
 };
 
-// Returns the exit code: 1 where the error is above the one wanted, or where it was interrupted. ranks: that solve, too;
-// null: threads.
+// Returns the exit code: 1 where the error is above the one wanted, or where it was interrupted. ranks: that solve,
+// too; null: threads.
 int generate_sites(const Globals& globals, const Scene& scene, const GenerateSites& wanted, RankPool* ranks);
 
 }  // namespace forefeel

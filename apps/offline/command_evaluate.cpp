@@ -299,33 +299,15 @@ void tell(const Globals& globals, const EvaluateResult& evaluated, bool with_for
   if (evaluated.mesh && !mesh_first) answer(globals, discretisation_line(*evaluated.mesh, shown));
 }
 
-// The field of the scene and its jets answer at sites; no model is chosen.
-void check_no_model(const EvaluateArguments& arguments) {
-  const ModelArguments& model = arguments.model;
-  const std::pair<const char*, bool> given[]{{"--method", model.method.has_value()},
-                                             {"--kernel", model.kernel.has_value()},
-                                             {"--data", model.data.has_value()},
-                                             {"--neighbours", model.neighbours.has_value()},
-                                             {"--select", model.select.has_value()},
-                                             {"--ridge", model.ridge.has_value()},
-                                             {"--spacing", arguments.spacing.has_value()},
-                                             {"--noise", arguments.noise.force.has_value()},
-                                             {"--position-noise", arguments.noise.position.has_value()},
-                                             {"--no-bars", arguments.no_bars},
-                                             {"--foreign", arguments.foreign}};
-  for (const auto& [option, is_given] : given)
-    if (is_given)
-      throw InputError(option,
-                       fmt::format("is not for points with sites ({}), where the scene's field at rest "
-                                   "answers; expected it left out",
-                                   arguments.points));
-}
-
-int run_evaluate(const Globals& globals, const EvaluateArguments& arguments) {
-  const bool sites = has_site_columns(arguments.points);
-  if (sites) check_no_model(arguments);
-  if (sites)
+int run_evaluate(const Globals& globals, const EvaluateArguments& arguments, const Command& command) {
+  if (has_site_columns(arguments.points)) {
+    for (const char* option : {"--method", "--kernel", "--data", "--select", "--ridge", "--neighbours",
+                               "--spacing", "--noise", "--position-noise", "--no-bars", "--foreign"})
+      if (command.given(option))
+        throw InputError(option,
+                         "is not for points with sites, where the field at rest answers; expected none");
     return evaluate_sites(globals, {arguments.states, arguments.points, arguments.scene, arguments.output});
+  }
   warn_of_unused(globals, arguments.model);
   if (!globals.set.empty() && arguments.scene.empty())
     warn(globals, "--set: without effect on evaluate without --scene");
@@ -350,7 +332,7 @@ DeclaredTable forces_output() {
 void add_evaluate(CommandLine& line) {
   const auto arguments = std::make_shared<EvaluateArguments>();
   Command sub = line.add("evaluate", "Forces approximated from known states at given points");
-  sub.runs([arguments](const Globals& globals) { return run_evaluate(globals, *arguments); });
+  sub.runs([arguments, sub](const Globals& globals) { return run_evaluate(globals, *arguments, sub); });
   sub.option("STATES", arguments->states, "State file, or states as CSV").required();
   sub.option("--points", arguments->points,
              "CSV of positions x,y,z [m]; with contact.anywhere sx,sy,sz,x,y,z")

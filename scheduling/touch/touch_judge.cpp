@@ -33,8 +33,8 @@ void set_labels(const TouchSessionInput& input, const std::vector<State>& states
           labels.at({frame.site.at, frame.normal, frame.tip - frame.site.at}, sites + frame.source.known);
 }
 
-// |F - f| over the estimate, quantiles over the 1,400 samples above the floor of 25 sessions whose bodies, laws, motions
-// and costs of a solve were drawn at random; tests/bench/error_bar_prior.py draws others and checks how bars hold.
+// |F - f| over the estimate: quantiles over the 1,400 samples above the floor of 25 sessions whose bodies, laws,
+// motions and costs of a solve were drawn at random; tests/bench/error_bar_prior.py draws others and checks the bars.
 constexpr std::array<double, 40> prior_scores{0.066, 0.066, 0.076, 0.096, 0.12, 0.14, 0.17, 0.19, 0.22, 0.24,
                                               0.26,  0.29,  0.31,  0.34,  0.37, 0.39, 0.42, 0.45, 0.48, 0.51,
                                               0.55,  0.59,  0.63,  0.67,  0.71, 0.76, 0.81, 0.86, 0.93, 1,

@@ -8,6 +8,7 @@
 #include "geometry/meshing/phantom.hpp"
 #include "scheduling/motion/device.hpp"
 #include "scheduling/motion/surface_shapes.hpp"
+#include "scheduling/touch/touch_judge.hpp"
 #include "scheduling/touch/touch_loop.hpp"
 #include "scheduling/touch/touch_session.hpp"
 #include "solver/body/pad.hpp"
@@ -198,6 +199,37 @@ TEST_CASE("The real clock renders the same path beside workers", "[touch session
   CHECK_FALSE(run.interrupted);
   CHECK(run.frames.back().force.sent.isZero(0));
   CHECK(worst(run) < 0.1);
+}
+
+TEST_CASE("Error bars hold the tight solves, above a floor that is said", "[touch session]") {
+  const SessionOptions options = options_for(PathName::raster, 0.012, 4);
+  const TouchSessionResult run = run_touch_session(liver(), options);
+  std::size_t samples = 0, inside = 0, above = 0;
+  for (const TouchFrameRecord& frame : run.frames) {
+    const auto& [at_90, at_95, at_99] = frame.source.bar.half_width;
+    if (frame.touch == TouchKind::none || !std::isfinite(at_95)) continue;
+    const double floor = touch_bar_floor(frame, options.switching);
+    CHECK(at_90 >= floor);
+    CHECK(at_95 >= at_90);
+    CHECK(at_99 >= at_95);
+    if (!frame.judged.reference.allFinite()) continue;
+    ++samples, above += at_95 > floor;
+    inside += (frame.force.elastic - frame.judged.reference).norm() <= at_95;
+  }
+  REQUIRE(samples > 60);
+  CHECK(above > samples / 4);
+  CHECK(inside > 9 * samples / 10);
+}
+
+TEST_CASE("Factors of the bars become those of the session's own states", "[touch session]") {
+  std::vector<double> scores;
+  for (int i = 1; i <= 4000; ++i) scores.push_back(0.001 * i);
+  const std::array<double, 3> own = touch_bar_factors(scores), prior = touch_bar_factors({});
+  CHECK(own[0] == Approx(3.6).epsilon(0.02));
+  CHECK(own[1] == Approx(3.8).epsilon(0.02));
+  CHECK(own[2] == Approx(3.96).epsilon(0.02));
+  CHECK(prior[0] < prior[1]);
+  CHECK(prior[1] < prior[2]);
 }
 
 TEST_CASE("What is for one place is refused", "[touch session]") {

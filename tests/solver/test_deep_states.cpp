@@ -232,6 +232,24 @@ TEST_CASE("Over patches, where a jet at rest was made, K is exact") {
   }
 }
 
+TEST_CASE("A set over patches keeps how far it erred where states came, in its own estimate") {
+  const Deep deep = deep_of(Law::neo_hookean, 4, 2);
+  const auto patches = std::make_shared<const FieldPatches>(deep.field);
+  CHECK(patches->error() > 0);
+  CHECK(FieldPatches(deep.field, patches->values()).error() == patches->error());
+  const DeepStates none(deep.field, {}, patches);
+  const auto known = none.with(deep.states);
+  REQUIRE(known->scores().size() == 2);
+  for (std::size_t k = 0; k < 2; ++k) {
+    const State& state = deep.states[k];
+    const SurfacePlace place = deep.field->rest().map().nearest(state.site);
+    const SiteModel model = none.model(place);
+    const double error = (none.at(model, place, state.at).force - state.force).norm();
+    CHECK(known->scores()[k] == Approx(error / none.estimated_error(model, place, state.at)).epsilon(1e-9));
+  }
+  CHECK(DeepStates(deep.field).with(deep.states)->scores().empty());
+}
+
 TEST_CASE("States beyond a fold do not spoil the places before it") {
   // St. Venant-Kirchhoff: pressed deep enough, the body buckles under the pad, which no series from rest sees.
   const Deep deep = deep_of(Law::st_venant_kirchhoff, 4, 1);
