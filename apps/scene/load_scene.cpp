@@ -213,6 +213,16 @@ spacing = 0.006
 box = [[-0.036, -0.036, -0.036], [0.036, 0.036, 0.024]]
 )";
 
+// Keys of the models and lattices of one place.
+void warn_of_one_place(const SceneTable& model, const SceneTable& session, Scene& scene) {
+  const auto warn = [&](const SceneTable& table, const std::string& key) {
+    if (table.has(key))
+      scene.source.warnings.push_back(table.where(key).text() + ": without effect with contact.anywhere");
+  };
+  for (const std::string& key : model_rows().names()) warn(model, key);
+  for (const char* key : {"method", "placement", "select", "rest_first"}) warn(session, key);
+}
+
 // sites: of a command that knows places on the surface.
 Scene make_scene(const SceneDocument& document, const fs::path& file, const Scene* like,
                  const SceneUse& use = {}, bool sites = false) {
@@ -226,14 +236,14 @@ Scene make_scene(const SceneDocument& document, const fs::path& file, const Scen
   scene.touch.anywhere = read_anywhere(sections.contact, space);
   if (scene.touch.anywhere && !sites)
     throw InputError(sections.contact.where("anywhere"),
-                     "is for solve --site, generate, evaluate, info and show, expected nearest = [x, y, z], "
-                     "a place for the "
-                     "pad, with this command");
+                     "is for solve --site, generate, evaluate, classify, session, info and show, expected "
+                     "nearest = [x, y, z], a place for the pad, with this command");
   scene.source.file = file;
   scene.model = read_model(model);
   if (model.has("select") && session.has("select"))
     throw session.wrong("select", "only one of model.select and session.select");
   read_session(session, scene);
+  if (scene.touch.anywhere) warn_of_one_place(model, session, scene);
   const SceneTable hand = table(hand_rows());
   const std::optional<std::string> of_hand = device_of_hand(hand);
   if (of_hand && scene.written.device)

@@ -89,6 +89,11 @@ SitedBody put_at(const Scene& scene, const Vec3& wanted, bool quiet) {
                   .normal = under.normal,
                   .warnings = check(*body, scene.source.file.string())};
   if (scene.touch.anywhere->fine) body->fine = fine_jet_at(scene, *body, quiet);
+  if (distance > 0.1 * body->pad->radius)
+    sited.warnings.push_back(
+        fmt::format("the site {} is {:.3g} mm from the surface; the place nearest to it, {}, is "
+                    "taken",
+                    in_words(wanted), 1e3 * distance, in_words(site.at)));
   if (sited.clamped_share > 0)
     sited.warnings.push_back(
         fmt::format("the pad at {} reaches over the clamp: {:.1f} % of its springs pull on clamped "

@@ -152,7 +152,8 @@ JsonKeys<TouchErrors> error_keys() {
 
 JsonKeys<TouchBars> bar_keys() {
   using B = TouchBars;
-  return {{"coverage", "1", "share of the samples inside the bar; null: no sample has one", &B::inside},
+  return {{"coverage", "1", "share of the samples at equal distances inside the bar; null: no sample has one",
+           &B::inside},
           {"coverage_above", "1", "the same of samples whose bar is above its floor, a tenth of the JND",
            &B::inside_above},
           {"at_floor", "", "samples whose bar is at that floor", &B::at_floor},

@@ -46,7 +46,9 @@ class Slider {
     for (int i = 0; i < most_halvings && (high < 0 || high - low > shortest); ++i) {
       Seen seen = see(field_.map().walk(from.walk.end, step * way));
       const double slope = onward(seen, way);
-      const bool falls = seen.terms.at.energy <= best.terms.at.energy,
+      // No body has E < 0: there the model is wrong, and no site goes.
+      const bool falls = seen.terms.at.energy <= best.terms.at.energy &&
+                         seen.terms.at.energy >= std::min(0.0, best.terms.at.energy),
                  before = falls && slope >= -tolerance(seen);
       // Where the slope would vanish.
       const double steepness = (low_slope - slope) / (step - low);

@@ -5,7 +5,7 @@
 // mu the site stays while |g| <= mu f . n and slides down g until equality (Harwin and Melder 2002: the friction cone
 // of the proxy). Each accepted move lowers E, so sliding only dissipates. Where facets meet in a valley, E has a kink:
 // the site stops on the edge, or slides along it. A tensile force, f . n < 0, has no friction: the site goes down to a
-// minimum of E, or until the force pushes again.
+// minimum of E, or until the force pushes again. A wrong model may have E < 0, which no body has: no site goes there.
 //
 // g is not the tangential force: pressed straight along -n on a curved body it does not vanish.
 

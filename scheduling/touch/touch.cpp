@@ -1,5 +1,7 @@
 #include "scheduling/touch/touch.hpp"
 
+#include <algorithm>
+
 namespace forefeel {
 namespace {
 
@@ -29,7 +31,7 @@ TouchFrame touch(const TouchField& field, const Touch& before, const Vec3& tip,
   if (!now.inside) {
     const std::optional<SurfacePlace> way_out = field.grid().crossing(tip, before.tip);
     frame.left = way_out ? way_out->at : tip;
-    frame.lost = field.at(now.site, *frame.left - now.site.at, false).at.energy;
+    frame.lost = std::max(0.0, field.at(now.site, *frame.left - now.site.at, false).at.energy);
     now.kind = TouchKind::none;
     return frame;
   }
@@ -44,7 +46,7 @@ TouchFrame touch(const TouchField& field, const Touch& before, const Vec3& tip,
     frame.at_border = slip.end == SlipEnd::border;
     if (slip.slid > 0) now.kind = TouchKind::slip, now.site = slip.site;
     if (slip.pulled && slip.end != SlipEnd::sticks) {
-      frame.lost += terms.at.energy;
+      frame.lost += std::max(0.0, terms.at.energy);
       now.kind = TouchKind::none;
       return frame;
     }

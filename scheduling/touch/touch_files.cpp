@@ -35,7 +35,8 @@ constexpr RunColumn<TouchRow> touch_frame_columns[] = {
     {"energy", "J", "stored by body and pad", [](RowText& o, const TouchRow& f) { put(o, f.energy); }},
     {"lost", "J", "by sliding, and where a touch ends under force, in this frame",
      [](RowText& o, const TouchRow& f) { put(o, f.lost); }},
-    {"slope", "1", "|g| / (f . n): a touch slides where it exceeds contact.friction",
+    {"slope", "1",
+     "|g| / (f . n): a touch slides where it exceeds contact.friction, but not out of a kink of E on an edge",
      [](RowText& o, const TouchRow& f) { put(o, f.source.slope); }},
     {"label", "", "coverage at (site, tip - site): safe, sparse, gap or blank; empty: no touch",
      [](RowText& o, const TouchRow& f) { put(o, is_touching(f) ? name(f.label) : ""); }},
@@ -44,7 +45,7 @@ constexpr RunColumn<TouchRow> touch_frame_columns[] = {
     {"estimate", "N", "of that error", [](RowText& o, const TouchRow& f) { put(o, f.source.bar.scale); }},
     {"bar90,bar95,bar99", "N",
      "error bar: |elastic - reference| is at most this with 90, 95, 99 %; at least a tenth of the "
-     "JND; empty: deeper than states are placed",
+     "JND; empty: half as far again as states are placed, or farther",
      [](RowText& o, const TouchRow& f) {
        const auto& [at_90, at_95, at_99] = f.source.bar.half_width;
        put(o, Vec3(at_90, at_95, at_99));

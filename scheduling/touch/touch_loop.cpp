@@ -103,6 +103,7 @@ void TouchLoop::frame(std::size_t k, double started) {
   const TouchFrame frame = touch(field_, touch_, tip.at, options_.friction);
   touch_ = frame.touch;
   record.touch = touch_.kind, record.site = touch_.site;
+  unfelt_ += touch_.kind == TouchKind::none && touch_.inside;
   record.energy = frame.energy, record.lost = frame.lost;
   const double dt = done_ > 0 ? tip.t - last_t_ : options_.render.frame;
   record.force.rendered = rendered(frame, came, dt, record);

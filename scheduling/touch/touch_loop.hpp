@@ -40,6 +40,7 @@ class TouchLoop {
   std::vector<TouchFrameRecord> take_log();  // of the frames done so far
   std::vector<Vec3> take_uncontrolled();     // as SafetyReport::uncontrolled
   const Safety& safety() const { return output_.safety(); }
+  std::size_t unfelt() const { return unfelt_; }  // frames with the tip inside the body, but no touch
   PassivityReport passivity() const { return output_.passivity(); }
   const DeviceFaults& faults() const { return tip_.faults(); }
   const HipSample& tip() const { return tip_.tip(); }
@@ -66,7 +67,7 @@ class TouchLoop {
   std::size_t ramp_ = 0;  // frames of the ramp at the end
   std::vector<TouchFrameRecord> log_;
   std::vector<Vec3> uncontrolled_;  // empty if passivity is observed only
-  std::size_t done_ = 0;
+  std::size_t done_ = 0, unfelt_ = 0;
 };
 
 }  // namespace forefeel

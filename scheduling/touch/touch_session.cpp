@@ -38,8 +38,10 @@ std::string jumps_in_words(std::span<const TouchFrameRecord> frames) {
     ++jumps, farthest = std::max(farthest, way);
   }
   if (jumps == 0) return {};
-  return fmt::format("the site jumped in {} frames, by up to {:.1f} mm: the body snaps under the tip there",
-                     jumps, 1e3 * farthest);
+  return fmt::format(
+      "the site jumped in {} frames, by up to {:.1f} mm: the body snaps under the tip there, or the model is "
+      "wrong",
+      jumps, 1e3 * farthest);
 }
 
 using Show = std::function<void(const TouchProgress&)>;
@@ -154,6 +156,11 @@ struct Parts {
     result.frames = loop.take_log();
     if (std::ranges::none_of(result.frames, [](const auto& f) { return f.touch != TouchKind::none; }))
       result.notes.push_back("the tip never entered the body");
+    if (loop.unfelt() > 0)
+      result.notes.push_back(
+          fmt::format("in {} frames the tip was inside the body and felt nothing: it had come "
+                      "through the clamp, or a touch had ended there under tension",
+                      loop.unfelt()));
     if (const std::string line = jumps_in_words(result.frames); !line.empty()) result.notes.push_back(line);
     result.dispatches = planner.dispatches();
     result.states = planner.known();
