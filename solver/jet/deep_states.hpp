@@ -74,9 +74,10 @@ class DeepStates {
   // model: of this place, by model() or the field's. stiff: with the stiffness; else the corrections' part of it is
   // left out.
   SiteTerms at(const SiteModel& model, const SurfacePlace& place, const Vec3& x, bool stiff = true) const;
-  // Of the force's error [N]. The root of the sum of squares of: the spread of the states' corrections about their mean,
-  // the field's own correction, 0, among them; the field's estimate times its weight and the usual surprise(); and, the
-  // less the nearer a jet at rest is, what the field's neighbours differ by, and over patches their error() times |K x|.
+  // Of the force's error [N]. The root of the sum of squares of: the spread of the states' corrections about their
+  // mean, the field's own correction, 0, among them; the field's estimate times its weight and the usual surprise();
+  // and, the less the nearer a jet at rest is, what the field's neighbours differ by, and over patches their error()
+  // times |K x|.
   double estimated_error(const SiteModel& model, const SurfacePlace& place, const Vec3& x) const;
   // Three times the estimate is within tolerance * max(|f|, floor).
   bool trusted(const SiteModel& model, const SurfacePlace& place, const Vec3& x, double tolerance,

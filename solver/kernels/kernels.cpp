@@ -1,19 +1,13 @@
 #include "solver/kernels/kernels.hpp"
 
 #include "geometry/common/instruction_set.hpp"
-#include "solver/kernels/site_sums.hpp"
 
 namespace forefeel {
 
 FOREFEEL_IN_EACH_SET(extern const FrontKernels front_kernels;)
-FOREFEEL_IN_EACH_SET(extern const SiteKernels site_kernels;)
 
 const FrontKernels& front_kernels() {
   return FOREFEEL_CHOSEN(front_kernels);
-}
-
-const SiteKernels& site_kernels() {
-  return FOREFEEL_CHOSEN(site_kernels);
 }
 
 const char* instruction_set() {
