@@ -21,9 +21,8 @@
 // body has no corrections; over patches (field_patches.hpp), whose K is near the exact one, jets at rest bring the
 // difference.
 //
-// A loop asks several times a frame: each facet has a list of the states that reach it, and their polynomials are kept
-// in z = Q_k B(s) x, eight
-// side by side (solver/kernels/site_sums.hpp).
+// A loop asks several times a frame. So each facet has a list of the states that reach it, and their polynomials are
+// kept in z = Q_k B(s) x, to be summed several at a time (solver/kernels/site_sums.hpp).
 
 #include <array>
 #include <memory>
