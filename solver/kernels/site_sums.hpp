@@ -1,7 +1,7 @@
 #pragma once
-// Sums over states that correct a field of sites (solver/jet/deep_states.hpp), several states at a time: the weights p_k
-// and the corrections p_k C_k / c(s)^2 at one (s, x), with their derivatives. All is a function of u = B(s) x, of the
-// normal n(s), and of s where it stands alone. A state's polynomial is one in z - z_k, z = Q_k u.
+// Sums over states that correct a field of sites (solver/jet/deep_states.hpp), several states at a time: the weights
+// p_k and the corrections p_k C_k / c(s)^2 at one (s, x), with their derivatives. All is a function of u = B(s) x, of
+// the normal n(s), and of s where it stands alone. A state's polynomial is one in z - z_k, z = Q_k u.
 
 #include <cstdint>
 
