@@ -39,9 +39,8 @@ void put(const Vec3& from, double* to) {
 
 struct DeepStates::Record {
   SurfacePlace place;
-  Vec3 x = Vec3::Zero(), normal = Vec3::Zero();
+  Vec3 x = Vec3::Zero();
   double surprise = 0;
-  Series correction = Series::Zero();  // P_k / c_k^2 in z - z_k
   SiteRow row;
   bool at_rest() const { return row.growth == 0; }
 };
@@ -101,11 +100,10 @@ std::shared_ptr<const DeepStates::Record> DeepStates::record_of(const State& sta
   record->x = state.at;
   const int degree = state.jet ? state.jet->order + 1 : 2;
   const SiteModel model = this->model(record->place);
-  record->normal = model.rest().normal;
   const Mat3 back = model.root().inverse(), metric = back.transpose() * back;
   SiteRow& row = record->row;
   const double reach = at_rest ? rest_reach_ : reach_;
-  put(record->place.at, row.at), put(record->normal, row.normal), put(model.root() * record->x, row.z);
+  put(record->place.at, row.at), put(model.rest().normal, row.normal), put(model.root() * record->x, row.z);
   row.reach = 1 / (reach * reach);
   for (int i = 0, k = 0; i < 3; ++i)
     for (int j = i; j < 3; ++j) row.metric[k++] = metric(i, j);
@@ -126,8 +124,8 @@ std::shared_ptr<const DeepStates::Record> DeepStates::record_of(const State& sta
     row.near = std::max(1.0, record->surprise) / (deep * deep);
     row.growth = 1 / state.at.squaredNorm();
   }
-  record->correction = turned(cut_after(correction, degree), back) / model.scale();
-  std::copy_n(record->correction.data(), series_terms, row.series);
+  const Series in_z = turned(cut_after(correction, degree), back) / model.scale();
+  std::copy_n(in_z.data(), series_terms, row.series);
   return record;
 }
 
