@@ -168,11 +168,11 @@ std::vector<BarSample> samples_of(const Trial& trial, std::uint32_t part, const 
   PlaceForces forces(*trial.known, method_of(options));
   std::vector<BarSample> samples;
   for (std::size_t i = part % stride; i < trial.held.size(); i += stride) {
-    BarSample sample = sample_of(*trial.known, forces.force(trial.held[i].at), trial.held[i]);
-    if (forces.judged()) {
-      const ForceField::Prediction judged = forces.judge(trial.held[i].at);
-      sample.scale = judged_scale(judged, forces.force(trial.held[i].at));
-      sample.across = judged.least_error;
+    const PlaceForces::Found found = forces.at(trial.held[i].at);
+    BarSample sample = sample_of(*trial.known, found.force, trial.held[i]);
+    if (found.judged) {
+      sample.scale = judged_scale(*found.judged, found.force);
+      sample.across = found.judged->least_error;
     }
     sample.seen = trial.seen[i];
     sample.part = part;
@@ -352,7 +352,7 @@ OfflineBars checked_bars(const StateSpace& known, std::span<const State> checks,
   PlaceForces models(known, method_of(options));
   std::vector<double> scores;
   for (std::size_t i = 0; i < checks.size(); ++i) {
-    BarSample sample = sample_of(known, models.force(checks[i].at), checks[i]);
+    BarSample sample = sample_of(known, models.at(checks[i].at).force, checks[i]);
     sample.scale = std::max(sample.predicted, Tolerance().floor);
     sample.part = static_cast<std::uint32_t>(i);
     if (!std::isfinite(sample.error)) continue;

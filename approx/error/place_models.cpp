@@ -37,11 +37,18 @@ PlaceForces::PlaceForces(const StateSpace& known, const PlaceMethod& method) {
   if (method.judge) judge_.emplace(known, *method.judge);
 }
 
-Vec3 PlaceForces::force(const Vec3& x) {
-  if (field_) return field_->at(x).force;
-  if (!models_) return judge_->at(x).force;
-  const Vec3 foot = judge_ ? judge_->at(x).foot : x;
-  return models_->at(foot).force(foot);
+PlaceForces::Found PlaceForces::at(const Vec3& x) {
+  Found found;
+  if (judge_) found.judged = judge_->at(x);
+  if (field_) {
+    found.force = field_->at(x).force;
+  } else if (models_) {
+    const Vec3 foot = found.judged ? found.judged->foot : x;
+    found.force = models_->at(foot).force(foot);
+  } else {
+    found.force = found.judged->force;
+  }
+  return found;
 }
 
 }  // namespace forefeel

@@ -37,10 +37,11 @@ struct PlaceMethod {
 class PlaceForces {
  public:
   PlaceForces(const StateSpace& known, const PlaceMethod& method);  // the space must outlive this
-  Vec3 force(const Vec3& x);
-  bool judged() const { return judge_.has_value(); }
-  // Deviation of |force - f~| without noise, and the least error across [N]; only if judged().
-  ForceField::Prediction judge(const Vec3& x) const { return judge_->at(x); }
+  struct Found {
+    Vec3 force = Vec3::Zero();                             // [N]
+    std::optional<ForceField::Prediction> judged = {};  // none without a judge
+  };
+  Found at(const Vec3& x);
 
  private:
   std::optional<PlaceModels> models_;

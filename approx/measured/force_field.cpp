@@ -3,6 +3,7 @@
 #include <Eigen/Eigenvalues>
 #include <Eigen/QR>
 #include <algorithm>
+#include <array>
 #include <cmath>
 #include <limits>
 #include <utility>
@@ -17,8 +18,12 @@ constexpr std::size_t most_rows = 1300;                     // of the process of
 constexpr std::size_t field_neighbours = 120;               // of a place, where the rows are not averaged
 constexpr std::size_t law_clusters = 64, cluster_rows = 4;  // rows that the law is first fitted to
 constexpr std::size_t more_clusters = 110;                  // and those that it is improved with
+constexpr std::size_t most_clusters = 300;                  // and those that the kind of law is chosen by
 constexpr std::size_t law_boxes = 500;
-constexpr int first_polishing = 5, polishing = 20;  // steps
+constexpr int first_polishing = 5, polishing = 20, last_polishing = 10;  // steps
+constexpr int local_steps = 15;
+constexpr std::size_t enough_groups = 20;  // that tell a better law than the likeliest
+constexpr double surely_better = 2.1;      // standard errors of the mean difference of scores
 constexpr double most_sag = 0.3;                    // of a box, in deviations of its mean
 constexpr double longest_doubt = 1.8;               // length, in extents of the rows (root mean square)
 constexpr double least_apart = 0.1;                 // of boxes for a secant, in lengths and radii
@@ -91,6 +96,21 @@ double largest_secant(const MeasuredRows& boxes, double noise, double apart) {
   return most;
 }
 
+double mean_of(const std::vector<double>& values) {
+  double sum = 0;
+  for (const double v : values) sum += v / double(values.size());
+  return sum;
+}
+
+// Whether the mean of a is less than that of b, as far as their differences show.
+bool surely_less(const std::vector<double>& a, const std::vector<double>& b) {
+  double sum = 0, squares = 0;
+  const auto n = double(a.size());
+  for (std::size_t g = 0; g < a.size(); ++g) sum += b[g] - a[g], squares += std::pow(b[g] - a[g], 2);
+  const double mean = sum / n;
+  return mean > surely_better * std::sqrt(std::max(0.0, squares / n - mean * mean) / (n - 1));
+}
+
 // Where rows lie across themselves, from x, and how far they are from there.
 struct Lie {
   double off = 0, deviation = 0;  // [m]
@@ -123,6 +143,52 @@ Lie lie_of(const std::vector<Vec3>& near, int axis) {
   return lie;
 }
 
+// Groups that are left out to compare laws: the largest natural ones of which there are enough, or boxes of four.
+PositionGroups groups_of(const MeasuredRows& rows) {
+  std::optional<PositionGroups> largest;
+  for (PositionGroups& level : natural_groups(rows.at))
+    if (level.count >= enough_groups && (!largest || level.count < largest->count))
+      largest = std::move(level);
+  return largest ? *std::move(largest) : compact_groups(rows.at, cluster_rows);
+}
+
+struct ChosenLaw {
+  std::optional<LikelyLaw> best, rough;
+};
+
+// The kind of law by the likelihood of the most rows. Another, if it surely predicts single rows better; and another
+// than that, if it surely predicts groups of them better, which are as hard as what is asked.
+ChosenLaw chosen_law(const MeasuredRows& some, const MeasuredRows& more, const MeasuredRows& most,
+                     std::optional<double> noise) {
+  constexpr std::array kinds{Smoothness::gaussian, Smoothness::matern52, Smoothness::matern32};
+  std::array<std::optional<LikelyLaw>, kinds.size()> laws;
+  std::array<std::vector<std::vector<double>>, kinds.size()> scores;
+  const bool all = most.size() > more.size();
+  std::vector<Grouping> groupings;
+  if (all) groupings = {compact_groups(most.at, 1).of, groups_of(most).of};
+#pragma omp parallel for schedule(dynamic, 1)
+  for (std::size_t k = 0; k < kinds.size(); ++k) {
+    laws[k] = likely_law(some, kinds[k], noise);
+    if (laws[k]) laws[k] = improved_law(more, laws[k]->law, {.steps = first_polishing, .noise = noise});
+    if (laws[k] && all) laws[k] = improved_law(most, laws[k]->law, {.steps = last_polishing, .noise = noise});
+    if (laws[k] && all) scores[k] = left_out_scores(most, laws[k]->law, groupings);
+  }
+  std::optional<std::size_t> best;
+  for (std::size_t k = 0; k < kinds.size(); ++k)
+    if (laws[k] && (!best || laws[k]->minus_log_likelihood < laws[*best]->minus_log_likelihood)) best = k;
+  if (!best) return {};
+  const std::optional<LikelyLaw>& rough = laws.back();
+  if (!all) return {improved_law(more, laws[*best]->law, {.steps = polishing, .noise = noise}), rough};
+  for (std::size_t g = 0; g < groupings.size(); ++g) {
+    std::size_t surest = *best;
+    for (std::size_t k = 0; k < kinds.size(); ++k)
+      if (!scores[k].empty() && !scores[surest].empty() && mean_of(scores[k][g]) < mean_of(scores[surest][g]))
+        surest = k;
+    if (surest != *best && surely_less(scores[surest][g], scores[*best][g])) best = surest;
+  }
+  return {laws[*best], rough};
+}
+
 double radius_of(const MeasuredRows& rows) {
   Vec3 middle = Vec3::Zero();
   for (const Vec3& x : rows.at) middle += x / double(rows.size());
@@ -151,18 +217,15 @@ MeasuredRows averaged_boxes(std::span<const State> states, std::size_t size) {
 
 std::optional<FieldOptions> field_of(std::span<const State> states, const KnownNoise& noise) {
   if (states.size() < 8) return {};
-  const MeasuredRows some = rows_for_law(states, law_clusters), more = rows_for_law(states, more_clusters);
+  const MeasuredRows some = rows_for_law(states, law_clusters), more = rows_for_law(states, more_clusters),
+                     most = rows_for_law(states, most_clusters);
   const std::size_t size = box_size(states.size(), law_boxes);
   const MeasuredRows boxes = averaged_boxes(states, size);
-  std::optional<LikelyLaw> best, doubt;
+  std::optional<LikelyLaw> best, rough, doubt;
   const auto fit = [&](std::optional<double> known) {
-    best.reset();
-    for (const Smoothness smoothness : {Smoothness::gaussian, Smoothness::matern52, Smoothness::matern32}) {
-      std::optional<LikelyLaw> found = likely_law(some, smoothness, known);
-      if (found) found = improved_law(more, found->law, {.steps = first_polishing, .noise = known});
-      if (found && (!best || found->minus_log_likelihood < best->minus_log_likelihood)) best = found;
-    }
-    if (best) best = improved_law(more, best->law, {.steps = polishing, .noise = known});
+    const ChosenLaw chosen = chosen_law(some, more, most, known);
+    best = chosen.best;
+    rough = chosen.rough;
     if (best && size > 1 && flat_within(states, size, best->law))
       best = improved_law(boxes, best->law, {.steps = polishing, .noise = known});
     if (best)
@@ -177,18 +240,31 @@ std::optional<FieldOptions> field_of(std::span<const State> states, const KnownN
     if (noise.force || best->law.noise < least) fit(least);
     if (!best) return {};
   }
-  double most = 0;
-  for (const Vec3& f : boxes.force) most = std::max(most, f.norm());
+  double largest = 0;
+  for (const Vec3& f : boxes.force) largest = std::max(largest, f.norm());
   const double apart = std::min(least_apart * best->law.length, least_apart * radius_of(boxes));
   FieldOptions found{
       .law = best->law,
       .doubt = doubt ? doubt->law : best->law,
-      .stiffest = std::max(largest_secant(boxes, best->law.noise, apart), most / radius_of(boxes)),
+      .stiffest = std::max(largest_secant(boxes, best->law.noise, apart), largest / radius_of(boxes)),
       .box = box_size(states.size(), most_rows)};
+  if (rough) found.rough = rough->law;
+  found.noise = noise.force;
   if (best->law.length <= found.doubt.length) found.doubt = best->law;
   found.spline = likely_spline(more, noise.force).value_or(SplineLaw{});
   if (!flat_within(states, found.box, best->law)) found.neighbours = field_neighbours;
   return found;
+}
+
+std::optional<FieldOptions> local_field(const FieldOptions& field, std::size_t rows) {
+  if (!(field.rough.amplitude > 0) || rows < 4 * field_neighbours) return {};
+  FieldOptions local = field;
+  local.law = field.rough;
+  local.doubt = {};
+  local.spline = {};
+  local.neighbours = field_neighbours;
+  local.local = true;
+  return local;
 }
 
 ForceField::ForceField(const StateSpace& known, const FieldOptions& options)
@@ -210,7 +286,10 @@ ForceField::ForceField(const StateSpace& known, const FieldOptions& options)
 
 ForceField::Processes ForceField::processes_of(const MeasuredRows& rows) const {
   Processes made;
-  made.own = std::make_shared<const GaussianProcess>(rows, options_.law);
+  FieldLaw law = options_.law;
+  if (options_.local)
+    if (const auto own = improved_law(rows, law, {.steps = local_steps, .noise = options_.noise})) law = own->law;
+  made.own = std::make_shared<const GaussianProcess>(rows, law);
   if (doubted()) made.doubt = std::make_shared<const GaussianProcess>(rows, options_.doubt);
   if (options_.spline.amplitude > 0) made.spline = std::make_shared<const ThinPlate>(rows, options_.spline);
   return made;

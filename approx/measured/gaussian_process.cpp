@@ -187,6 +187,30 @@ std::optional<LikelyLaw> searched(const Corner& start, double size, int steps_wa
   return LikelyLaw{found.law, found.value};
 }
 
+// Of each group, from the precision matrix Q of the rows and Q F. Empty if rounding hides a group in the others.
+std::vector<double> scores_of(const MatrixXd& precision, const Forces& weights, const Grouping& grouping) {
+  std::vector<std::vector<Index>> members(std::ranges::max(grouping) + 1);
+  for (std::size_t i = 0; i < grouping.size(); ++i) members[grouping[i]].push_back(Index(i));
+  std::vector<double> missed, spread;  // of each group: means of |e|^2 / v and of log v
+  double mean = 0;                     // of |e|^2 / v
+  for (const std::vector<Index>& own : members) {
+    const Eigen::LLT<MatrixXd> block(MatrixXd(precision(own, own)));
+    if (block.info() != Eigen::Success) return {};
+    const auto count = Index(own.size());
+    const MatrixXd variance = block.solve(MatrixXd::Identity(count, count));
+    const Forces error = block.solve(Forces(weights(own, Eigen::all)));
+    const auto v = variance.diagonal().array();
+    missed.push_back((error.rowwise().squaredNorm().array() / v).mean());
+    spread.push_back(v.log().mean());
+    mean += missed.back() * double(count) / double(grouping.size());
+  }
+  const double c = std::max(mean / 3, std::numeric_limits<double>::min());
+  std::vector<double> scores;
+  for (std::size_t g = 0; g < missed.size(); ++g)
+    scores.push_back(0.5 * missed[g] / c + 1.5 * (std::log(c) + spread[g]));
+  return scores;
+}
+
 }  // namespace
 
 std::optional<LikelyLaw> likely_law(const MeasuredRows& rows, Smoothness smoothness,
@@ -217,6 +241,23 @@ std::optional<LikelyLaw> improved_law(const MeasuredRows& rows, const FieldLaw& 
   const Place at{std::min(std::log(law.length), range.longest()),
                  std::log(std::max(least_ratio, square(law.noise / law.amplitude)))};
   return searched({at, likelihood.at(at[0], at[1]).value}, 0.5, search.steps, range, likelihood);
+}
+
+std::vector<std::vector<double>> left_out_scores(const MeasuredRows& rows, const FieldLaw& law,
+                                                 std::span<const Grouping> groupings) {
+  const double ratio = std::clamp(square(law.noise / law.amplitude), least_ratio, most_ratio);
+  const Eigen::LLT<MatrixXd> factor(
+      system_of(squared_distances(rows.at), rows.weight, law.smoothness, law.length, ratio));
+  if (factor.info() != Eigen::Success) return {};
+  MatrixXd precision = factor.solve(MatrixXd::Identity(Index(rows.size()), Index(rows.size())));
+  const VectorXd ones = precision.rowwise().sum();
+  precision -= ones * ones.transpose() / ones.sum();
+  const Forces weights = precision * forces_of(rows);
+  std::vector<std::vector<double>> scores;
+  for (const Grouping& grouping : groupings)
+    scores.push_back(scores_of(precision / square(law.amplitude), weights / square(law.amplitude), grouping));
+  if (std::ranges::any_of(scores, &std::vector<double>::empty)) return {};
+  return scores;
 }
 
 GaussianProcess::GaussianProcess(MeasuredRows rows, const FieldLaw& law) : rows_(std::move(rows)), law_(law) {

@@ -21,7 +21,6 @@ constexpr std::size_t most_for_all = 1000;  // states for a model of all
 constexpr std::size_t first_positions = 60, most_positions = 300;
 constexpr std::size_t first_trials = 3;
 constexpr std::size_t finalists = 3;
-constexpr std::size_t field_neighbours = 120;
 constexpr std::size_t enough_groups = 20;  // that tell a process from its blend with a spline
 constexpr double ridge_gain = 1.02;        // a ridge is used if the error without it is larger by this factor
 
@@ -47,10 +46,16 @@ std::vector<Judged> judge(const Trials& trials, const std::optional<FieldOptions
   return judged;
 }
 
-// |f - f~| at every `stride`-th position left out [N].
-std::vector<double> misses(const Trial& trial, const Judged& judged, const Candidate& candidate,
+// At a position left out: the error, and its variance by the process, with noise [N^2]; NaN without a process.
+struct Miss {
+  double error = 0, variance = unknown;
+};
+using Misses = std::vector<Miss>;
+
+// Of every `stride`-th position left out.
+Misses misses(const Trial& trial, const Judged& judged, const Candidate& candidate,
                            std::size_t stride) {
-  std::vector<double> out;
+  Misses out;
   std::optional<PlaceModels> models;
   std::optional<ForceField> field;
   const bool own = candidate.field && !candidate.judge;
@@ -59,11 +64,15 @@ std::vector<double> misses(const Trial& trial, const Judged& judged, const Candi
   for (std::size_t i = 0; i < trial.held.size(); i += stride) {
     const State& held = trial.held[i];
     const Vec3 foot = judged.empty() ? held.at : judged[i].foot;
-    const Vec3 force = own ? field->at(held.at).force
-                       : candidate.field
-                           ? (candidate.field->spline.amplitude > 0 ? judged[i].force : judged[i].alone)
-                           : models->at(foot).force(foot);
-    out.push_back((force - held.force).norm());
+    if (!candidate.field) {
+      out.push_back({.error = (models->at(foot).force(foot) - held.force).norm()});
+      continue;
+    }
+    const ForceField::Prediction made = own ? field->at(held.at) : judged[i];
+    const Vec3 force = own || candidate.field->spline.amplitude > 0 ? made.force : made.alone;
+    const double noise = candidate.field->law.noise;
+    out.push_back({.error = (force - held.force).norm(),
+                   .variance = made.deviation * made.deviation + 3 * noise * noise});
   }
   return out;
 }
@@ -91,11 +100,11 @@ Sampling sampling(const Trials& trials, std::size_t most_trials, std::size_t mos
 }
 
 // Errors of each candidate over the trials.
-std::vector<std::vector<double>> misses(const Trials& trials, const std::vector<Judged>& judged,
+std::vector<Misses> misses(const Trials& trials, const std::vector<Judged>& judged,
                                         std::span<const Candidate> candidates, const Sampling& of,
                                         const std::function<void(double)>& show) {
   const std::size_t count = of.trials.size();
-  std::vector<std::vector<double>> parts_of(count * candidates.size());
+  std::vector<Misses> parts_of(count * candidates.size());
   std::size_t done = 0;
 #pragma omp parallel for schedule(dynamic, 1)
   for (std::size_t k = 0; k < parts_of.size(); ++k) {
@@ -107,7 +116,7 @@ std::vector<std::vector<double>> misses(const Trials& trials, const std::vector<
     if (show && omp_get_thread_num() == 0)
       show(static_cast<double>(now) / static_cast<double>(parts_of.size()));
   }
-  std::vector<std::vector<double>> out(candidates.size());
+  std::vector<Misses> out(candidates.size());
   for (std::size_t k = 0; k < parts_of.size(); ++k)
     out[k / count].insert(out[k / count].end(), parts_of[k].begin(), parts_of[k].end());
   return out;
@@ -141,12 +150,12 @@ double student(std::size_t n) {
 
 // Whether errors a are less than b, as far as the trials show: log of the ratio of their root mean squares, its mean
 // over the trials beside the error of that mean. The trials are few and hold out different groups.
-bool surely_less(const std::vector<double>& a, const std::vector<double>& b,
+bool surely_less(const Misses& a, const Misses& b,
                  const std::vector<std::size_t>& trial) {
   std::map<std::size_t, std::array<double, 2>> sums;
   for (std::size_t i = 0; i < a.size(); ++i) {
-    sums[trial[i]][0] += a[i] * a[i];
-    sums[trial[i]][1] += b[i] * b[i];
+    sums[trial[i]][0] += a[i].error * a[i].error;
+    sums[trial[i]][1] += b[i].error * b[i].error;
   }
   double sum = 0, squares = 0;
   for (const auto& [t, of] : sums) {
@@ -161,10 +170,10 @@ bool surely_less(const std::vector<double>& a, const std::vector<double>& b,
 }
 
 // Root mean square of the errors. Those outside count by the share of wanted places there.
-double score(const std::vector<double>& errors, const std::vector<SeenPlace>& seen, double outside) {
+double score(const Misses& errors, const std::vector<SeenPlace>& seen, double outside) {
   double sum[2] = {}, count[2] = {};
   for (std::size_t i = 0; i < errors.size(); ++i) {
-    sum[seen[i].outside] += errors[i] * errors[i];
+    sum[seen[i].outside] += errors[i].error * errors[i].error;
     count[seen[i].outside] += 1;
   }
   if (count[0] == 0 || count[1] == 0 || outside == 0)
@@ -183,7 +192,7 @@ void sort_by_score(const Trials& trials, const std::vector<Judged>& judged, doub
                    std::vector<Candidate>& candidates, const std::function<void(double)>& show) {
   const Sampling some = sampling(trials, first_trials, first_positions);
   const std::vector<SeenPlace> seen = positions(trials, judged, some);
-  const std::vector<std::vector<double>> errors = misses(trials, judged, candidates, some, show);
+  const std::vector<Misses> errors = misses(trials, judged, candidates, some, show);
   for (std::size_t c = 0; c < candidates.size(); ++c) candidates[c].score = score(errors[c], seen, outside);
   std::ranges::stable_sort(candidates, {}, &Candidate::score);
 }
@@ -241,9 +250,10 @@ std::vector<Candidate> fields_to_try(const AutoModelOptions& options, std::size_
     fields.push_back(field);
     fields.back().field->spline = {};
   }
-  if (states <= most_for_all || near > 0) return fields;
   field.all = field.judge = false;
-  field.field->neighbours = field.model.neighbours = field_neighbours;
+  field.field = local_field(*options.field, states);
+  if (!field.field) return fields;
+  field.model.neighbours = field.field->neighbours;
   fields.push_back(field);
   return fields;
 }
@@ -276,24 +286,39 @@ std::vector<Candidate> best_sets(const std::vector<Candidate>& sorted, std::size
   return best;
 }
 
+// Mean of |e|^2 / (2 c v) + 3/2 log(c v), c: mean of |e|^2 / (3 v); less is better.
+double likely_score(const Misses& misses) {
+  double ratio = 0, spread = 0;
+  for (const Miss& miss : misses) {
+    ratio += miss.error * miss.error / miss.variance / static_cast<double>(misses.size());
+    spread += std::log(miss.variance) / static_cast<double>(misses.size());
+  }
+  return 1.5 + 1.5 * (std::log(ratio / 3) + spread);
+}
+
 // The candidate with the least score; one without a ridge if it is about as good. A process, which the likelihood of
 // all states chose, gives way only to what is surely better. Few groups show little: then it is the one with a spline.
-std::size_t best_of(const std::vector<Candidate>& candidates, const std::vector<std::vector<double>>& errors,
+std::size_t best_of(const std::vector<Candidate>& candidates, const std::vector<Misses>& errors,
                     const std::vector<SeenPlace>& seen, const std::vector<std::size_t>& trial, double outside,
                     std::size_t groups) {
   std::vector<double> scores;
-  for (const std::vector<double>& of : errors) scores.push_back(score(of, seen, outside));
+  for (const Misses& of : errors) scores.push_back(score(of, seen, outside));
   const auto best = static_cast<std::size_t>(std::ranges::min_element(scores) - scores.begin());
   const auto safer = [&](std::size_t c) {
     return groups < enough_groups && candidates[c].field->spline.amplitude > 0;
   };
   std::size_t process = candidates.size();
   for (std::size_t c = 0; c < candidates.size(); ++c) {
-    if (!candidates[c].field) continue;
+    if (!candidates[c].judge) continue;
     if (process == candidates.size() || safer(c) > safer(process) ||
         (safer(c) == safer(process) && scores[c] < scores[process]))
       process = c;
   }
+  for (std::size_t c = 0; c < candidates.size(); ++c)
+    if (candidates[c].field && candidates[c].field->local && process < candidates.size() &&
+        (candidates[process].field->law.smoothness == Smoothness::matern32 ||
+         likely_score(errors[c]) < likely_score(errors[process])))
+      return c;
   if (process < candidates.size() && best != process && !surely_less(errors[best], errors[process], trial))
     return process;
   if (candidates[best].model.ridge > 0)
@@ -334,7 +359,7 @@ AutoModel choose_model(std::span<const State> states, const AutoModelOptions& op
   if (!fields.empty() && !trials.alike) {
     // What is best along presses may be anything between them: the blend of process and spline, which is safe.
     candidates.clear();
-    std::erase_if(fields, [&](const Candidate& c) { return !same_process(*c.field, *options.field); });
+    std::erase_if(fields, [&](const Candidate& c) { return c.judge && !same_process(*c.field, *options.field); });
   } else
     candidates = with_ridges(candidates, wishes.ridge, {0, 1e-4, 1e-2});
   sort_by_score(trials, judged, outside, candidates, stage(0, 0.4));
@@ -348,14 +373,19 @@ AutoModel choose_model(std::span<const State> states, const AutoModelOptions& op
   }
   candidates.insert(candidates.end(), fields.begin(), fields.end());
   const Sampling all = sampling(trials, trials.each.size(), most_positions);
-  const std::vector<std::vector<double>> errors = misses(trials, judged, candidates, all, stage(0.7, 1));
+  const std::vector<Misses> errors = misses(trials, judged, candidates, all, stage(0.7, 1));
   const std::vector<SeenPlace> seen = positions(trials, judged, all);
+  if (getenv("FF_DEBUG"))
+    for (std::size_t c = 0; c < candidates.size(); ++c)
+      fprintf(stderr, "%s %zu ridge %g field %d local %d score %g likely %g\n", std::string(name(candidates[c].model.kernel)).c_str(), candidates[c].model.neighbours, candidates[c].model.ridge, candidates[c].field.has_value(), candidates[c].field && candidates[c].field->local, score(errors[c], seen, outside), likely_score(errors[c]));
   const std::size_t best = best_of(candidates, errors, seen, trials_of(trials, all), outside, trials.groups);
   chosen.model = candidates[best].model;
   chosen.model.neighbours = std::min(chosen.model.neighbours, states.size());
   chosen.all = candidates[best].all;
   chosen.field = candidates[best].field;
-  const std::vector<double> expected = expected_quantiles(errors[best], seen, wanted, std::array{0.5, 0.95});
+  std::vector<double> missed;
+  for (const Miss& miss : errors[best]) missed.push_back(miss.error);
+  const std::vector<double> expected = expected_quantiles(missed, seen, wanted, std::array{0.5, 0.95});
   chosen.p50 = expected[0];
   chosen.p95 = expected[1];
   chosen.positions = errors[best].size();

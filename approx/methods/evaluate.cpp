@@ -296,11 +296,11 @@ Evaluation evaluate(std::span<const State> states, std::span<const Vec3> points,
   for (std::size_t i = 0; i < points.size(); ++i)
     if (places[i] != points[i]) result.made.labels[i] = space.label(points[i]);
   if (moving && options.bars)
-    result.bars = bars_of(space, mean.states, points, result.made, judged,
+    result.bars = bars_of(space, mean.states, points, result.made, own ? near : judged,
                           {.model = model,
                            .all = result.chosen && result.chosen->all,
                            .field = process,
-                           .judge = result.chosen ? result.field : std::nullopt,
+                           .judge = own ? process : result.chosen ? result.field : std::nullopt,
                            .spacing = result.options.spacing,
                            .wanted = wanted},
                           options);
