@@ -19,7 +19,7 @@ constexpr double constants[] = {0, 0.1, 0.3, 1, 3};  // b, in median errors
 constexpr std::size_t scored_level = 1;              // of bar_levels: 95 %
 constexpr std::size_t local_samples = 30;
 constexpr double calm_share = 0.1;     // of the samples, in whose neighbourhoods errors are noise alone
-constexpr double most_apart = 20;      // no judged bar inside is narrower than the widest divided by this
+constexpr double most_apart = 5;       // no judged bar inside is narrower than the widest divided by this
 constexpr BarWidths steeper{2, 3, 4};  // stiffness across the states, in largest stiffnesses along them
 double square(double x) {
   return x * x;
@@ -141,7 +141,7 @@ BarSample sample_of(const StateSpace& known, const Vec3& force, const State& hel
           .error = (force - held.force).norm()};
 }
 
-// r: how much more s shrinks from the held-out positions to the wanted places than their distances do.
+// r: how much more s shrinks from the held-out positions to the wanted places than the squares of their distances do.
 double shrinkage_of(std::span<const BarSample> samples, const OfflineBarOptions& options) {
   double held_squared = 0, wanted_squared = 0;
   std::vector<double> held_away, wanted_away;
@@ -159,7 +159,7 @@ double shrinkage_of(std::span<const BarSample> samples, const OfflineBarOptions&
   const double held = std::sqrt(held_squared / static_cast<double>(held_away.size()));
   const double here = std::sqrt(wanted_squared / static_cast<double>(wanted_away.size()));
   const double farther = median(std::move(held_away)), nearer = median(std::move(wanted_away));
-  return nearer > 0 ? std::max(1.0, held / here / std::max(1.0, farther / nearer)) : 1;
+  return nearer > 0 ? std::max(1.0, held / here / square(std::max(1.0, farther / nearer))) : 1;
 }
 
 // Every `stride`-th force left out of one trial.

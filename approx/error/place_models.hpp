@@ -38,7 +38,7 @@ class PlaceForces {
  public:
   PlaceForces(const StateSpace& known, const PlaceMethod& method);  // the space must outlive this
   struct Found {
-    Vec3 force = Vec3::Zero();                             // [N]
+    Vec3 force = Vec3::Zero();                          // [N]
     std::optional<ForceField::Prediction> judged = {};  // none without a judge
   };
   Found at(const Vec3& x);

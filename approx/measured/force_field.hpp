@@ -35,26 +35,11 @@
 #include <optional>
 #include <span>
 
-#include "approx/measured/gaussian_process.hpp"
+#include "approx/measured/field_law.hpp"
 #include "approx/measured/thin_plate.hpp"
 #include "geometry/coverage/state_space.hpp"
 
 namespace forefeel {
-
-// The likeliest law of the forces of the states, and S. Nothing for fewer than 8 states or states at one place.
-std::optional<FieldOptions> field_of(std::span<const State> states, const KnownNoise& noise = {});
-
-// Whether both give the same forces; of one set of states.
-inline bool same_process(const FieldOptions& a, const FieldOptions& b) {
-  return a.neighbours == b.neighbours && a.local == b.local && a.spline.amplitude == b.spline.amplitude;
-}
-
-// The field whose law is sought anew among the rows nearest to each place: for a force that is rough in some places.
-// Nothing for fewer rows than four times those of a place.
-std::optional<FieldOptions> local_field(const FieldOptions& field, std::size_t rows);
-
-// Means of boxes of at most `size` neighbouring states.
-MeasuredRows averaged_boxes(std::span<const State> states, std::size_t size);
 
 class ForceField {
  public:

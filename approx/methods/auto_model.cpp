@@ -53,8 +53,7 @@ struct Miss {
 using Misses = std::vector<Miss>;
 
 // Of every `stride`-th position left out.
-Misses misses(const Trial& trial, const Judged& judged, const Candidate& candidate,
-                           std::size_t stride) {
+Misses misses(const Trial& trial, const Judged& judged, const Candidate& candidate, std::size_t stride) {
   Misses out;
   std::optional<PlaceModels> models;
   std::optional<ForceField> field;
@@ -101,8 +100,8 @@ Sampling sampling(const Trials& trials, std::size_t most_trials, std::size_t mos
 
 // Errors of each candidate over the trials.
 std::vector<Misses> misses(const Trials& trials, const std::vector<Judged>& judged,
-                                        std::span<const Candidate> candidates, const Sampling& of,
-                                        const std::function<void(double)>& show) {
+                           std::span<const Candidate> candidates, const Sampling& of,
+                           const std::function<void(double)>& show) {
   const std::size_t count = of.trials.size();
   std::vector<Misses> parts_of(count * candidates.size());
   std::size_t done = 0;
@@ -150,8 +149,7 @@ double student(std::size_t n) {
 
 // Whether errors a are less than b, as far as the trials show: log of the ratio of their root mean squares, its mean
 // over the trials beside the error of that mean. The trials are few and hold out different groups.
-bool surely_less(const Misses& a, const Misses& b,
-                 const std::vector<std::size_t>& trial) {
+bool surely_less(const Misses& a, const Misses& b, const std::vector<std::size_t>& trial) {
   std::map<std::size_t, std::array<double, 2>> sums;
   for (std::size_t i = 0; i < a.size(); ++i) {
     sums[trial[i]][0] += a[i].error * a[i].error;
@@ -359,7 +357,8 @@ AutoModel choose_model(std::span<const State> states, const AutoModelOptions& op
   if (!fields.empty() && !trials.alike) {
     // What is best along presses may be anything between them: the blend of process and spline, which is safe.
     candidates.clear();
-    std::erase_if(fields, [&](const Candidate& c) { return c.judge && !same_process(*c.field, *options.field); });
+    std::erase_if(fields,
+                  [&](const Candidate& c) { return c.judge && !same_process(*c.field, *options.field); });
   } else
     candidates = with_ridges(candidates, wishes.ridge, {0, 1e-4, 1e-2});
   sort_by_score(trials, judged, outside, candidates, stage(0, 0.4));
@@ -375,9 +374,6 @@ AutoModel choose_model(std::span<const State> states, const AutoModelOptions& op
   const Sampling all = sampling(trials, trials.each.size(), most_positions);
   const std::vector<Misses> errors = misses(trials, judged, candidates, all, stage(0.7, 1));
   const std::vector<SeenPlace> seen = positions(trials, judged, all);
-  if (getenv("FF_DEBUG"))
-    for (std::size_t c = 0; c < candidates.size(); ++c)
-      fprintf(stderr, "%s %zu ridge %g field %d local %d score %g likely %g\n", std::string(name(candidates[c].model.kernel)).c_str(), candidates[c].model.neighbours, candidates[c].model.ridge, candidates[c].field.has_value(), candidates[c].field && candidates[c].field->local, score(errors[c], seen, outside), likely_score(errors[c]));
   const std::size_t best = best_of(candidates, errors, seen, trials_of(trials, all), outside, trials.groups);
   chosen.model = candidates[best].model;
   chosen.model.neighbours = std::min(chosen.model.neighbours, states.size());

@@ -286,6 +286,7 @@ Evaluation evaluate(std::span<const State> states, std::span<const Vec3> points,
     result.options.centres = RbfNetwork::centres_of(rows, options.model.neighbours.value_or(0));
   const std::optional<FieldOptions> process = result.chosen ? result.chosen->field : std::nullopt;
   const bool own = process && !same_process(*process, *result.field);
+  const bool local = process && process->local;  // it judges itself
   const JudgedPoints near = own ? judge(space, points, process) : JudgedPoints{};
   result.made = process ? evaluate_field(space, points, own ? near : judged, *process, show)
                 : result.chosen && result.chosen->all
@@ -296,11 +297,13 @@ Evaluation evaluate(std::span<const State> states, std::span<const Vec3> points,
   for (std::size_t i = 0; i < points.size(); ++i)
     if (places[i] != points[i]) result.made.labels[i] = space.label(points[i]);
   if (moving && options.bars)
-    result.bars = bars_of(space, mean.states, points, result.made, own ? near : judged,
+    result.bars = bars_of(space, mean.states, points, result.made, local ? near : judged,
                           {.model = model,
                            .all = result.chosen && result.chosen->all,
                            .field = process,
-                           .judge = own ? process : result.chosen ? result.field : std::nullopt,
+                           .judge = local           ? process
+                                    : result.chosen ? result.field
+                                                    : std::nullopt,
                            .spacing = result.options.spacing,
                            .wanted = wanted},
                           options);

@@ -54,13 +54,13 @@ struct SplineLaw {
 
 struct FieldOptions {
   FieldLaw law = {};
-  FieldLaw doubt = {};         // law of the deviation (force_field.hpp)
-  SplineLaw spline = {};       // blended with the process (force_field.hpp)
-  double stiffest = 0;         // S [N/m] (force_field.hpp)
-  std::size_t neighbours = 0;  // rows of each place; 0: all
-  std::size_t box = 1;         // neighbouring rows averaged to one, of all rows
-  FieldLaw rough = {};         // the likeliest of Matern's laws with 3/2
-  bool local = false;          // the law is sought anew among the rows of each place
+  FieldLaw doubt = {};               // law of the deviation (force_field.hpp)
+  SplineLaw spline = {};             // blended with the process (force_field.hpp)
+  double stiffest = 0;               // S [N/m] (force_field.hpp)
+  std::size_t neighbours = 0;        // rows of each place; 0: all
+  std::size_t box = 1;               // neighbouring rows averaged to one, of all rows
+  FieldLaw rough = {};               // the likeliest of Matern's laws with 3/2
+  bool local = false;                // the law is sought anew among the rows of each place
   std::optional<double> noise = {};  // known sigma [N]
 };
 

@@ -228,7 +228,8 @@ EvaluateResult evaluate_command(const Globals& globals, const EvaluateArguments&
 
 std::string kernel_in_words(const Evaluation& result) {
   if (result.chosen && result.chosen->field)
-    return fmt::format("Gaussian process {}", name(result.chosen->field->law.smoothness));
+    return fmt::format("Gaussian process {}{}", name(result.chosen->field->law.smoothness),
+                       result.chosen->field->local ? " of each place" : "");
   return std::string(name(result.options.model.kernel));
 }
 

@@ -59,8 +59,10 @@ JsonKeys<Evaluation> chosen_keys() {
   using E = Evaluation;
   return {{"kernel,neighbours,ridge", "",
            "method auto: the model that was chosen; kernel gaussian, matern52 or matern32: a Gaussian "
-           "process, whose "
-           "ridge is the variance of the noise over that of the field",
+           "process, where "
+           "it is unsure blended with a thin plate spline; its ridge is the variance of the noise over that "
+           "of the "
+           "field; with 120 neighbours its law is sought anew at each place",
            [](const E& e) {
              const ModelOptions& model = e.options.model;
              if (const auto& field = e.chosen->field)

@@ -244,6 +244,78 @@ TEST_CASE("Rows are averaged where the field is flat among them, not where they 
   CHECK(std::abs(near->law.noise / 0.01 - 1) < 0.2);
 }
 
+// Against processes of the remaining rows alone.
+TEST_CASE("Laws are compared by rows that were left out", "[measured]") {
+  std::mt19937 random(8);
+  std::uniform_real_distribution<double> uniform(-0.01, 0.01);
+  const FieldLaw law{.smoothness = Smoothness::matern52, .length = 0.007, .amplitude = 0.8, .noise = 0.05};
+  MeasuredRows rows;
+  Grouping groups;
+  for (std::uint32_t i = 0; i < 24; ++i) {
+    rows.add(Vec3(uniform(random), uniform(random), uniform(random)),
+             Vec3(100 * uniform(random), 100 * uniform(random), 100 * uniform(random)), i % 3 + 1);
+    groups.push_back(i % 8);
+  }
+  std::vector<double> missed(8, 0), spread(8, 0);
+  double mean = 0;
+  for (std::uint32_t g = 0; g < 8; ++g) {
+    MeasuredRows others;
+    for (std::size_t i = 0; i < rows.size(); ++i)
+      if (groups[i] != g) others.add(rows.at[i], rows.force[i], rows.weight[i]);
+    const GaussianProcess process(others, law);
+    for (std::size_t i = 0; i < rows.size(); ++i) {
+      if (groups[i] != g) continue;
+      const GaussianProcess::Prediction made = process.at(rows.at[i]);
+      const double v = made.deviation * made.deviation + law.noise * law.noise / rows.weight[i];
+      missed[g] += (made.force - rows.force[i]).squaredNorm() / v / 3;  // three rows of each group
+      spread[g] += std::log(v) / 3;
+      mean += (made.force - rows.force[i]).squaredNorm() / v / 24;
+    }
+  }
+  const auto scores = left_out_scores(rows, law, std::array{groups});
+  REQUIRE(scores.size() == 1);
+  for (std::size_t g = 0; g < 8; ++g)
+    CHECK(scores[0][g] == Approx(0.5 * missed[g] / (mean / 3) + 1.5 * (std::log(mean / 3) + spread[g])));
+}
+
+// A stiff wall in a linear field: a Gaussian law with noise is the likeliest of all rows. It smooths the kink by a
+// multiple of the noise and is sure of it.
+TEST_CASE("A force with a kink is followed by a law of each place", "[measured]") {
+  MeasuredCase made;
+  std::mt19937 random(5);
+  std::normal_distribution<double> normal;
+  std::uniform_real_distribution<double> uniform(-0.02, 0.02);
+  const auto force = [](const Vec3& x) {
+    return Vec3(-20 * x.x(), 30 * x.y(), 300 * std::max(0.0, -x.z() - 0.004 * std::sin(100 * x.x())));
+  };
+  const auto place = [&] { return Vec3(uniform(random), uniform(random), 0.5 * uniform(random) - 0.01); };
+  for (int i = 0; i < 800; ++i) {
+    made.at.push_back(place());
+    made.force.push_back(force(made.at.back()) +
+                         0.003 * Vec3(normal(random), normal(random), normal(random)));
+  }
+  for (int i = 0; i < 100; ++i) {
+    made.points.push_back(place());
+    made.truth.push_back(force(made.points.back()));
+  }
+  const Evaluation found = evaluate(made.states(), made.points, {.bars = true, .spacing = 0.005});
+  REQUIRE(found.chosen->field);
+  CHECK(found.chosen->field->local);
+  const std::vector<double> errors = errors_of(found, made);
+  CHECK(held(found, errors) >= 0.93);
+  MeasuredRows some, all;
+  for (std::size_t i = 0; i < made.at.size(); ++i) {
+    if (i < 250) some.add(made.at[i], made.force[i]);
+    all.add(made.at[i], made.force[i]);
+  }
+  const GaussianProcess smooth(all, likely_law(some, Smoothness::gaussian)->law);
+  std::vector<double> smoothed;
+  for (std::size_t i = 0; i < made.points.size(); ++i)
+    smoothed.push_back((smooth.force(made.points[i]) - made.truth[i]).norm());
+  CAPTURE(quantile_of(errors, 0.95), quantile_of(smoothed, 0.95));
+  CHECK(quantile_of(errors, 0.95) < 0.8 * quantile_of(smoothed, 0.95));
+}
+
 // A cubic on three levels: no row tells of the third degree across them, and the likeliest law is very long.
 TEST_CASE("Between the few levels of a lattice the bars hold", "[measured]") {
   for (const Variant& v : ten_variants()) {
