@@ -328,11 +328,11 @@ OfflineBars measure_bars(std::span<const State> states, const OfflineBarOptions&
   return OfflineBars(std::move(samples));
 }
 
-void keep_together(std::span<BarWidths> bars, std::span<const char> inside) {
+void keep_together(std::span<BarWidths> bars, std::span<const char> between) {
   for (std::size_t level = 0; level < bar_levels.size(); ++level) {
     double widest = 0;
     for (std::size_t i = 0; i < bars.size(); ++i)
-      if (inside[i] && std::isfinite(bars[i][level])) widest = std::max(widest, bars[i][level]);
+      if (between[i] && std::isfinite(bars[i][level])) widest = std::max(widest, bars[i][level]);
     for (BarWidths& bar : bars) bar[level] = std::max(bar[level], widest / most_apart);
   }
 }

@@ -139,9 +139,10 @@ OfflineBars measure_bars(std::span<const State> states, const OfflineBarOptions&
 // The same from check solves; fewer than 20 give no samples.
 OfflineBars checked_bars(const StateSpace& known, std::span<const State> checks,
                          const OfflineBarOptions& options);
-// Judged bars of places that are asked together: none is narrower than a fifth of the widest inside the states. A
-// process may be far surer at its rows than between them, but not that much: its law is a guess. inside: of each bar.
-void keep_together(std::span<BarWidths> bars, std::span<const char> inside);
+// Judged bars of places that are asked together: none is narrower than a fifth of the widest between the states. A
+// process may be far surer at its rows than between them, but not that much: its law is a guess. between: of each bar,
+// whether its place is inside the states and they know all directions there (S E is 0).
+void keep_together(std::span<BarWidths> bars, std::span<const char> between);
 // Adds the least error across the states [N] to a bar, times m_p.
 void widen(BarWidths& widths, double across);
 // s(x) [N] of a model with the force f~(x), as judged by the process: its deviation, and how far the model is from it.

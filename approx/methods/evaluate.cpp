@@ -208,7 +208,7 @@ EvaluatedBars bars_of(const StateSpace& space, std::span<const State> states, st
   const OfflineBars& own = measured.checked() ? left_out : measured;
   EvaluatedBars bars;
   std::vector<SeenPlace> unchecked, held;
-  std::vector<char> inside;
+  std::vector<char> between;
   for (const BarSample& s : own.samples()) held.push_back(s.seen);
   for (std::size_t i = 0; i < points.size(); ++i) {
     if (measured.checked() && checked(points[i])) {
@@ -226,8 +226,9 @@ EvaluatedBars bars_of(const StateSpace& space, std::span<const State> states, st
     if (!judged.at.empty()) widen(bars.at.back(), judged.at[i].least_error);
   }
   if (!judged.at.empty() && options.judge && !measured.checked()) {
-    for (const SeenPlace& seen : unchecked) inside.push_back(seen.outside ? 0 : 1);
-    keep_together(bars.at, inside);
+    for (std::size_t i = 0; i < unchecked.size(); ++i)
+      between.push_back(!unchecked[i].outside && judged.at[i].least_error == 0 ? 1 : 0);
+    keep_together(bars.at, between);
   }
   bars.beyond = count_beyond(held, unchecked);
   bars.measured = std::make_shared<const OfflineBars>(std::move(measured));
