@@ -19,7 +19,6 @@ constexpr double constants[] = {0, 0.1, 0.3, 1, 3};  // b, in median errors
 constexpr std::size_t scored_level = 1;              // of bar_levels: 95 %
 constexpr std::size_t local_samples = 30;
 constexpr double calm_share = 0.1;     // of the samples, in whose neighbourhoods errors are noise alone
-constexpr double most_apart = 5;       // no judged bar inside is narrower than the widest divided by this
 constexpr BarWidths steeper{2, 3, 4};  // stiffness across the states, in largest stiffnesses along them
 double square(double x) {
   return x * x;
@@ -328,12 +327,12 @@ OfflineBars measure_bars(std::span<const State> states, const OfflineBarOptions&
   return OfflineBars(std::move(samples));
 }
 
-void keep_together(std::span<BarWidths> bars, std::span<const char> between) {
+void keep_together(std::span<BarWidths> bars, std::span<const char> counts, double times) {
   for (std::size_t level = 0; level < bar_levels.size(); ++level) {
     double widest = 0;
     for (std::size_t i = 0; i < bars.size(); ++i)
-      if (between[i] && std::isfinite(bars[i][level])) widest = std::max(widest, bars[i][level]);
-    for (BarWidths& bar : bars) bar[level] = std::max(bar[level], widest / most_apart);
+      if (counts[i] && std::isfinite(bars[i][level])) widest = std::max(widest, bars[i][level]);
+    for (BarWidths& bar : bars) bar[level] = std::max(bar[level], widest / times);
   }
 }
 

@@ -20,8 +20,8 @@
 // heavier or lighter tails. So q_p is the mean of that quantile, weighted by nu, and of the ceil((n + 1) p) / n
 // quantile of y_i with v of below, weighted by K; without it for fewer than p / (1 - p) groups.
 // Wanted places are often nearer to the states than held-out ones. By a smooth law the error then falls with a high
-// power of the distance, which nothing measured has shown. It is believed to fall with the square. With rms s and median
-// distance d of the held-out positions (h) and of the wanted places (w) inside the states, g^2 is at least
+// power of the distance, which nothing measured has shown. It is believed to fall with the square. With rms s and
+// median distance d of the held-out positions (h) and of the wanted places (w) inside the states, g^2 is at least
 //   (nu + n mean(w y^2)) / (nu + K) r^(2 n / (n + nu)),   r = max(1, (s_h / s_w) / max(1, d_h / d_w)^2)
 // The law is one for all places, but a force may be rough in some of them (a kink of a stiff wall in a smooth field).
 // The process then takes the roughness for noise. Noise is the same everywhere, misfit is not, so with L(x) the mean of
@@ -139,10 +139,9 @@ OfflineBars measure_bars(std::span<const State> states, const OfflineBarOptions&
 // The same from check solves; fewer than 20 give no samples.
 OfflineBars checked_bars(const StateSpace& known, std::span<const State> checks,
                          const OfflineBarOptions& options);
-// Judged bars of places that are asked together: none is narrower than a fifth of the widest between the states. A
-// process may be far surer at its rows than between them, but not that much: its law is a guess. between: of each bar,
-// whether its place is inside the states and they know all directions there (S E is 0).
-void keep_together(std::span<BarWidths> bars, std::span<const char> between);
+// Judged bars of places that are asked together: none is narrower than the widest of those that count over `times`. A
+// process may be far surer at its rows than between them, but not that much: its law is a guess.
+void keep_together(std::span<BarWidths> bars, std::span<const char> counts, double times);
 // Adds the least error across the states [N] to a bar, times m_p.
 void widen(BarWidths& widths, double across);
 // s(x) [N] of a model with the force f~(x), as judged by the process: its deviation, and how far the model is from it.

@@ -20,6 +20,9 @@
 namespace forefeel {
 namespace {
 
+constexpr double most_apart = 20;         // bars inside the states: the widest over the narrowest
+constexpr double most_apart_between = 5;  // of places where the states know all directions
+
 using Clock = std::chrono::steady_clock;
 double since(Clock::time_point start) {
   return std::chrono::duration<double>(Clock::now() - start).count();
@@ -208,7 +211,7 @@ EvaluatedBars bars_of(const StateSpace& space, std::span<const State> states, st
   const OfflineBars& own = measured.checked() ? left_out : measured;
   EvaluatedBars bars;
   std::vector<SeenPlace> unchecked, held;
-  std::vector<char> between;
+  std::vector<char> inside, between;
   for (const BarSample& s : own.samples()) held.push_back(s.seen);
   for (std::size_t i = 0; i < points.size(); ++i) {
     if (measured.checked() && checked(points[i])) {
@@ -226,9 +229,12 @@ EvaluatedBars bars_of(const StateSpace& space, std::span<const State> states, st
     if (!judged.at.empty()) widen(bars.at.back(), judged.at[i].least_error);
   }
   if (!judged.at.empty() && options.judge && !measured.checked()) {
-    for (std::size_t i = 0; i < unchecked.size(); ++i)
-      between.push_back(!unchecked[i].outside && judged.at[i].least_error == 0 ? 1 : 0);
-    keep_together(bars.at, between);
+    for (std::size_t i = 0; i < unchecked.size(); ++i) {
+      inside.push_back(unchecked[i].outside ? 0 : 1);
+      between.push_back(inside.back() && judged.at[i].least_error == 0 ? 1 : 0);
+    }
+    keep_together(bars.at, inside, most_apart);
+    keep_together(bars.at, between, most_apart_between);
   }
   bars.beyond = count_beyond(held, unchecked);
   bars.measured = std::make_shared<const OfflineBars>(std::move(measured));
