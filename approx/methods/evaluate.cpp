@@ -285,7 +285,8 @@ Evaluation evaluate(std::span<const State> states, std::span<const Vec3> points,
                                  wanted);
     model = result.chosen->model;
   }
-  if (result.method == Method::rbf) check_memory(model, space.size());
+  if (result.method == Method::rbf && !(result.chosen && result.chosen->field))
+    check_memory(model, space.size());
   model.neighbours = std::min(model.neighbours, space.size());
   if (options.choose_ridge) model.ridge = forefeel::choose_ridge(space, model).ridge;
   const std::vector<Vec3> places = feet(points, judged);

@@ -316,6 +316,25 @@ TEST_CASE("A force with a kink is followed by a law of each place", "[measured]"
   CHECK(quantile_of(errors, 0.95) < 0.8 * quantile_of(smoothed, 0.95));
 }
 
+// A model of so many rows would take 1.4 GB. The process averages neighbouring ones.
+TEST_CASE("A long stroke is judged as a short one is", "[measured]") {
+  MeasuredCase made;
+  std::mt19937 random(2);
+  std::normal_distribution<double> normal;
+  for (int i = 0; i < 9000; ++i) {
+    made.at.emplace_back(-0.01 + 0.02 * i / 8999, 0, 0);
+    made.force.push_back(Vec3(-100 * made.at.back().x(), 0, 0) +
+                         0.01 * Vec3(normal(random), normal(random), normal(random)));
+  }
+  for (const double x : {-0.008, -0.001, 0.006}) {
+    made.points.emplace_back(x, 0, 0);
+    made.truth.emplace_back(-100 * x, 0, 0);
+  }
+  const Evaluation found = evaluate(made.states(), made.points, {.spacing = 0.002});
+  REQUIRE(found.chosen->field);
+  for (const double error : errors_of(found, made)) CHECK(error < 0.002);  // a fifth of the noise of one row
+}
+
 // A cubic on three levels: no row tells of the third degree across them, and the likeliest law is very long.
 TEST_CASE("Between the few levels of a lattice the bars hold", "[measured]") {
   for (const Variant& v : ten_variants()) {
