@@ -346,6 +346,9 @@ Trials leave_out(std::span<const State> states, std::span<const SeenPlace> wante
   else if (!add_boxes(states, inside, spacing, trials))
     add_patches(states, inside, spacing, trials);
   if (!trials.each.empty()) add_caps(states, wanted, spacing, trials);
+  if (!trials.each.empty() || wanted.empty()) return trials;
+  trials = leave_out(states, {}, spacing);  // nothing lies so far from the rest
+  trials.alike = false;
   return trials;
 }
 

@@ -73,7 +73,7 @@ struct Trials {
 };
 
 // states: usable ones, one at each position. wanted: the places where the force is wanted, relative to the states;
-// empty: not known. Returns no trials if there are fewer than 3 groups.
+// empty, or farther than any state is from the rest: not known. Returns no trials if there are fewer than 3 groups.
 Trials leave_out(std::span<const State> states, std::span<const SeenPlace> wanted, double spacing);
 
 // Number of wanted places that are farther from the states than any held-out position is from the known ones. Inside

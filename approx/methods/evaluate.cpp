@@ -194,6 +194,15 @@ std::vector<Vec3> feet(std::span<const Vec3> points, const JudgedPoints& judged)
   return at;
 }
 
+// Across the states nothing was left out: there the error to expect is at least S E.
+void raise_across(AutoModel& chosen, const JudgedPoints& judged) {
+  std::vector<double> across;
+  for (const ForceField::Prediction& made : judged.at) across.push_back(made.least_error);
+  if (across.empty() || !std::isfinite(chosen.p95)) return;
+  chosen.p50 = std::max(chosen.p50, quantile_of(across, 0.5));
+  chosen.p95 = std::max(chosen.p95, quantile_of(across, 0.95));
+}
+
 EvaluatedBars bars_of(const StateSpace& space, std::span<const State> states, std::span<const Vec3> points,
                       const EvaluatedPoints& made, const JudgedPoints& judged, OfflineBarOptions options,
                       const EvaluateOptions& given) {
@@ -283,6 +292,7 @@ Evaluation evaluate(std::span<const State> states, std::span<const Vec3> points,
                                   .spacing = result.options.spacing,
                                   .progress = options.choosing},
                                  wanted);
+    raise_across(*result.chosen, judged);
     model = result.chosen->model;
   }
   if (result.method == Method::rbf && !(result.chosen && result.chosen->field))

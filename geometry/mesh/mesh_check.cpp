@@ -76,7 +76,7 @@ std::size_t unite_repeated(TetMesh& mesh) {
   std::size_t plain = 0;
   for (TetIndex t = 0; t < number.size(); ++t) {
     plain += same[t] != kept && !has_other_group[t];
-    mesh.tets[number[t]] = mesh.tets[same[t] == kept ? t : same[t]];
+    if (same[t] == kept) mesh.tets[number[t]] = mesh.tets[t];
   }
   mesh.tets.resize(next);
   return plain;

@@ -171,6 +171,19 @@ TEST_CASE("an element that is listed once for each of its groups is one element 
     CHECK(scene.body->mesh.element_groups.at("tissue").size() == clean.tets.size());
     CHECK((force_of(scene, variant.press) - expected).norm() < 1e-9 * expected.norm());
     CHECK_FALSE(warned(scene, "listed twice"));
+    // In any order.
+    std::vector<std::pair<Tet, int>> rows;
+    for (std::size_t e = 0; e < each.size(); ++e)
+      for (const int group : each[e]) rows.emplace_back(clean.tets[e], group);
+    std::shuffle(rows.begin(), rows.end(), variant.random);
+    TetMesh listed = clean;
+    listed.tets.clear();
+    std::vector<std::vector<int>> of;
+    for (const auto& [tet, group] : rows) listed.tets.push_back(tet), of.push_back({group});
+    shop.write("body.msh", msh(listed, of));
+    const Scene shuffled = load_scene(shop.write("scene.toml", text), {});
+    CHECK(shuffled.body->mesh.tets.size() == clean.tets.size());
+    CHECK((force_of(shuffled, variant.press) - expected).norm() < 1e-9 * expected.norm());
     // The same element twice in one group is one, too, with a word.
     const auto t = static_cast<std::size_t>(variant.whole(0, static_cast<int>(clean.tets.size()) - 1));
     once[t] = {once[t][0], once[t][0]};
