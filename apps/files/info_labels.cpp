@@ -2,6 +2,7 @@
 
 #include <fmt/format.h>
 
+#include <algorithm>
 #include <vector>
 
 #include "apps/console/console.hpp"
@@ -10,6 +11,11 @@
 #include "geometry/segmentation/label_volume.hpp"
 
 namespace forefeel {
+namespace {
+
+constexpr std::size_t most_shown = 255;  // labels; more are probably no labels
+
+}  // namespace
 
 int info_labels(const Globals& globals, const std::string& file) {
   const LabelVolume volume = read_label_volume(file);
@@ -37,7 +43,13 @@ int info_labels(const Globals& globals, const std::string& file) {
                      volume.size[0], volume.size[1], volume.size[2], 1e3 * sizes[0], 1e3 * sizes[1],
                      1e3 * sizes[2], volume.unit, volume.unit_given ? "" : ", since the file names no unit"));
   if (!volume.directions.empty()) answer(globals, "  x, y, z: " + volume.directions);
-  for (std::size_t i = 0; i < voxels.size(); ++i)
+  if (volume.values.size() > most_shown)
+    warn(
+        globals,
+        fmt::format("{}: holds {} different values: a scan rather than labels, or an atlas; the first {} are "
+                    "shown",
+                    file, volume.values.size(), most_shown));
+  for (std::size_t i = 0; i < std::min(voxels.size(), most_shown); ++i)
     answer(globals, fmt::format("  label {}: {} voxels, {:.4g} cm3{}", volume.values[i], voxels[i],
                                 1e6 * static_cast<double>(voxels[i]) * volume.voxel_volume(),
                                 volume.values[i] == 0 ? ", the background" : ""));

@@ -26,8 +26,7 @@ constexpr std::array<const char*, 9> stiffness_columns{"k11", "k12", "k13", "k21
 // A CSV file with a header line: the cells of the current row by the names of their columns.
 class NamedRows {
  public:
-  // required: columns that must be there, and their order in a file without a header line (if that is
-  // allowed).
+  // required: columns that must be there, and their order in a file without a header line (if that is allowed).
   NamedRows(const std::filesystem::path& file, std::span<const char* const> required, bool header_optional)
       : content_(read_text_file(file)), rows_(content_, file.string()) {
     if (!rows_.next())
@@ -108,14 +107,16 @@ class NamedRows {
   void read_header(std::span<const char* const> required) {
     check_separator();
     const auto cells = rows_.cells();
+    std::string_view twice;
     width_ = cells.size();
     for (std::size_t i = 0; i < width_; ++i)
-      if (!columns_.emplace(std::string(cells[i]), i).second && !cells[i].empty())
-        fail(fmt::format("column {:.40} is there twice", cells[i]));
+      if (!columns_.emplace(std::string(cells[i]), i).second) twice = cells[i];
     for (const char* column : required)
       if (!columns_.contains(column))
-        fail(fmt::format("no column {}, expected a header line with {}{}", column, fmt::join(required, ","),
-                         required.size() == 6 ? " (import --columns takes other names)" : ""));
+        fail(fmt::format("no column {}, expected a header line with {}{}; this one begins with '{:.40}'",
+                         column, fmt::join(required, ","),
+                         required.size() == 6 ? " (import --columns takes other names)" : "", cells[0]));
+    if (!twice.empty()) fail(fmt::format("column {:.40} is there twice", twice));
   }
 
   std::string content_;
