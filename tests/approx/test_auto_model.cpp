@@ -10,6 +10,7 @@
 #include <random>
 #include <set>
 
+#include "approx/error/left_out.hpp"
 #include "approx/measured/position_groups.hpp"
 #include "approx/methods/evaluate.hpp"
 #include "geometry/common/error.hpp"
@@ -263,4 +264,20 @@ TEST_CASE(
   for (std::size_t i = 0; i < points.size(); ++i)
     CHECK((mean.made.forces[i] - plain.made.forces[i]).norm() < 1e-9);
   CHECK_THROWS_AS(measured_states(at, std::span(force).first(3)), InputError);
+}
+
+// A recording of a winding path: no state lies as far from the rest as such a place does from all.
+TEST_CASE("States are left out however far the wanted places are", "[auto]") {
+  std::vector<Vec3> at, forces;
+  for (int i = 0; i < 3000; ++i) {
+    const double t = 0.01 * i;
+    at.emplace_back(0.05 * std::sin(t), 0.05 * std::cos(0.9 * t), 0.01 * std::sin(0.3 * t));
+    forces.emplace_back(at.back().x(), 1, -at.back().z());
+  }
+  const std::vector<State> states = measured_states(at, forces);
+  for (const double away : {0.001, 0.005, 0.01, 0.02, 0.03, 0.05, 0.1}) {
+    const std::vector<SeenPlace> wanted{{.away = away, .beyond = -0.001, .from = Vec3(0, 0, away)}};
+    CAPTURE(away);
+    CHECK(leave_out(states, wanted, 0.005).groups >= 3);
+  }
 }

@@ -80,6 +80,7 @@ TEST_CASE("CSV errors name file and line") {
   refused(head, "holds no states");
   refused("x,y,z,fx,fy\n1,2,3,4,5\n", "bad.csv:1: no column fz");
   refused("1,2,3,4,5,6\n", "bad.csv:1: no column x");
+  refused("0.5,0,0,4,5,6\n", "this one begins with '0.5'");
   refused(head + "1,2,3,4,5,6\n\n1,2,3,4,5\n", "bad.csv:4: 5 columns, expected 6");
   refused(head + "1,2,3,4,5,6,7\n", "bad.csv:2: 7 columns, expected 6");
   refused(head + "1,2,nan,4,5,6\n", "bad.csv:2: column z: 'nan' is not finite");
