@@ -1,6 +1,5 @@
 #include "approx/error/left_out.hpp"
 
-#include <Eigen/Eigenvalues>
 #include <algorithm>
 #include <array>
 #include <cmath>
@@ -8,6 +7,7 @@
 #include <numeric>
 #include <utility>
 
+#include "approx/error/division.hpp"
 #include "approx/measured/position_groups.hpp"
 #include "geometry/common/cube_directions.hpp"
 #include "geometry/common/quantiles.hpp"
@@ -18,10 +18,8 @@ namespace {
 constexpr double infinite = std::numeric_limits<double>::infinity();
 constexpr std::size_t most_whole = 1500;  // states: above, boxes of them are divided, or patches are tried
 constexpr std::size_t most_boxes = 1200;
-constexpr double same_direction = 0.3;    // mismatch of directions that counts as none
-constexpr double natural_mismatch = 2.5;  // of the distances, up to which natural groups are taken
+constexpr std::size_t most_natural = 20'000;  // states that natural groups are sought of
 constexpr std::size_t patches = 5, patch_states = 700;
-constexpr std::size_t parts = 8;
 constexpr std::size_t most_wanted = 400;  // places that are matched
 constexpr std::size_t beside = 12;        // held positions on either side in rank
 constexpr std::size_t least_known = 8;    // states that stay known beside a cap
@@ -29,87 +27,6 @@ constexpr std::ptrdiff_t enough_outside =
     20;  // positions in caps, for bars of 95 %; deeper caps are tried for fewer
 constexpr int most_deeper = 4;
 constexpr double least_direction = 0.02;  // share of the places outside that makes a direction count
-
-// One way to leave out: the part of each position.
-struct Division {
-  PositionGroups groups;
-  std::vector<std::uint32_t> part;  // of each group
-  std::size_t count = 0;            // of parts
-};
-
-Division divide(std::span<const Vec3> at, PositionGroups groups) {
-  Division division{.groups = std::move(groups), .part = {}};
-  if (division.groups.count < 3) return division;
-  division.count = std::min(parts, division.groups.count);
-  division.part = spread_over_parts(at, division.groups, division.count);
-  return division;
-}
-
-// From the nearest position of another part to each position [m].
-std::vector<Vec3> displacements(std::span<const Vec3> at, const Division& division) {
-  std::vector<Vec3> from(at.size(), Vec3::Zero());
-  for (std::size_t i = 0; i < at.size(); ++i) {
-    double least = infinite;
-    for (std::size_t j = 0; j < at.size(); ++j) {
-      if (division.part[division.groups.of[i]] == division.part[division.groups.of[j]]) continue;
-      if (const double d = (at[i] - at[j]).squaredNorm(); d < least) least = d, from[i] = at[i] - at[j];
-    }
-  }
-  return from;
-}
-
-Mat3 second_moment(std::span<const Vec3> displacements) {
-  Mat3 moment = Mat3::Zero();
-  for (const Vec3& d : displacements) moment += d * d.transpose() / static_cast<double>(displacements.size());
-  return moment;
-}
-
-std::vector<double> lengths(std::span<const Vec3> displacements) {
-  std::vector<double> all;
-  for (const Vec3& d : displacements) all.push_back(d.norm());
-  return all;
-}
-
-// easier: only what makes held-out positions easier to predict than the wanted places: less far from the rest.
-double mismatch(std::span<const Vec3> held, std::span<const Vec3> wanted, bool easier = false) {
-  const double found = median(lengths(held)), target = median(lengths(wanted));
-  if (!(found > 0 && target > 0)) return easier ? 0 : found;
-  const Eigen::SelfAdjointEigenSolver<Mat3> axes(second_moment(wanted));
-  const Mat3 moment = second_moment(held);
-  double turned = 0;
-  for (int k = 0; k < 3; ++k) {
-    const Vec3 u = axes.eigenvectors().col(k);
-    const double share = std::max(0.0, axes.eigenvalues()[k]) / axes.eigenvalues().sum();
-    turned += 0.5 * share * std::abs(std::log((u.dot(moment * u) / moment.trace() + 1e-4) / (share + 1e-4)));
-  }
-  const double farther = std::log(target / found);
-  return (easier ? std::max(0.0, farther) : std::abs(farther)) + std::max(0.0, turned - same_direction);
-}
-
-struct Match {
-  Division division = {};
-  double mismatch = infinite;
-};
-
-Match best_division(std::span<const Vec3> at, std::span<const Vec3> wanted) {
-  std::vector<PositionGroups> natural = natural_groups(at);
-  if (wanted.empty())
-    return {divide(at, natural.empty() ? compact_groups(at, 4) : std::move(natural.front())), 0};
-  Match best;
-  const auto take_better = [&](PositionGroups&& way) {
-    Division division = divide(at, std::move(way));
-    if (division.count == 0) return;
-    const double off = mismatch(displacements(at, division), wanted);
-    if (off < best.mismatch) best = {std::move(division), off};
-  };
-  for (PositionGroups& way : natural) take_better(std::move(way));
-  if (best.mismatch <= std::log(natural_mismatch)) return best;
-  // From large to small groups: in a tie the larger is taken.
-  std::vector<std::size_t> sizes{1};
-  while (8 * sizes.back() <= at.size() / 2) sizes.push_back(2 * sizes.back());
-  for (auto size = sizes.rbegin(); size != sizes.rend(); ++size) take_better(compact_groups(at, *size));
-  return best;
-}
 
 void add_trial(Trial trial, Trials& trials) {
   if (trial.held.empty() || trial.known->empty()) return;
@@ -146,11 +63,41 @@ void add_division(std::span<const State> states, const Division& division,
 void add_groups(std::span<const State> states, std::span<const Vec3> wanted, double spacing, Trials& trials) {
   std::vector<Vec3> at;
   for (const State& s : states) at.push_back(s.at);
-  const Division division = best_division(at, wanted).division;
+  const Division division = best_division(at, wanted);
   if (division.count == 0) return;
-  trials.alike = mismatch(displacements(at, division), wanted, true) <= std::log(natural_mismatch);
+  trials.alike = division.alike;
   trials.groups += division.groups.count;
   add_division(states, division, division.groups.of, std::vector<char>(at.size(), 1), spacing, trials);
+}
+
+// Boxes of neighbouring states, at most most_boxes.
+PositionGroups boxes_of(std::span<const Vec3> at) {
+  std::size_t size = 1;
+  while (at.size() > size * most_boxes) size *= 2;
+  return compact_groups(at, size);
+}
+
+// Of each state, whether it is the first of its box.
+std::vector<char> first_of(const PositionGroups& boxes) {
+  std::vector<char> first, seen(boxes.count, 0);
+  for (const std::uint32_t box : boxes.of) {
+    first.push_back(seen[box] ? 0 : 1);
+    seen[box] = 1;
+  }
+  return first;
+}
+
+// Many states in natural groups, as the lines of a raster: one state of each box is compared. False if there are none.
+bool add_natural(std::span<const State> states, std::span<const Vec3> wanted, double spacing,
+                 Trials& trials) {
+  if (states.size() > most_natural) return false;
+  std::vector<Vec3> at;
+  for (const State& s : states) at.push_back(s.at);
+  const std::optional<Division> division = natural_division(at, wanted);
+  if (!division) return false;
+  trials.groups += division->groups.count;
+  add_division(states, *division, division->groups.of, first_of(boxes_of(at)), spacing, trials);
+  return true;
 }
 
 // Many states: groups of boxes of neighbouring states; one state of each box is compared. False if the boxes are too
@@ -158,25 +105,17 @@ void add_groups(std::span<const State> states, std::span<const Vec3> wanted, dou
 bool add_boxes(std::span<const State> states, std::span<const Vec3> wanted, double spacing, Trials& trials) {
   std::vector<Vec3> at;
   for (const State& s : states) at.push_back(s.at);
-  std::size_t size = 1;
-  while (at.size() > size * most_boxes) size *= 2;
-  const PositionGroups boxes = compact_groups(at, size);
+  const PositionGroups boxes = boxes_of(at);
   std::vector<Vec3> middle(boxes.count, Vec3::Zero());
   std::vector<std::size_t> count(boxes.count, 0);
   for (std::size_t i = 0; i < at.size(); ++i) middle[boxes.of[i]] += at[i], ++count[boxes.of[i]];
   for (std::size_t b = 0; b < boxes.count; ++b) middle[b] /= static_cast<double>(count[b]);
-  const Match match = best_division(middle, wanted);
-  const Division& division = match.division;
-  if (division.count == 0 || match.mismatch > std::log(natural_mismatch)) return false;
+  const Division division = best_division(middle, wanted);
+  if (division.count == 0 || !division.fits()) return false;
   std::vector<std::uint32_t> group;
-  std::vector<char> held, seen(boxes.count, 0);
-  for (const std::uint32_t box : boxes.of) {
-    group.push_back(division.groups.of[box]);
-    held.push_back(seen[box] ? 0 : 1);
-    seen[box] = 1;
-  }
+  for (const std::uint32_t box : boxes.of) group.push_back(division.groups.of[box]);
   trials.groups += division.groups.count;
-  add_division(states, division, group, held, spacing, trials);
+  add_division(states, division, group, first_of(boxes), spacing, trials);
   return true;
 }
 
@@ -184,10 +123,9 @@ bool add_boxes(std::span<const State> states, std::span<const Vec3> wanted, doub
 void add_patch(std::span<const State> states, std::span<const Vec3> wanted, double spacing, Trials& trials) {
   std::vector<Vec3> at;
   for (const State& s : states) at.push_back(s.at);
-  const Division division = best_division(at, wanted).division;
+  const Division division = best_division(at, wanted);
   if (division.count == 0) return;
-  trials.alike =
-      trials.alike && mismatch(displacements(at, division), wanted, true) <= std::log(natural_mismatch);
+  trials.alike = trials.alike && division.alike;
   const PositionGroups& groups = division.groups;
   std::vector<char> used(groups.count, 1);
   for (std::size_t i = at.size() / 2 + 1; i < at.size(); ++i) used[groups.of[i]] = 0;
@@ -343,7 +281,7 @@ Trials leave_out(std::span<const State> states, std::span<const SeenPlace> wante
     if (!place.outside) inside.push_back(place.from);
   if (states.size() <= most_whole)
     add_groups(states, inside, spacing, trials);
-  else if (!add_boxes(states, inside, spacing, trials))
+  else if (!add_natural(states, inside, spacing, trials) && !add_boxes(states, inside, spacing, trials))
     add_patches(states, inside, spacing, trials);
   if (!trials.each.empty()) add_caps(states, wanted, spacing, trials);
   if (!trials.each.empty() || wanted.empty()) return trials;

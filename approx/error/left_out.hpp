@@ -1,21 +1,12 @@
 #pragma once
 // Chooses which known forces to hold out, so that their errors are those to expect at other places.
 //
-// A held-out position is as hard to predict as a wanted place if it is as far from the known states. So positions are
-// held out in groups (position_groups.hpp). The groupings tried are
-//   natural groups (strokes of a raster, presses), and compact groups of 1, 2, 4, ... positions
-// Let x - x_i be the displacement of a place from the nearest known state, w_k the shares of the eigenvalues in the
-// second moment of those of the wanted places, u_k its eigenvectors, and h_k the shares along u_k of those of the
-// held-out positions. The mismatch of a grouping is
-//   |log of the ratio of the median distances| + max(0, 1/2 sum_k w_k |log(h_k / w_k)| - 0.3)
-// so positions are held out as far from the rest, in distance and direction, as the places lie from the states. The
-// natural grouping with the least mismatch is used if that is at most log 2.5, else the grouping with the least (after
-// nearest neighbour distance matching, Milà et al., Methods in Ecology and Evolution 13, 2022). If the wanted places
-// are unknown, natural groups are used, or else compact groups of 4.
+// Positions are held out in groups that lie as far from the rest, in distance and direction, as the wanted places from
+// the states (division.hpp).
 //
-// An eighth of the groups, far from each other, is held out at a time. With more than 1500 states, boxes of
-// neighbouring states are grouped in this way, and one state of each box is compared; or, where boxes are too large,
-// only some patches of the states are used, and a part of the inner half of each patch is held out.
+// An eighth of the groups, far from each other, is held out at a time. With more than 1500 states, one state
+// of each box of neighbouring states is compared, and natural groups are held out if any fit; else groups of boxes; or,
+// where boxes are too large, only some patches of the states are used, and a part of the inner half of each is held out.
 //
 // Most groups lie between other states, so they tell little about places outside the states. A place is outside if it
 // lies beyond all states by more than h / 4 in one of 26 directions u (to faces, edges and corners of a cube):

@@ -10,6 +10,8 @@
 namespace forefeel {
 namespace {
 
+constexpr double rows_apart = 0.25;        // of the rows about a place, in their distances from it
+constexpr std::size_t most_tried = 10;     // of the rows nearest to a place, in those that are used
 constexpr int local_steps = 15;            // of the search for the law of a place
 constexpr std::size_t most_around = 2000;  // rows that show which directions are known
 constexpr std::size_t least_around = 12;
@@ -96,10 +98,7 @@ ForceField::Prediction ForceField::predicted(const Vec3& x) const {
   Processes of = all_;
   if (!of.own) {
     std::vector<StateId> ids;
-    known_->nearest(x, options_.neighbours, ids);
-    MeasuredRows rows;
-    for (const StateId id : ids) rows.add((*known_)[id].at, (*known_)[id].force);
-    of = processes_of(rows);
+    of = processes_of(rows_about(x));
   }
   const GaussianProcess::Prediction likeliest = of.own->at(x),
                                     judged = of.doubt ? of.doubt->at(x) : likeliest;
@@ -117,6 +116,30 @@ ForceField::Prediction ForceField::predicted(const Vec3& x) const {
   made.deviation = std::hypot(std::sqrt(3.0) * judged.deviation, (judged.force - made.force).norm());
   made.deviation = std::max(made.deviation, rough);
   return made;
+}
+
+// Rows of a line lie close to each other, and 120 of them may all be of one line. So a row counts only if it is apart
+// from all nearer ones by a share of its distance from x.
+MeasuredRows ForceField::rows_about(const Vec3& x) const {
+  std::vector<StateId> ids;
+  known_->nearest(x, most_tried * options_.neighbours, ids);
+  MeasuredRows rows;
+  std::vector<StateId> passed;
+  const auto near = [&](const Vec3& at, double apart) {
+    return std::ranges::any_of(rows.at,
+                               [&](const Vec3& other) { return (at - other).squaredNorm() < apart; });
+  };
+  for (const StateId id : ids) {
+    const State& row = (*known_)[id];
+    if (rows.size() == options_.neighbours) break;
+    if (near(row.at, rows_apart * rows_apart * (row.at - x).squaredNorm()))
+      passed.push_back(id);
+    else
+      rows.add(row.at, row.force);
+  }
+  for (const StateId id : passed)
+    if (rows.size() < options_.neighbours) rows.add((*known_)[id].at, (*known_)[id].force);
+  return rows;
 }
 
 ForceField::Foot ForceField::foot_of(const Vec3& x) const {

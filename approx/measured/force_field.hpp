@@ -72,6 +72,7 @@ class ForceField {
     std::shared_ptr<const ThinPlate> spline;  // null: none
   };
   Processes processes_of(const MeasuredRows& rows) const;
+  MeasuredRows rows_about(const Vec3& x) const;
   Prediction predicted(const Vec3& x) const;
   Vec3 bounded(const Vec3& force) const;
 
