@@ -18,8 +18,9 @@ constexpr std::size_t least_states = 8, least_checks = 20, least_of_label = 30, 
 constexpr double constants[] = {0, 0.1, 0.3, 1, 3};  // b, in median errors
 constexpr std::size_t scored_level = 1;              // of bar_levels: 95 %
 constexpr std::size_t local_samples = 30;
-constexpr double calm_share = 0.1;     // of the samples, in whose neighbourhoods errors are noise alone
-constexpr BarWidths steeper{2, 3, 4};  // stiffness across the states, in largest stiffnesses along them
+constexpr double calm_share = 0.1;  // of the samples, in whose neighbourhoods errors are noise alone
+constexpr BarWidths steeper{2, across_of_95,
+                            4};  // stiffness across the states, in largest stiffnesses along them
 double square(double x) {
   return x * x;
 }

@@ -142,6 +142,7 @@ OfflineBars checked_bars(const StateSpace& known, std::span<const State> checks,
 // Judged bars of places that are asked together: none is narrower than the widest of those that count over `times`. A
 // process may be far surer at its rows than between them, but not that much: its law is a guess.
 void keep_together(std::span<BarWidths> bars, std::span<const char> counts, double times);
+inline constexpr double across_of_95 = 3;  // m_p of 95 %
 // Adds the least error across the states [N] to a bar, times m_p.
 void widen(BarWidths& widths, double across);
 // s(x) [N] of a model with the force f~(x), as judged by the process: its deviation, and how far the model is from it.

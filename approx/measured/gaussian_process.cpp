@@ -67,7 +67,8 @@ class Likelihood {
   };
   Found at(double log_length, double log_ratio) const {
     const double length = std::exp(log_length);
-    const double ratio = std::clamp(std::exp(log_ratio), least_ratio, most_ratio);
+    const bool exact = noise_ && *noise_ == 0;
+    const double ratio = exact ? least_ratio : std::clamp(std::exp(log_ratio), least_ratio, most_ratio);
     const Eigen::LLT<MatrixXd> factor(system_of(squared_, weight_, smoothness_, length, ratio));
     if (factor.info() != Eigen::Success) return {};
     const auto diagonal = factor.matrixLLT().diagonal().array();

@@ -387,6 +387,7 @@ AutoModel choose_model(std::span<const State> states, const AutoModelOptions& op
   chosen.positions = errors[best].size();
   chosen.groups = trials.groups;
   chosen.beyond = count_beyond(seen, wanted);
+  chosen.alike = trials.alike;
   return chosen;
 }
 

@@ -57,7 +57,9 @@ struct AutoModel {
   double p50 = unknown, p95 = unknown;
   std::size_t positions = 0, groups = 0;  // left out
   std::size_t beyond =
-      0;  // wanted places farther from the states than any position left out inside, or outside
+      0;                // wanted places farther from the states than any position left out inside, or outside
+  bool alike = true;    // what was left out is no nearer to the rest than the wanted places to the states
+  bool across = false;  // p95 is that of places across the states, where nothing was left out
 };
 
 // states: usable ones, one at each position. wanted: where the force is wanted, as seen from the states (left_out.hpp);

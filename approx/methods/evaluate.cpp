@@ -10,6 +10,7 @@
 #include "approx/error/left_out.hpp"
 #include "approx/error/offline_bar.hpp"
 #include "approx/error/place_models.hpp"
+#include "approx/measured/shared_error.hpp"
 #include "approx/methods/rbf_network.hpp"
 #include "approx/model/model_options.hpp"
 #include "approx/model/updater.hpp"
@@ -194,13 +195,28 @@ std::vector<Vec3> feet(std::span<const Vec3> points, const JudgedPoints& judged)
   return at;
 }
 
-// Across the states nothing was left out: there the error to expect is at least S E.
-void raise_across(AutoModel& chosen, const JudgedPoints& judged) {
-  std::vector<double> across;
-  for (const ForceField::Prediction& made : judged.at) across.push_back(made.least_error);
+// What no force left out shows: across the states the error to expect is at least S E, as seldom as 5 % m S E; and the
+// error that rows share.
+void raise(AutoModel& chosen, const JudgedPoints& judged, double shared) {
+  std::vector<double> across, seldom;
+  for (const ForceField::Prediction& made : judged.at) {
+    BarWidths widths{};
+    widen(widths, made.least_error);
+    across.push_back(made.least_error);
+    seldom.push_back(widths[1]);
+  }
   if (across.empty() || !std::isfinite(chosen.p95)) return;
-  chosen.p50 = std::max(chosen.p50, quantile_of(across, 0.5));
-  chosen.p95 = std::max(chosen.p95, quantile_of(across, 0.95));
+  const double least = quantile_of(seldom, 0.95);
+  chosen.across = least > chosen.p95;
+  chosen.p50 = std::max(chosen.p50, quantile_of(across, 0.5)) + shared;
+  chosen.p95 = std::max(chosen.p95, least) + shared;
+}
+
+// Adds the error that rows share. No force is larger than `bound`, so no error is larger than that and the model's.
+void bound_bars(EvaluatedBars& bars, std::span<const Vec3> forces, double shared, double bound) {
+  for (std::size_t i = 0; i < bars.at.size(); ++i)
+    for (double& width : bars.at[i])
+      if (std::isfinite(width)) width = std::min(width + shared, bound + forces[i].norm());
 }
 
 EvaluatedBars bars_of(const StateSpace& space, std::span<const State> states, std::span<const Vec3> points,
@@ -283,6 +299,10 @@ Evaluation evaluate(std::span<const State> states, std::span<const Vec3> points,
     for (const Vec3& x : points) wanted.push_back(locate(x));
   }
   if (moving && !stiffness) result.field = field_of(mean.states, options.noise);
+  if (result.field) {
+    result.shared = shared_error(states, result.repeated, result.field->law.noise);
+    if (options.stiffest) result.field->stiffest = *options.stiffest / across_of_95;
+  }
   const JudgedPoints judged = judge(space, points, result.field);
   for (std::size_t i = 0; i < judged.at.size(); ++i) wanted[i].doubt = judged.at[i].own_deviation;
   if (moving && is_chosen(options, stiffness)) {
@@ -292,7 +312,7 @@ Evaluation evaluate(std::span<const State> states, std::span<const Vec3> points,
                                   .spacing = result.options.spacing,
                                   .progress = options.choosing},
                                  wanted);
-    raise_across(*result.chosen, judged);
+    raise(*result.chosen, judged, result.shared.sum());
     model = result.chosen->model;
   }
   if (result.method == Method::rbf && !(result.chosen && result.chosen->field))
@@ -325,6 +345,8 @@ Evaluation evaluate(std::span<const State> states, std::span<const Vec3> points,
                            .spacing = result.options.spacing,
                            .wanted = wanted},
                           options);
+  if (result.bars && result.field)
+    bound_bars(*result.bars, result.made.forces, result.shared.sum(), judged.bound);
   result.fit_us = median(result.made.fit_us);
   result.evaluate_ns = median(result.made.evaluate_ns);
   return result;

@@ -15,6 +15,7 @@
 #include <string_view>
 #include <vector>
 
+#include "approx/measured/shared_error.hpp"
 #include "approx/methods/auto_model.hpp"
 #include "approx/methods/older_methods.hpp"
 #include "geometry/coverage/coverage.hpp"
@@ -35,6 +36,8 @@ struct EvaluateOptions {
   bool bars = false;                  // error bars of each point, for method rbf only (offline_bar.hpp)
   double spacing = unknown;           // h [m]; unknown: the median distance of the states
   KnownNoise noise = {};              // of measured states; else it is estimated
+  std::optional<double> stiffest =
+      {};  // of measured states, across them [N/m]; else three times that along them
   // Check solves are not used as states: within their box, their errors give the bars.
   CheckSolves checks = {};
   std::function<void(double)> choosing = {};  // called with the share done while the model is chosen
@@ -71,12 +74,13 @@ struct EvaluatedBars {
 struct Evaluation {
   EvaluatedPoints made = {};
   Method method = Method::rbf;
-  MethodOptions options = {};                      // as used; .model of rbf and offline_rbf
-  std::size_t states = 0;                          // known positions
-  RepeatedStates repeated = {};                    // states that contradict each other are averaged
-  std::optional<AutoModel> chosen = {};            // where the model was chosen
-  std::optional<FieldOptions> field = {};          // of measured states: their law and noise
-  std::optional<EvaluatedBars> bars = {};          // if requested and the method has them
+  MethodOptions options = {};              // as used; .model of rbf and offline_rbf
+  std::size_t states = 0;                  // known positions
+  RepeatedStates repeated = {};            // states that contradict each other are averaged
+  std::optional<AutoModel> chosen = {};    // where the model was chosen
+  std::optional<FieldOptions> field = {};  // of measured states: their law and noise
+  SharedError shared = {};                 // of measured states; part of bars and of the expected error
+  std::optional<EvaluatedBars> bars = {};  // if requested and the method has them
   double fit_us = unknown, evaluate_ns = unknown;  // medians
 };
 

@@ -9,11 +9,23 @@
 #include "geometry/common/error.hpp"
 
 namespace forefeel {
-std::string above_zero(const std::string& text) {
+namespace {
+
+// NaN: not a finite number.
+double number_of(const std::string& text) {
   char* end = nullptr;
   const double value = std::strtod(text.c_str(), &end);
-  if (!text.empty() && *end == '\0' && std::isfinite(value) && value > 0) return "";
-  return fmt::format("is {}, expected a number above 0", text);
+  return !text.empty() && *end == '\0' && std::isfinite(value) ? value : std::nan("");
+}
+
+}  // namespace
+
+std::string above_zero(const std::string& text) {
+  return number_of(text) > 0 ? "" : fmt::format("is {}, expected a number above 0", text);
+}
+
+std::string zero_or_more(const std::string& text) {
+  return number_of(text) >= 0 ? "" : fmt::format("is {}, expected 0 or a number above it", text);
 }
 
 Eigen::Vector3d parse_vector(const std::string& text, const std::string& where) {

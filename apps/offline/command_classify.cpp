@@ -182,6 +182,10 @@ void check_effect(const Globals& globals, const ClassifyArguments& arguments, bo
     throw InputError("--foreign", "is about states beside a scene, expected it with --scene");
   if (!arguments.tolerance.empty() && !arguments.bars)
     throw InputError("--tolerance", "is the tolerance of the error bars, expected it with --bars");
+  for (const auto& [given, key] :
+       {std::pair(arguments.noise.force, "--noise"), std::pair(arguments.noise.position, "--position-noise")})
+    if (given && !arguments.bars)
+      throw InputError(key, "is the noise of the error bars, expected it with --bars");
   if (arguments.bars && (run || !arguments.input.diff.empty()))
     throw InputError("--bars", "is for one set of states, expected it without --diff or a run");
   if (!arguments.places.through.empty() && extension != ".svg" && extension != ".png" && extension != ".pdf")
@@ -345,11 +349,11 @@ void add_classify(CommandLine& line) {
              "With --bars: deviation of one component of a measured force [N]. Default: estimated from the "
              "states")
       .shows("NEWTON")
-      .check(above_zero);
+      .check(zero_or_more);
   sub.option("--position-noise", arguments->noise.position,
              "With --bars: deviation of one coordinate of a measured position [m]")
       .shows("METRE")
-      .check(above_zero);
+      .check(zero_or_more);
   sub.flag("--list", arguments->places.list, "Print every point; default: if they are at most 20");
   sub.option("--through", arguments->places.through,
              "Point that the slices share; default: rest, or the middle")

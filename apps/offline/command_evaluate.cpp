@@ -44,6 +44,7 @@ struct EvaluateArguments {
   ModelArguments model;
   std::optional<double> spacing;
   KnownNoise noise;
+  std::optional<double> stiffest;  // across measured states [N/m]
   bool foreign = false, no_bars = false;
 };
 
@@ -132,17 +133,19 @@ void warn_of_unused(const Globals& globals, const ModelArguments& arguments) {
     warn(globals, fmt::format("{}: without effect on --method {}", fmt::join(unused, ", "), method));
 }
 
-// The noise is that of the process of measured forces, if there is one.
-void warn_of_unused_noise(const Globals& globals, const KnownNoise& noise, const Evaluation& found) {
-  if (found.field) return;
+// Noise and the stiffness across are those of the process of measured forces, if it is used.
+void warn_of_unused_noise(const Globals& globals, const EvaluateArguments& arguments,
+                          const Evaluation& found) {
+  if (found.field && found.chosen) return;
   std::vector<std::string> unused;
-  if (noise.force) unused.push_back("--noise");
-  if (noise.position) unused.push_back("--position-noise");
+  if (arguments.noise.force) unused.push_back("--noise");
+  if (arguments.noise.position) unused.push_back("--position-noise");
+  if (arguments.stiffest && !found.field) unused.push_back("--stiffest");
   if (!unused.empty())
-    warn(globals,
-         fmt::format("{}: without effect on {}", fmt::join(unused, ", "),
-                     found.method != Method::rbf ? fmt::format("--method {}", name(found.method))
-                                                 : "states with stiffness or with fewer than 8 positions"));
+    warn(globals, fmt::format("{}: without effect on {}", fmt::join(unused, ", "),
+                              found.method != Method::rbf ? fmt::format("--method {}", name(found.method))
+                              : found.field               ? "a model that is given; expected --method auto"
+                                            : "states with stiffness or with fewer than 8 positions"));
 }
 
 std::vector<Vec3> read_points(const std::string& file) {
@@ -207,6 +210,7 @@ EvaluateResult evaluate_command(const Globals& globals, const EvaluateArguments&
   options.checks = known.checks;
   options.bars = !arguments.no_bars;
   options.noise = arguments.noise;
+  options.stiffest = arguments.stiffest;
   result.belonging = known.belonging;
   result.mesh = known.mesh;
   Progress progress(globals, "evaluate");
@@ -220,7 +224,7 @@ EvaluateResult evaluate_command(const Globals& globals, const EvaluateArguments&
     if (error.place().key == "states") throw InputError(arguments.states, error.problem());
     throw;
   }
-  warn_of_unused_noise(globals, arguments.noise, result.found);
+  warn_of_unused_noise(globals, arguments, result.found);
   if (result.found.repeated.contradicting > 0)
     warn(globals, contradictions_in_words(arguments.states, result.found.repeated));
   return result;
@@ -254,22 +258,6 @@ std::string in_words(const Evaluation& result) {
   return how;
 }
 
-std::string expectation_in_words(const AutoModel& chosen) {
-  if (!std::isfinite(chosen.p95))
-    return "too few states to choose a model by leaving some out: the default is used, its error is unknown";
-  std::string text = fmt::format(
-      "expected error p50 {:.3g} N, p95 {:.3g} N: of {} comparisons with known forces, left out in {} groups "
-      "as far from the "
-      "rest as "
-      "the points are from the states",
-      chosen.p50, chosen.p95, chosen.positions, chosen.groups);
-  if (chosen.beyond > 0)
-    text +=
-        fmt::format("; {} points lie farther from them than any force left out: more is to be expected there",
-                    chosen.beyond);
-  return text;
-}
-
 void tell(const Globals& globals, const EvaluateResult& evaluated, bool with_forces) {
   const Evaluation& result = evaluated.found;
   const EvaluatedPoints& made = result.made;
@@ -295,15 +283,16 @@ void tell(const Globals& globals, const EvaluateResult& evaluated, bool with_for
   const double shown = evaluated.shown();
   const bool mesh_first = evaluated.mesh && evaluated.mesh->error > shown;
   if (mesh_first) answer(globals, discretisation_line(*evaluated.mesh, shown));
-  if (result.chosen) answer(globals, expectation_in_words(*result.chosen));
+  if (result.chosen) answer(globals, expectation_in_words(*result.chosen, result.shared));
   if (result.bars) answer(globals, bars_in_words(*result.bars));
   if (evaluated.mesh && !mesh_first) answer(globals, discretisation_line(*evaluated.mesh, shown));
 }
 
 int run_evaluate(const Globals& globals, const EvaluateArguments& arguments, const Command& command) {
   if (has_site_columns(arguments.points)) {
-    for (const char* option : {"--method", "--kernel", "--data", "--select", "--ridge", "--neighbours",
-                               "--spacing", "--noise", "--position-noise", "--no-bars", "--foreign"})
+    for (const char* option :
+         {"--method", "--kernel", "--data", "--select", "--ridge", "--neighbours", "--spacing", "--noise",
+          "--position-noise", "--stiffest", "--no-bars", "--foreign"})
       if (command.given(option))
         throw InputError(option,
                          "is not for points with sites, where the field at rest answers; expected none");
@@ -380,11 +369,16 @@ void add_evaluate(CommandLine& line) {
   sub.option("--noise", arguments->noise.force,
              "Deviation of one component of a measured force [N]. Default: estimated from the states")
       .shows("NEWTON")
-      .check(above_zero);
+      .check(zero_or_more);
   sub.option(
          "--position-noise", arguments->noise.position,
          "Deviation of one coordinate of a measured position [m]. Default: its effect is part of the noise")
       .shows("METRE")
+      .check(zero_or_more);
+  sub.option("--stiffest", arguments->stiffest,
+             "Stiffness that the body seldom (5 %) exceeds across a line or a surface of measured states "
+             "[N/m], for the error where they tell nothing. Default: three times the largest along them")
+      .shows("NEWTON/METRE")
       .check(above_zero);
   sub.option("--scene", arguments->scene,
              "Scene of the states' body. States that name no body are compared with it and refused if they "

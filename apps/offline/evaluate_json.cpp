@@ -77,15 +77,19 @@ JsonKeys<Evaluation> chosen_keys() {
 
 JsonKeys<AutoModel> expected_error_keys() {
   using A = AutoModel;
-  return {{"p50,p95", "N", "error of known forces left out in groups",
-           [](const A& a) {
-             return json_numbers({a.p50, a.p95});
-           }},
-          {"positions,groups", "", "left out, and in how many groups",
-           [](const A& a) {
-             return Json{a.positions, a.groups};
-           }},
-          {"beyond", "", "points farther from the states than any force left out", &A::beyond}};
+  return {
+      {"p50,p95", "N", "error of known forces left out in groups",
+       [](const A& a) {
+         return json_numbers({a.p50, a.p95});
+       }},
+      {"positions,groups", "", "left out, and in how many groups",
+       [](const A& a) {
+         return Json{a.positions, a.groups};
+       }},
+      {"beyond", "", "points farther from the states than any force left out", &A::beyond},
+      {"alike", "", "what was left out lies as far from the rest as the points from the states", &A::alike},
+      {"across", "", "p95 is that of points across the states: stiffness along them times the distance",
+       &A::across}};
 }
 
 JsonKeys<FieldOptions> field_keys() {
@@ -136,6 +140,12 @@ JsonKeys<R> later_keys() {
            [](const R& r) { return r.found.repeated.averaged; }},
           {"largest_difference", "N", "between two of these",
            [](const R& r) { return r.found.repeated.largest_difference; }},
+          {"rounding,courses", "N",
+           "part of the expected error and of the bars: of forces rounded to steps, and of forces at one "
+           "position that differ alike along the states, as in loading and unloading",
+           [](const R& r) {
+             return Json{r.found.shared.rounding, r.found.shared.courses};
+           }},
           {"belonging", "", "own or foreign states; null: not known",
            [](const R& r) { return r.belonging ? Json(name(*r.belonging)) : Json(); }},
           {"force_bounds", "N", "list: no force of the point's model is larger",

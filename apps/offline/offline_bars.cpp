@@ -116,6 +116,35 @@ const JsonKeys<BarsShown>& bar_keys() {
   return keys;
 }
 
+std::string expectation_in_words(const AutoModel& chosen, const SharedError& shared) {
+  if (!std::isfinite(chosen.p95))
+    return "too few states to choose a model by leaving some out: the default is used, its error is unknown";
+  std::string text = fmt::format(
+      "expected error p50 {:.3g} N, p95 {:.3g} N: of {} comparisons with known forces, left out in "
+      "{} groups {}",
+      chosen.p50, chosen.p95, chosen.positions, chosen.groups,
+      chosen.alike ? "as far from the rest as the points are from the states"
+                   : "that lie nearer to the rest than the points to the states");
+  if (chosen.across)
+    text +=
+        "; at points across the states, whose direction they do not know, it is the stiffness along the "
+        "states "
+        "times the distance";
+  if (shared.rounding > 0)
+    text += fmt::format("; {:.3g} N of it because forces are rounded to steps of {:.3g} N", shared.rounding,
+                        shared.step);
+  if (shared.courses > 0)
+    text += fmt::format(
+        "; {:.3g} N of it because forces at one position differ alike along the states, as in loading and "
+        "unloading: the force is their mean",
+        shared.courses);
+  if (chosen.beyond > 0)
+    text +=
+        fmt::format("; {} points lie farther from them than any force left out: more is to be expected there",
+                    chosen.beyond);
+  return text;
+}
+
 std::string bars_in_words(const EvaluatedBars& bars) {
   const BarCover all = bars.measured->cover();
   if (all.samples == 0) return "error bars: unknown, too few states to leave some out";

@@ -20,6 +20,8 @@ struct BarsShown {
   bool points = true;
 };
 const JsonKeys<BarsShown>& bar_keys();
+// "expected error p50 0.1 N, p95 0.3 N: of 312 comparisons with known forces, …"
+std::string expectation_in_words(const AutoModel& chosen, const SharedError& shared);
 // "error bars of 90/95/99 %: … of 312 comparisons with known forces, left out in groups, lie inside …", with a warning
 // if the share is more than five points below a level.
 std::string bars_in_words(const EvaluatedBars& bars);

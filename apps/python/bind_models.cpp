@@ -64,9 +64,13 @@ void set_option(EvaluateOptions& options, const std::string& key, const py::hand
     set_ridge(options, value);
   } else if (key == "noise" || key == "position_noise") {
     const auto noise = cast_to<double>(value, key, "a number");
-    if (!(noise > 0) || !std::isfinite(noise))
-      throw InputError(key, fmt::format("is {}, expected a number above 0", noise));
+    if (!(noise >= 0) || !std::isfinite(noise))
+      throw InputError(key, fmt::format("is {}, expected a number from 0", noise));
     (key == "noise" ? options.noise.force : options.noise.position) = noise;
+  } else if (key == "stiffest") {
+    options.stiffest = cast_to<double>(value, key, "a number");
+    if (!(*options.stiffest > 0) || !std::isfinite(*options.stiffest))
+      throw InputError(key, fmt::format("is {}, expected a number above 0 [N/m]", *options.stiffest));
   } else if (key == "bars") {
     options.bars = cast_to<bool>(value, key, "True or False");
   } else if (key == "spacing") {
@@ -75,7 +79,7 @@ void set_option(EvaluateOptions& options, const std::string& key, const py::hand
   } else {
     throw py::type_error(
         fmt::format("unknown option '{:.40}', expected method, kernel, data, neighbours, select, ridge, "
-                    "spacing, noise, position_noise or "
+                    "spacing, noise, position_noise, stiffest or "
                     "bars",
                     key));
   }

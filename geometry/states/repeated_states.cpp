@@ -4,8 +4,11 @@
 
 #include <algorithm>
 #include <array>
+#include <cmath>
 #include <numeric>
 #include <utility>
+
+#include "geometry/common/quantiles.hpp"
 
 namespace forefeel {
 namespace {
@@ -84,6 +87,27 @@ class Mean {
   double forces_ = 0, stiffnesses_ = 0, energies_ = 0;
 };
 
+// How far forces are from the mean of their position.
+class Scatter {
+ public:
+  void add(std::span<const State> states, const Indices& here, const Vec3& mean) {
+    for (const std::size_t i : here) off_.push_back((states[i].force - mean).norm());
+    freedom_ += 3 * (static_cast<double>(here.size()) - 1);
+    ++positions_;
+  }
+  void report(RepeatedStates& found) const {
+    if (off_.empty()) return;
+    double squared = 0;
+    for (const double off : off_) squared += off * off;
+    found.off_mean = quantile_of(off_, 0.95);
+    found.mean_noise = std::sqrt(squared / freedom_ * positions_ / static_cast<double>(off_.size()));
+  }
+
+ private:
+  std::vector<double> off_;
+  double freedom_ = 0, positions_ = 0;
+};
+
 }  // namespace
 
 bool contradict(const State& a, const State& b) {
@@ -111,6 +135,7 @@ AveragedStates averaged(std::vector<State> states) {
   AveragedStates result;
   std::vector<char> drop(states.size(), 0);
   std::vector<std::pair<std::size_t, State>> means;
+  Scatter scatter;
   for_each_position(states, [&](std::span<const std::size_t> here) {
     count(states, here, result.found);
     const Indices differing = contradicting(states, here);
@@ -121,7 +146,9 @@ AveragedStates averaged(std::vector<State> states) {
       drop[i] = 1;
     }
     means.emplace_back(differing.front(), mean.state());
+    scatter.add(states, differing, means.back().second.force);
   });
+  scatter.report(result.found);
   if (means.empty()) {
     result.states = std::move(states);
     return result;

@@ -22,6 +22,8 @@ struct RepeatedStates {
   std::size_t contradicting = 0;  // usable states that contradict the first usable state at their position
   std::size_t averaged = 0;       // positions that hold such states
   double largest_difference = 0;  // between two forces at one of these positions [N]
+  double off_mean = 0;            // 95 % of these forces are no farther from their mean [N]
+  double mean_noise = 0;          // deviation of one component of a mean, if the forces differ by chance [N]
 };
 RepeatedStates repeated_states(std::span<const State> states);
 
@@ -36,6 +38,7 @@ struct AveragedStates {
   std::vector<State> states;
   RepeatedStates found;
 };
+// Fills in off_mean and mean_noise too.
 AveragedStates averaged(std::vector<State> states);
 
 }  // namespace forefeel

@@ -2,6 +2,7 @@
 
 #include <fmt/format.h>
 
+#include <Eigen/QR>
 #include <algorithm>
 #include <array>
 #include <cmath>
@@ -12,7 +13,8 @@
 namespace forefeel {
 namespace {
 
-constexpr std::size_t most_compared = 500, neighbours = 8, fewest = 3;
+constexpr std::size_t most_compared = 500, neighbours = 8, fewest = 3, enough_to_fit = 6;
+constexpr double like = 0.7, surely = 0.9, linear = 0.95;  // correlations
 
 struct Near {
   double distance2 = std::numeric_limits<double>::infinity();
@@ -36,19 +38,32 @@ std::array<Near, neighbours> nearest(std::span<const State> states, const State&
 
 struct Fit {
   double scale = 0, correlation = 0;
+  bool linear = false;  // the forces change linearly
 };
+
+// Correlation of the changes of force with those of the matrix that fits them best.
+double fitted_correlation(const Eigen::MatrixXd& moves, const Eigen::MatrixXd& changes) {
+  const Eigen::MatrixXd fitted = moves * moves.colPivHouseholderQr().solve(changes);
+  return (fitted.array() * changes.array()).sum() / std::max(fitted.norm() * changes.norm(), 1e-300);
+}
 
 std::optional<Fit> fit_around(std::span<const State> states, const State& a) {
   double both = 0, expected2 = 0, found2 = 0;
-  std::size_t count = 0;
+  Eigen::Index count = 0;
+  Eigen::MatrixXd moves(neighbours, 3), changes(neighbours, 3);
   for (const Near& near : nearest(states, a)) {
     if (!near.state) continue;
-    const Vec3 expected = -a.stiffness * (near.state->at - a.at), found = near.state->force - a.force;
+    const Vec3 move = near.state->at - a.at, expected = -a.stiffness * move;
+    const Vec3 found = near.state->force - a.force;
     both += expected.dot(found), expected2 += expected.squaredNorm(), found2 += found.squaredNorm();
-    ++count;
+    moves.row(count) = move.transpose();
+    changes.row(count++) = found.transpose();
   }
-  if (count < fewest || !(expected2 > 0) || !(found2 > 0)) return {};
-  return Fit{both / expected2, both / std::sqrt(expected2 * found2)};
+  if (count < Eigen::Index(fewest) || !(found2 > 0)) return {};
+  Fit fit{.linear = count >= Eigen::Index(enough_to_fit) &&
+                    fitted_correlation(moves.topRows(count), changes.topRows(count)) > linear};
+  if (expected2 > 0) fit.scale = both / expected2, fit.correlation = both / std::sqrt(expected2 * found2);
+  return fit;
 }
 
 }  // namespace
@@ -64,9 +79,16 @@ StiffnessAgreement stiffness_agreement(std::span<const State> states) {
     const std::optional<Fit> fit = fit_around(states, *with[k * with.size() / count]);
     if (!fit) continue;
     ++found.tried;
-    if (!(std::abs(fit->correlation) > 0.7)) continue;
+    if (!(std::abs(fit->correlation) > like)) {
+      const State& state = *with[k * with.size() / count];
+      const bool zero = state.stiffness.isZero(0);
+      found.zero += zero && fit->linear && !state.force.isZero(0) ? 1 : 0;
+      found.unlike += !zero && fit->linear ? 1 : 0;
+      continue;
+    }
     ++found.compared;
     found.opposite += fit->scale < 0;
+    found.surely_opposite += fit->scale < 0 && fit->correlation < -surely;
     scales.push_back(std::abs(fit->scale));
   }
   if (scales.empty()) return found;
@@ -77,9 +99,19 @@ StiffnessAgreement stiffness_agreement(std::span<const State> states) {
 }
 
 std::string disagreement_in_words(const StiffnessAgreement& found) {
+  if (found.zero > 0)
+    return fmt::format(
+        "the stiffness (k11 to k33) is 0 at {} of {} states although the forces beside {} differ; "
+        "expected K = -df/dx, or empty cells where it is unknown",
+        found.zero, found.tried, found.zero == 1 ? "it" : "them");
+  if (2 * found.unlike > found.tried && found.unlike >= fewest)
+    return fmt::format(
+        "the stiffness (k11 to k33) is not that of the forces of neighbouring states, at {} of {} "
+        "states compared; expected K = -df/dx, k12 = -dfx/dy",
+        found.unlike, found.tried);
   if (found.compared < fewest || 3 * found.compared < found.tried) return {};
   const double share = static_cast<double>(found.opposite) / static_cast<double>(found.compared);
-  if (share > 0.05)
+  if (share > 0.05 || found.surely_opposite > 0)
     return fmt::format(
         "the stiffness (k11 to k33) has the other sign of what the forces of neighbouring states show, at {} "
         "of {} "
