@@ -7,11 +7,14 @@
 #include <limits>
 #include <vector>
 
+#include "geometry/common/quantiles.hpp"
+
 namespace forefeel {
 namespace {
 
 constexpr double rows_apart = 0.25;        // of the rows about a place, in their distances from it
-constexpr std::size_t most_tried = 10;     // of the rows nearest to a place, in those that are used
+constexpr double most_even = 8;            // radius of even rows about a place, in their median spacing
+constexpr std::size_t most_tried = 40;     // of the rows nearest to a place, in those that are used
 constexpr int local_steps = 15;            // of the search for the law of a place
 constexpr std::size_t most_around = 2000;  // rows that show which directions are known
 constexpr std::size_t least_around = 12;
@@ -26,6 +29,17 @@ constexpr double most_across =
     10;  // distances across, within which rows beyond tell of the direction at any l
 constexpr double spline_share = 0.7;  // of the spline's deviation, in its weight
 constexpr double most_overshoot = 2;  // no force is larger than this many times the largest known one
+
+double median_spacing(const std::vector<Vec3>& at) {
+  std::vector<double> nearest(at.size(), std::numeric_limits<double>::infinity());
+  for (std::size_t i = 0; i < at.size(); ++i)
+    for (std::size_t j = 0; j < i; ++j) {
+      const double d = (at[i] - at[j]).squaredNorm();
+      nearest[i] = std::min(nearest[i], d);
+      nearest[j] = std::min(nearest[j], d);
+    }
+  return std::sqrt(median(std::move(nearest)));
+}
 
 // Where rows lie across themselves, from x, and how far they are from there.
 struct Lie {
@@ -118,27 +132,35 @@ ForceField::Prediction ForceField::predicted(const Vec3& x) const {
   return made;
 }
 
-// Rows of a line lie close to each other, and 120 of them may all be of one line. So a row counts only if it is apart
-// from all nearer ones by a share of its distance from x.
+// The nearest rows. Where they lie on lines or in heaps, 120 of them may all be of one. Then a row counts only if it is
+// apart from all nearer ones by a share of its distance from x; else the nearest of these stands for it too, if the
+// force changes less between both than its noise.
 MeasuredRows ForceField::rows_about(const Vec3& x) const {
   std::vector<StateId> ids;
-  known_->nearest(x, most_tried * options_.neighbours, ids);
+  const std::size_t count = options_.neighbours;
+  known_->nearest(x, count, ids);
   MeasuredRows rows;
-  std::vector<StateId> passed;
-  const auto near = [&](const Vec3& at, double apart) {
-    return std::ranges::any_of(rows.at,
-                               [&](const Vec3& other) { return (at - other).squaredNorm() < apart; });
-  };
+  for (const StateId id : ids) rows.add((*known_)[id].at, (*known_)[id].force);
+  if ((rows.at.back() - x).norm() < most_even * median_spacing(rows.at)) return rows;
+  known_->nearest(x, most_tried * count, ids);
+  rows = {};
+  const double alike = options_.stiffest > 0 ? surely_off * options_.law.noise / options_.stiffest : 0;
   for (const StateId id : ids) {
     const State& row = (*known_)[id];
-    if (rows.size() == options_.neighbours) break;
-    if (near(row.at, rows_apart * rows_apart * (row.at - x).squaredNorm()))
-      passed.push_back(id);
-    else
+    const double apart = rows_apart * (row.at - x).norm();
+    std::size_t nearest = 0;
+    double least = std::numeric_limits<double>::infinity();
+    for (std::size_t i = 0; i < rows.size(); ++i)
+      if (const double d = (rows.at[i] - row.at).squaredNorm(); d < least) least = d, nearest = i;
+    if (least >= apart * apart) {
+      if (rows.size() == count) break;
       rows.add(row.at, row.force);
+    } else if (std::sqrt(least) <= alike) {
+      const double weight = rows.weight[nearest] += 1;
+      rows.at[nearest] += (row.at - rows.at[nearest]) / weight;
+      rows.force[nearest] += (row.force - rows.force[nearest]) / weight;
+    }
   }
-  for (const StateId id : passed)
-    if (rows.size() < options_.neighbours) rows.add((*known_)[id].at, (*known_)[id].force);
   return rows;
 }
 

@@ -7,12 +7,13 @@
 namespace forefeel {
 namespace {
 
-constexpr double same = 1e-9;            // of the largest value: two values that differ by less are one
-constexpr double off_grid = 0.02;        // of a step, that a value may be off a multiple
-constexpr double most_multiples = 1e5;       // a finer grid than this part of the range is none
-constexpr std::size_t fewest_gaps = 4;   // that show a step
-constexpr double by_chance = 0.5;        // of the noise of means: less is not chance
-constexpr double enough_repeated = 0.1;  // share of the positions
+constexpr double same = 1e-9;           // of the largest value: two values that differ by less are one
+constexpr double off_grid = 0.02;       // of a step, that a value may be off a multiple
+constexpr double most_multiples = 1e5;  // a finer grid than this part of the range is none
+constexpr std::size_t fewest_gaps = 2;  // that show a step
+constexpr double least_noise = 0.02, most_noise = 0.5;  // of rounded forces, in steps
+constexpr double by_chance = 0.5;                       // of the noise of means: less is not chance
+constexpr double enough_repeated = 0.1;                 // share of the positions
 constexpr std::size_t fewest_repeated = 8;
 
 // The step whose multiples all values are; 0: none.
@@ -42,7 +43,7 @@ SharedError shared_error(std::span<const State> rows, const RepeatedStates& repe
     if (!values.empty()) step[k] = step_of(std::move(values));
   }
   SharedError found{.step = step.norm()};
-  if (noise < 0.5 * found.step) found.rounding = 0.5 * found.step;
+  if (noise > least_noise * found.step && noise < most_noise * found.step) found.rounding = 0.5 * found.step;
   const auto usable = static_cast<std::size_t>(std::ranges::count_if(rows, &State::usable));
   const std::size_t positions = usable - std::min(usable, repeated.repeated);
   const bool often = repeated.averaged >= fewest_repeated &&

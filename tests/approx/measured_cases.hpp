@@ -63,4 +63,18 @@ inline void apply(const Variant& v, MeasuredCase& given) {
   }
 }
 
+inline std::vector<double> errors_of(const Evaluation& found, const MeasuredCase& given) {
+  std::vector<double> errors;
+  for (std::size_t i = 0; i < given.truth.size(); ++i)
+    errors.push_back((found.made.forces[i] - given.truth[i]).norm());
+  return errors;
+}
+
+// Share of the errors within their 95 % bars.
+inline double held(const Evaluation& found, const std::vector<double>& errors) {
+  double count = 0;
+  for (std::size_t i = 0; i < errors.size(); ++i) count += errors[i] <= found.bars->at[i][1] ? 1 : 0;
+  return count / double(errors.size());
+}
+
 }  // namespace forefeel::testing

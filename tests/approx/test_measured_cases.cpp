@@ -13,19 +13,6 @@ using namespace forefeel::testing;
 
 namespace {
 
-std::vector<double> errors_of(const Evaluation& found, const MeasuredCase& given) {
-  std::vector<double> errors;
-  for (std::size_t i = 0; i < given.truth.size(); ++i)
-    errors.push_back((found.made.forces[i] - given.truth[i]).norm());
-  return errors;
-}
-
-double held(const Evaluation& found, const std::vector<double>& errors) {
-  double count = 0;
-  for (std::size_t i = 0; i < errors.size(); ++i) count += errors[i] <= found.bars->at[i][1] ? 1 : 0;
-  return count / double(errors.size());
-}
-
 // 100 places along x, f = (-100 x, 0, 0); points on it and beside it. jitter: noise of the positions [m].
 MeasuredCase line(const Variant& v, double jitter) {
   MeasuredCase made{.noise = 0.01 * v.noise};

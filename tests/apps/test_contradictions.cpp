@@ -83,6 +83,20 @@ TEST_CASE("stiffness of the other sign is said, whatever the field, the noise an
     std::vector<State> unit = field.states;
     for (State& state : unit) state.stiffness /= 1000;
     CHECK_THAT(said(unit), Catch::Contains("times what the forces of neighbouring states show"));
+    // A single row of the other sign; none where noise hides it.
+    std::vector<State> one = field.states;
+    one[one.size() / 2].stiffness = -one[one.size() / 2].stiffness.eval();
+    if (seed % 2 == 0)
+      CHECK_THAT(said(one), Catch::Contains("has the other sign") && Catch::Contains(" 1 of "));
+    // Rows and columns in another order, and no stiffness at all though forces change.
+    std::vector<State> permuted = field.states, zero = field.states;
+    for (State& state : permuted) {
+      const Mat3 k = state.stiffness;
+      state.stiffness << k.row(1), k.row(2), k.row(0);
+    }
+    for (State& state : zero) state.stiffness.setZero();
+    if (seed % 2 == 0) CHECK(!said(permuted).empty());
+    if (seed % 2 == 0) CHECK_THAT(said(zero), Catch::Contains("is 0 at"));
     // Without stiffness, with one state, and where a state alone has stiffness, there is nothing to say.
     for (State& state : unit) state.stiffness.setConstant(unknown);
     CHECK(said(unit).empty());
