@@ -6,7 +6,8 @@
 //
 // An eighth of the groups, far from each other, is held out at a time. With more than 1500 states, one state
 // of each box of neighbouring states is compared, and natural groups are held out if any fit; else groups of boxes; or,
-// where boxes are too large, only some patches of the states are used, and a part of the inner half of each is held out.
+// where boxes are too large, only some patches of the states are used, and a part of the inner half of each is held
+// out.
 //
 // Most groups lie between other states, so they tell little about places outside the states. A place is outside if it
 // lies beyond all states by more than h / 4 in one of 26 directions u (to faces, edges and corners of a cube):

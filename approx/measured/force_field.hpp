@@ -2,7 +2,8 @@
 // The field of measured forces: a Gaussian process (gaussian_process.hpp) of all rows, or of the rows nearest to a
 // place. Where there are many rows, the mean of a box of neighbouring rows stands for them: its noise is less by the
 // square root of their number, and lines that are dense along themselves weigh no more than their length. Boxes are
-// made only where the field bends less within a box than the noise of its mean; else the rows nearest to a place serve.
+// made only where the field bends less within a box than the noise of its mean; else the rows nearest to a place serve,
+// thinned where they lie on lines or in heaps, so that they are of several of these.
 //
 // The likeliest law of a smooth field may be much longer than the extent of the rows: the field is then a polynomial of
 // low degree, and the process is sure of it between the rows, where nothing was measured. So the deviation comes from a

@@ -16,6 +16,7 @@ using Eigen::VectorXd;
 using Forces = Eigen::Matrix<double, Eigen::Dynamic, 3>;
 
 constexpr double infinite = std::numeric_limits<double>::infinity();
+constexpr double almost_exact = 1e-9;                    // noise of exact forces, in their root mean square
 constexpr double least_ratio = 1e-12, most_ratio = 1e3;  // (sigma / a)^2
 constexpr int most_steps = 45;                           // of the simplex
 
@@ -59,7 +60,10 @@ class Likelihood {
         forces_(forces_of(rows)),
         weight_(rows.weight),
         smoothness_(smoothness),
-        noise_(noise) {}
+        noise_(noise) {
+    // Exact forces: as nearly as rounding allows.
+    if (noise_ && *noise_ == 0) noise_ = almost_exact * forces_.norm() / std::sqrt(double(forces_.size()));
+  }
 
   struct Found {
     double value = infinite;
@@ -67,8 +71,7 @@ class Likelihood {
   };
   Found at(double log_length, double log_ratio) const {
     const double length = std::exp(log_length);
-    const bool exact = noise_ && *noise_ == 0;
-    const double ratio = exact ? least_ratio : std::clamp(std::exp(log_ratio), least_ratio, most_ratio);
+    const double ratio = std::clamp(std::exp(log_ratio), least_ratio, most_ratio);
     const Eigen::LLT<MatrixXd> factor(system_of(squared_, weight_, smoothness_, length, ratio));
     if (factor.info() != Eigen::Success) return {};
     const auto diagonal = factor.matrixLLT().diagonal().array();

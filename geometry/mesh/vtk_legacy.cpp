@@ -61,7 +61,11 @@ class LegacyReader {
 
   void read_header() {
     std::string_view line;
-    if (!in_.line(line) || !lower_case(line).starts_with("# vtk datafile version"))
+    const bool any = in_.line(line);
+    if (any && line.starts_with("<"))
+      in_.fail(
+          "is XML, expected '# vtk DataFile Version' of a legacy file; an XML file ends in .vtu or .vtp");
+    if (!any || !lower_case(line).starts_with("# vtk datafile version"))
       in_.fail("is not a legacy VTK file, expected '# vtk DataFile Version'");
     if (!in_.line(line)) in_.fail("the file ends where a title was expected");
     const std::string mode = lower_case(in_.token("ASCII or BINARY"));

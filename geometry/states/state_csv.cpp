@@ -385,7 +385,7 @@ LoadedStates load_states(const std::filesystem::path& file) {
     return loaded;
   }
   if (content_start.find('\0') != std::string::npos)
-    throw InputError({.file = file.string()}, "is neither a state file nor a CSV of states");
+    throw InputError({.file = file.string()}, "is neither a state file nor a CSV of states in UTF-8");
   loaded.states = read_states_csv(file);
   loaded.header.box = {loaded.states.front().at, loaded.states.front().at};
   for (const State& state : loaded.states) {

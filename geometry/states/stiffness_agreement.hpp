@@ -5,7 +5,7 @@
 // For each state s and the correlation of both sides come from its eight nearest states. Columns of the other sign
 // (df/dx in place of -df/dx) have s < 0, another unit such as N/mm has s far from 1. Where noise in the force hides the
 // change between neighbours, the correlation is small and nothing is said. A matrix fitted to the neighbours tells the
-// two apart: if that one correlates (> 0.95) and K_a does not, K_a is of something else, as in another order of columns.
+// two apart: if that one correlates (> 0.95) and K_a does not, K_a is of something else, as columns in another order.
 
 #include <cstddef>
 #include <span>

@@ -37,8 +37,9 @@ def evaluate(positions: ArrayLike, forces: ArrayLike, points: ArrayLike, stiffne
 
     forces (n, 3) [N]; stiffness (n, 3, 3) [N/m] with K = -df/dx, or None. Options as of `forefeel evaluate`:
     method, kernel, data, neighbours, select, ridge (a number or "auto"), spacing [m], noise [N] and position_noise [m]
-    (deviation of a component of a measured force and of a coordinate; estimated if not given). Same forces as the command;
-    error_bar() gives their error bars.
+    (deviation of a component of a measured force and of a coordinate; estimated if not given), stiffest [N/m] (seldom
+    exceeded across measured states; three times that along them if not given). Same forces as the command; error_bar()
+    gives their error bars.
     States without stiffness have method="auto" if nothing is given: it chooses kernel, neighbours and ridge by
     leaving out groups of neighbouring states; evaluation() says what it chose.
     """
