@@ -10,7 +10,6 @@
 #include "approx/error/left_out.hpp"
 #include "approx/error/offline_bar.hpp"
 #include "approx/error/place_models.hpp"
-#include "approx/measured/shared_error.hpp"
 #include "approx/methods/rbf_network.hpp"
 #include "approx/model/model_options.hpp"
 #include "approx/model/updater.hpp"

@@ -15,7 +15,6 @@
 #include <string_view>
 #include <vector>
 
-#include "approx/measured/shared_error.hpp"
 #include "approx/methods/auto_model.hpp"
 #include "approx/methods/older_methods.hpp"
 #include "geometry/coverage/coverage.hpp"

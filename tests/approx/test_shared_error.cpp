@@ -4,8 +4,8 @@
 #include <catch2/catch.hpp>
 #include <random>
 
-#include "approx/measured/shared_error.hpp"
 #include "geometry/common/quantiles.hpp"
+#include "geometry/states/repeated_states.hpp"
 #include "tests/approx/measured_cases.hpp"
 
 using namespace forefeel;
