@@ -1,5 +1,5 @@
-// Measured forces with errors that no number of rows averages out and no row left out shows: rounded forces, loading and
-// unloading, and what lies across a stroke. Each with ten variants.
+// Measured forces with errors that no number of rows averages out and no row left out shows: rounded forces, loading
+// and unloading, and what lies across a stroke. Each with ten variants.
 
 #include <catch2/catch.hpp>
 #include <random>
