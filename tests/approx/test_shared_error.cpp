@@ -157,8 +157,7 @@ TEST_CASE("Whole lines of a raster are left out, and a place has rows of several
     const double p95 = quantile_of(errors_of(found, given), 0.95);
     CAPTURE(each, p95, found.chosen->p95);
     CHECK(found.chosen->groups == 21);
-    CHECK(p95 <
-          0.035);  // SciPy's thin plate spline of 1,000 rows: 0.021; its linear kernel with 50 rows: 0.16
+    CHECK(p95 < 0.04);  // SciPy, thin plate spline of all rows: 0.02; linear kernel with 50 rows: 0.16
     CHECK(found.chosen->p95 > 0.5 * p95);
     CHECK(held(found, errors_of(found, given)) > 0.7);
   }
