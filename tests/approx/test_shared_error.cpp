@@ -134,7 +134,7 @@ TEST_CASE("Across a stroke the expected error is that of the stiffness, found or
 
 // A lump between the lines: 47 rows a line, lines 4 and 6.7 mm apart. The rows nearest to a place are of one or two.
 TEST_CASE("Whole lines of a raster are left out, and a place has rows of several", "[measured]") {
-  for (const std::size_t each : {47, 270}) {
+  for (const std::size_t each : {std::size_t{47}, std::size_t{270}}) {
     MeasuredCase given;
     std::mt19937 random(5);
     std::uniform_real_distribution<double> uniform(0, 1);
