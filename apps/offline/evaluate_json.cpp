@@ -101,7 +101,8 @@ JsonKeys<FieldOptions> field_keys() {
            [](const F& f) { return f.law.amplitude; }},
           {"noise", "N", "deviation of one component of one measured force; given, or estimated",
            [](const F& f) { return f.law.noise; }},
-          {"stiffest", "N/m", "largest stiffness seen along the states", &F::stiffest}};
+          {"stiffest", "N/m", "largest stiffness seen along the states; given: a third of --stiffest",
+           &F::stiffest}};
 }
 
 // A list with an entry for each of these.
