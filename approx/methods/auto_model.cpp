@@ -315,7 +315,8 @@ std::size_t best_of(const std::vector<Candidate>& candidates, const std::vector<
   for (std::size_t c = 0; c < candidates.size(); ++c)
     if (candidates[c].field && candidates[c].field->local && process < candidates.size() &&
         (candidates[process].field->law.smoothness == Smoothness::matern32 ||
-         likely_score(errors[c]) < likely_score(errors[process])))
+         likely_score(errors[c]) < likely_score(errors[process]) ||
+         scores[c] < 0.8 * scores[process]))
       return c;
   if (process < candidates.size() && best != process && !surely_less(errors[best], errors[process], trial))
     return process;

@@ -29,11 +29,15 @@ std::vector<std::size_t> evenly(std::size_t n) {
   return picked;
 }
 
-double median_bar(std::span<const State> states, std::span<const Vec3> at) {
+// rendered: forces there, or none.
+double median_bar(std::span<const State> states, std::span<const Vec3> at, std::span<const Vec3> rendered) {
   const Evaluation found = evaluate(states, at, {.bars = true});
   if (!found.bars) return unknown;
   std::vector<double> widths;
-  for (const auto& bar : found.bars->at) widths.push_back(bar[level]);
+  for (std::size_t i = 0; i < at.size(); ++i) {
+    const double off = rendered.empty() ? 0 : (rendered[i] - found.made.forces[i]).norm();
+    widths.push_back(found.bars->at[i][level] + off);
+  }
   const double width = median(std::move(widths));
   return std::isfinite(width) ? width : unknown;
 }
@@ -43,7 +47,8 @@ double median_bar(std::span<const State> states, std::span<const Vec3> at) {
 SessionSummary::AwayFromStates away_from_states(const SessionResult& result, const SessionPlan& plan) {
   SessionSummary::AwayFromStates away;
   std::vector<State> states;
-  std::ranges::copy_if(plan.input.known, std::back_inserter(states), &State::usable);
+  const bool measured = !plan.input.measured.empty();
+  std::ranges::copy_if(measured ? plan.input.measured : plan.input.known, std::back_inserter(states), &State::usable);
   if (!plan.input.foreign || states.empty() || result.frames.empty()) return away;
   std::vector<double> distances;
   const std::size_t stride = 1 + result.frames.size() / most_compared;
@@ -55,12 +60,15 @@ SessionSummary::AwayFromStates away_from_states(const SessionResult& result, con
   away.farthest = *std::ranges::max_element(distances);
   away.median = median(std::move(distances));
   if (states.size() > most_known) return away;
-  std::vector<Vec3> hand, known;
-  for (const std::size_t i : evenly(result.frames.size())) hand.push_back(result.frames[i].at);
+  std::vector<Vec3> hand, rendered, known;
+  for (const std::size_t i : evenly(result.frames.size())) {
+    hand.push_back(result.frames[i].at);
+    rendered.push_back(result.frames[i].force);
+  }
   for (const std::size_t i : evenly(states.size())) known.push_back(states[i].at);
   try {
-    away.bar = median_bar(states, hand);
-    away.bar_at_states = median_bar(states, known);
+    away.bar = median_bar(states, hand, rendered);
+    away.bar_at_states = median_bar(states, known, {});
   } catch (const InputError&) {  // states that no model takes
   }
   return away;

@@ -9,9 +9,8 @@ struct SessionPlan;
 struct SessionResult;
 
 // Distances of at most 5,000 frames from the nearest usable state, and medians of the 95 % bars that
-// `evaluate` finds from the states: at up to 100 frames, and at up to 100 states. The bars are of what the
-// states tell, not of the session's own model or of its switches. Empty unless the states are of another
-// body.
+// `evaluate` finds from the states: at up to 100 frames, each with the distance of the rendered force from that of
+// `evaluate`, and at up to 100 states. Empty unless the states are of another body.
 SessionSummary::AwayFromStates away_from_states(const SessionResult& result, const SessionPlan& plan);
 
 }  // namespace forefeel

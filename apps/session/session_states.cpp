@@ -4,9 +4,14 @@
 
 #include <algorithm>
 #include <filesystem>
+#include <iterator>
+#include <optional>
+#include <span>
 #include <system_error>
 #include <utility>
+#include <vector>
 
+#include "approx/methods/field_states.hpp"
 #include "apps/scene/given_states.hpp"
 #include "geometry/common/error.hpp"
 #include "geometry/common/output_file.hpp"
@@ -36,6 +41,23 @@ SessionPlan extend_states(const Scene& scene, const fs::path& file, const Global
   return plan;
 }
 
+// Measured forces have noise, and no stiffness: the states of their field, which a model renders. None: no field.
+std::vector<State> field_of_measured(const Scene& scene, std::span<const State> measured,
+                                     const std::string& file, const Globals& globals) {
+  std::vector<State> usable;
+  std::ranges::copy_if(measured, std::back_inserter(usable), &State::usable);
+  std::optional<FieldStates> field;
+  {
+    Progress progress(globals, "the field of the measured forces");
+    field = field_states(usable, scene.space.spacing, [&](double share) { progress.show(share, ""); });
+  }
+  if (!field) return {};
+  say(globals, fmt::format("{}: forces without stiffness: their field (Gaussian process, noise {:.2g} N) is "
+                           "rendered, with its stiffness at {} of {} places",
+                           file, field->law.noise, field->states.size(), usable.size()));
+  return std::move(field->states);
+}
+
 }  // namespace
 
 SessionPlan take_states(const Scene& scene, const SessionArguments& given, const Globals& globals,
@@ -56,7 +78,14 @@ SessionPlan take_states(const Scene& scene, const SessionArguments& given, const
   if (known.belonging == Belonging::foreign) {
     if (std::ranges::none_of(known.loaded.states, &State::usable))
       throw InputError(states.file, "holds no usable state, expected some to render");
-    return with_foreign(std::move(plan), std::move(known.loaded.states));
+    std::vector<State>& states = known.loaded.states;
+    if (std::ranges::any_of(states, &State::has_stiffness))
+      return with_foreign(std::move(plan), std::move(states));
+    std::vector<State> field = field_of_measured(scene, states, given.states.file, globals);
+    if (field.empty()) return with_foreign(std::move(plan), std::move(states));
+    plan = with_foreign(std::move(plan), std::move(field));
+    plan.input.measured = std::move(states);
+    return plan;
   }
   return with_known(with_state_file(std::move(plan), own), std::move(known.loaded.states));
 }

@@ -60,6 +60,7 @@ struct SessionInput {
   // The known states are those of another body, or of a body without a model, such as measured forces. The session
   // renders them alone: it solves neither states nor references, and writes no state file.
   bool foreign = false;
+  std::vector<State> measured = {};  // whose field the known states are (approx/methods/field_states.hpp)
   SessionFiles files = {};
   SessionParts parts = {};
   // A service shared by sessions of the same body, spacing and displacements, which may run at the same time.
