@@ -2,7 +2,6 @@
 
 #include <omp.h>
 
-#include <cstdlib>
 #include "approx/measured/field_law.hpp"
 #include "approx/measured/force_field.hpp"
 #include "geometry/coverage/state_space.hpp"
@@ -10,8 +9,8 @@
 namespace forefeel {
 namespace {
 
-constexpr double apart_share = 0.125;  // of h, between states that stay
-constexpr double step_share = 0.02;    // of h, of the differences
+constexpr double apart_share = 0.25;  // of h, between states that stay
+constexpr double step_share = 0.02;   // of h, of the differences
 
 // Those at least `apart` from all before them.
 std::vector<State> spread_out(std::span<const State> measured, double apart) {
@@ -48,14 +47,13 @@ std::optional<FieldStates> field_states(std::span<const State> measured, double 
   StateSpace known({.spacing = spacing});
   for (const State& state : measured) known.insert(state);
   const ForceField field(known, *options);
-  const char*ea=getenv("APART"); const char*es=getenv("STEP");
-  FieldStates made{.states = spread_out(measured, (ea?atof(ea):apart_share) * spacing), .law = options->law};
+  FieldStates made{.states = spread_out(measured, apart_share * spacing), .law = options->law};
   std::size_t done = 0;
 #pragma omp parallel for schedule(dynamic, 1)
   for (std::size_t i = 0; i < made.states.size(); ++i) {
     State& state = made.states[i];
     state.force = field.at(state.at).force;
-    state.stiffness = stiffness_at(field, state.at, (es?atof(es):step_share) * spacing);
+    state.stiffness = stiffness_at(field, state.at, step_share * spacing);
     std::size_t now = 0;
 #pragma omp atomic capture
     now = ++done;

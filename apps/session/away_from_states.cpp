@@ -1,6 +1,7 @@
 #include "apps/session/away_from_states.hpp"
 
 #include <algorithm>
+#include <array>
 #include <cmath>
 #include <iterator>
 #include <limits>
@@ -29,26 +30,47 @@ std::vector<std::size_t> evenly(std::size_t n) {
   return picked;
 }
 
-// rendered: forces there, or none.
-double median_bar(std::span<const State> states, std::span<const Vec3> at, std::span<const Vec3> rendered) {
+using Bar = std::array<double, 3>;  // ForceBar::half_width
+
+// What `evaluate` finds at these places; with the forces rendered there, about these. Empty: no bars.
+std::vector<Bar> bars_at(std::span<const State> states, std::span<const Vec3> at,
+                         std::span<const Vec3> rendered) {
   const Evaluation found = evaluate(states, at, {.bars = true});
-  if (!found.bars) return unknown;
+  if (!found.bars) return {};
+  std::vector<Bar> bars = found.bars->at;
+  for (std::size_t i = 0; i < rendered.size(); ++i)
+    for (double& width : bars[i]) width += (rendered[i] - found.made.forces[i]).norm();
+  return bars;
+}
+
+double median_bar(const std::vector<Bar>& bars) {
   std::vector<double> widths;
-  for (std::size_t i = 0; i < at.size(); ++i) {
-    const double off = rendered.empty() ? 0 : (rendered[i] - found.made.forces[i]).norm();
-    widths.push_back(found.bars->at[i][level] + off);
-  }
-  const double width = median(std::move(widths));
+  for (const Bar& bar : bars) widths.push_back(bar[level]);
+  const double width = widths.empty() ? unknown : median(std::move(widths));
   return std::isfinite(width) ? width : unknown;
+}
+
+// The bars of a session on a field of measured forces. Its own would be those of a model beside the field, not beside
+// the truth. bars: of the frames `of`; a frame between two of them has the wider one.
+void take_bars(std::vector<FrameRecord>& frames, const std::vector<std::size_t>& of,
+               const std::vector<Bar>& bars) {
+  for (FrameRecord& frame : frames) frame.bar = {};
+  if (bars.empty()) return;
+  for (std::size_t i = 0, k = 0; i < frames.size(); ++i) {
+    while (k + 1 < of.size() && of[k + 1] <= i) ++k;
+    const Bar& next = bars[std::min(k + 1, bars.size() - 1)];
+    for (std::size_t j = 0; j < next.size(); ++j) frames[i].bar.half_width[j] = std::max(bars[k][j], next[j]);
+  }
 }
 
 }  // namespace
 
-SessionSummary::AwayFromStates away_from_states(const SessionResult& result, const SessionPlan& plan) {
+SessionSummary::AwayFromStates away_from_states(SessionResult& result, const SessionPlan& plan) {
   SessionSummary::AwayFromStates away;
   std::vector<State> states;
   const bool measured = !plan.input.measured.empty();
-  std::ranges::copy_if(measured ? plan.input.measured : plan.input.known, std::back_inserter(states), &State::usable);
+  std::ranges::copy_if(measured ? plan.input.measured : plan.input.known, std::back_inserter(states),
+                       &State::usable);
   if (!plan.input.foreign || states.empty() || result.frames.empty()) return away;
   std::vector<double> distances;
   const std::size_t stride = 1 + result.frames.size() / most_compared;
@@ -59,18 +81,23 @@ SessionSummary::AwayFromStates away_from_states(const SessionResult& result, con
   }
   away.farthest = *std::ranges::max_element(distances);
   away.median = median(std::move(distances));
-  if (states.size() > most_known) return away;
-  std::vector<Vec3> hand, rendered, known;
-  for (const std::size_t i : evenly(result.frames.size())) {
-    hand.push_back(result.frames[i].at);
-    rendered.push_back(result.frames[i].force);
-  }
-  for (const std::size_t i : evenly(states.size())) known.push_back(states[i].at);
+  const std::vector<std::size_t> picked = evenly(result.frames.size());
+  std::vector<Bar> bars;
   try {
-    away.bar = median_bar(states, hand, rendered);
-    away.bar_at_states = median_bar(states, known, {});
+    if (states.size() <= most_known) {
+      std::vector<Vec3> hand, rendered, known;
+      for (const std::size_t i : picked) {
+        hand.push_back(result.frames[i].at);
+        rendered.push_back(result.frames[i].force);
+      }
+      for (const std::size_t i : evenly(states.size())) known.push_back(states[i].at);
+      bars = bars_at(states, hand, rendered);
+      away.bar = median_bar(bars);
+      away.bar_at_states = median_bar(bars_at(states, known, {}));
+    }
   } catch (const InputError&) {  // states that no model takes
   }
+  if (measured) take_bars(result.frames, picked, bars);
   return away;
 }
 

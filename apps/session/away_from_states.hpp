@@ -11,6 +11,7 @@ struct SessionResult;
 // Distances of at most 5,000 frames from the nearest usable state, and medians of the 95 % bars that
 // `evaluate` finds from the states: at up to 100 frames, each with the distance of the rendered force from that of
 // `evaluate`, and at up to 100 states. Empty unless the states are of another body.
-SessionSummary::AwayFromStates away_from_states(const SessionResult& result, const SessionPlan& plan);
+// Where the field of measured forces was rendered, the frames take these bars.
+SessionSummary::AwayFromStates away_from_states(SessionResult& result, const SessionPlan& plan);
 
 }  // namespace forefeel

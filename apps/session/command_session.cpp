@@ -265,7 +265,7 @@ int run_session_command(const Globals& globals, const SessionArguments& given,
   const bool beside = options.clock.kind == Clock::real && !plan.input.foreign;
   MeshErrorTask mesh(scene, beside ? MeshErrorTask::When::meanwhile : MeshErrorTask::When::at_the_end);
   PredictorScores predictions(options.clock.frame);
-  const SessionResult result = run_session(
+  SessionResult result = run_session(
       plan,
       {.progress =
            [&](const SessionProgress& p) {
@@ -276,6 +276,7 @@ int run_session_command(const Globals& globals, const SessionArguments& given,
       shapes.wanted());
   progress.reset();
   for (const std::string& warning : result.warnings) warn(globals, warning);
+  const SessionSummary::AwayFromStates away = away_from_states(result, plan);
 
   shapes.begin_files(run);
   const RunView view = view_of(scene.space, options, plan.render.safety.force_limit);
@@ -287,7 +288,7 @@ int run_session_command(const Globals& globals, const SessionArguments& given,
   files.attempt("the shapes", [&] { shapes.finish_files(run); });
   RunDocuments documents{globals, given, scene, result, view, summarise(result, plan)};
   documents.summary.motion.prediction = predictions.report();
-  documents.summary.motion.away = away_from_states(result, plan);
+  documents.summary.motion.away = away;
   const MeshError by_mesh =
       plan.input.foreign ? MeshError{.why = "the states are of another body"} : mesh.get();
   documents.summary.error.mesh = {by_mesh.error, by_mesh.positions, measured_by(by_mesh), by_mesh.low,
