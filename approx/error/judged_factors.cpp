@@ -45,6 +45,7 @@ Widths judged_factors(std::vector<double> scores, double each, double share) {
   Widths factors = quantiles_of_norm(groups + 1);
   for (std::size_t level = 0; level < factors.size(); ++level) {
     const double p = bar_levels[level];
+    if (level > 0) factors[level] = std::max(factors[level], factors[level - 1]);
     if (groups < p / (1 - p)) continue;
     const double rank = std::min(1.0, std::ceil((groups + 1) * p - 1e-9) / groups);
     const double found = quantile_of(scores, rank, QuantileRule::inverted_cdf);

@@ -8,6 +8,7 @@
 #include <vector>
 
 #include "approx/measured/position_groups.hpp"
+#include "approx/measured/stretch.hpp"
 
 namespace forefeel {
 namespace {
@@ -175,14 +176,17 @@ std::optional<FieldOptions> field_of(std::span<const State> states, const KnownN
   const std::size_t size = box_size(states.size(), law_boxes);
   const MeasuredRows boxes = averaged_boxes(states, size);
   std::optional<LikelyLaw> best, rough, doubt;
+  Mat3 stretch = Mat3::Identity();
   const auto fit = [&](std::optional<double> known) {
     const ChosenLaw chosen = chosen_law(some, more, most, known);
     best = chosen.best;
     rough = chosen.rough;
     if (best && size > 1 && flat_within(states, size, best->law))
       best = improved_law(boxes, best->law, {.steps = polishing, .noise = known});
-    if (best)
-      doubt = improved_law(more, best->law, {.steps = polishing, .noise = known, .longest = longest_doubt});
+    if (!best) return;
+    stretch = likely_stretch(some, best->law, known);
+    doubt = improved_law(stretched(more, stretch), best->law,
+                         {.steps = polishing, .noise = known, .longest = longest_doubt});
   };
   fit(noise.force);
   if (!best) return {};
@@ -198,12 +202,13 @@ std::optional<FieldOptions> field_of(std::span<const State> states, const KnownN
   const double apart = std::min(least_apart * best->law.length, least_apart * radius_of(boxes));
   FieldOptions found{
       .law = best->law,
-      .doubt = doubt ? doubt->law : best->law,
+      .doubt = doubt ? doubt->law : FieldLaw{},
+      .stretch = stretch,
       .stiffest = std::max(largest_secant(boxes, best->law.noise, apart), largest / radius_of(boxes)),
       .box = box_size(states.size(), most_rows)};
   if (rough) found.rough = rough->law;
   found.noise = noise.force;
-  if (best->law.length <= found.doubt.length) found.doubt = best->law;
+  if (found.stretch.isIdentity() && best->law.length <= found.doubt.length) found.doubt = {};
   found.spline = likely_spline(more, noise.force).value_or(SplineLaw{});
   if (!flat_within(states, found.box, best->law)) found.neighbours = field_neighbours;
   return found;

@@ -7,6 +7,7 @@
 #include <limits>
 #include <vector>
 
+#include "approx/measured/stretch.hpp"
 #include "geometry/common/quantiles.hpp"
 
 namespace forefeel {
@@ -99,13 +100,10 @@ ForceField::Processes ForceField::processes_of(const MeasuredRows& rows) const {
     if (const auto own = improved_law(rows, law, {.steps = local_steps, .noise = options_.noise}))
       law = own->law;
   made.own = std::make_shared<const GaussianProcess>(rows, law);
-  if (doubted()) made.doubt = std::make_shared<const GaussianProcess>(rows, options_.doubt);
+  if (options_.doubt.length > 0)
+    made.doubt = std::make_shared<const GaussianProcess>(stretched(rows, options_.stretch), options_.doubt);
   if (options_.spline.amplitude > 0) made.spline = std::make_shared<const ThinPlate>(rows, options_.spline);
   return made;
-}
-
-bool ForceField::doubted() const {
-  return options_.doubt.length > 0 && options_.doubt.length < options_.law.length;
 }
 
 ForceField::Prediction ForceField::predicted(const Vec3& x) const {
@@ -115,7 +113,7 @@ ForceField::Prediction ForceField::predicted(const Vec3& x) const {
     of = processes_of(rows_about(x));
   }
   const GaussianProcess::Prediction likeliest = of.own->at(x),
-                                    judged = of.doubt ? of.doubt->at(x) : likeliest;
+                                    judged = of.doubt ? of.doubt->at(options_.stretch * x) : likeliest;
   Prediction made{.force = likeliest.force,
                   .alone = likeliest.force,
                   .own_deviation = std::sqrt(3.0) * likeliest.deviation};
@@ -235,7 +233,8 @@ ForceField::Prediction ForceField::at(const Vec3& x) const {
   const Foot foot = foot_of(x);
   Prediction made = predicted(foot.at);
   made.foot = foot.at;
-  made.least_error = std::min(options_.stiffest * foot.across, bound());
+  made.least_error = options_.stiffest * foot.across;
+  if (!options_.stated) made.least_error = std::min(made.least_error, bound());
   if (foot.between) made.least_error = std::min(made.least_error, predicted(*foot.between).deviation);
   made.force = bounded(made.force);
   made.alone = bounded(made.alone);

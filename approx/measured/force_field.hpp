@@ -7,7 +7,8 @@
 //
 // The likeliest law of a smooth field may be much longer than the extent of the rows: the field is then a polynomial of
 // low degree, and the process is sure of it between the rows, where nothing was measured. So the deviation comes from a
-// second law, `doubt`, the likeliest of those no longer than the extent:
+// second law, `doubt`, the likeliest of those no longer than the extent, with lengths that differ by direction
+// (stretch.hpp):
 //   s^2 = 3 v_doubt(x) + |f~_doubt(x) - f~(x)|^2
 //
 // A process is as good as its law. Where it is unsure, as between two presses far apart, a thin plate spline of the
@@ -22,7 +23,7 @@
 // is thin if the rows deviate in it by less than a fifth of their largest deviation. There the rows bend, as those of a
 // curve do, so c and the deviation are those of a parabola along the rows. Then
 //   foot     x without its components along unknown directions, about c: the place on the line that is nearest to x
-//   across   E = |x - foot| [m]; S E is at most the bound of the force, twice the largest one known
+//   across   E = |x - foot| [m]; S E is at most the bound of the force, twice the largest one known, if S is not stated
 // The components of x in thin directions beyond 1.5 deviations (a line with noise in its positions) count in E, but do
 // not move the foot. At the foot's force the error is at least S E. S [N/m]: the largest secant
 // |F_i - F_j| / |x_i - x_j| of neighbouring boxes, or the largest force over half the extent of the rows, if that is
@@ -65,7 +66,6 @@ class ForceField {
   };
   Foot foot_of(const Vec3& x) const;
   std::optional<Vec3> row_across(const Vec3& x, const Vec3& foot) const;
-  bool doubted() const;
   // The processes of some rows.
   struct Processes {
     std::shared_ptr<const GaussianProcess> own,

@@ -20,6 +20,7 @@
 namespace forefeel {
 namespace {
 
+constexpr double one_position = 1e-6;     // of the extent of measured states
 constexpr double most_apart = 20;         // bars inside the states: the widest over the narrowest
 constexpr double most_apart_between = 5;  // of places where the states know all directions
 
@@ -179,6 +180,22 @@ StateSpace space_of(std::span<const State> states, double spacing) {
   return space;
 }
 
+// Longest side of the box of the states, of which there is at least one [m].
+double extent_of(std::span<const State> states) {
+  Box box{states.front().at, states.front().at};
+  for (const State& s : states) box = {box.low.cwiseMin(s.at), box.high.cwiseMax(s.at)};
+  return box.size().maxCoeff();
+}
+
+// Rows within a millionth of the extent of all are one position: no hand and no encoder tells them apart.
+void join_near(std::vector<State>& states) {
+  const double extent = extent_of(states);
+  if (!(extent > 0)) return;
+  StateSpace joined({.spacing = extent, .merge_distance = one_position});
+  for (State& state : states)
+    if (const auto [id, is_new] = joined.insert(state); !is_new) state.at = joined[id].at;
+}
+
 // One state at each position: the same row twice adds no knowledge, and a held-out force must have no twin that stays.
 std::vector<State> distinct(const StateSpace& space) {
   std::vector<State> states;
@@ -284,6 +301,7 @@ Evaluation evaluate(std::span<const State> states, std::span<const Vec3> points,
       std::ranges::none_of(usable, [](const State& s) { return s.jet != nullptr; }))
     throw InputError("states", "no state has an energy jet, expected columns e300 to e005, or other --data");
   const std::size_t rows = usable.size();
+  if (!stiffness) join_near(usable);
   AveragedStates mean = averaged(std::move(usable));
   result.repeated = mean.found;
   const double spacing = options.spacing > 0 ? options.spacing : estimate_spacing(mean.states);
@@ -297,9 +315,13 @@ Evaluation evaluate(std::span<const State> states, std::span<const Vec3> points,
     const PlaceLocator locate(space);
     for (const Vec3& x : points) wanted.push_back(locate(x));
   }
+  if (const auto off = options.noise.position; off && !(*off < extent_of(mean.states)))
+    throw InputError("--position-noise",
+                     fmt::format("is {:g} m, as large as all the states, expected less", *off));
   if (moving && !stiffness) result.field = field_of(mean.states, options.noise);
   if (result.field) {
     result.shared = shared_error(states, result.repeated, result.field->law.noise);
+    result.field->stated = options.stiffest.has_value();
     if (options.stiffest) result.field->stiffest = *options.stiffest / across_of_95;
   }
   const JudgedPoints judged = judge(space, points, result.field);
@@ -345,7 +367,8 @@ Evaluation evaluate(std::span<const State> states, std::span<const Vec3> points,
                            .wanted = wanted},
                           options);
   if (result.bars && result.field)
-    bound_bars(*result.bars, result.made.forces, result.shared.sum(), judged.bound);
+    bound_bars(*result.bars, result.made.forces, result.shared.sum(),
+               options.stiffest ? std::numeric_limits<double>::infinity() : judged.bound);
   result.fit_us = median(result.made.fit_us);
   result.evaluate_ns = median(result.made.evaluate_ns);
   return result;

@@ -7,6 +7,8 @@
 #include <optional>
 #include <string_view>
 
+#include "geometry/common/types.hpp"
+
 namespace forefeel {
 
 enum class Kernel { linear, cubic, quintic };
@@ -54,9 +56,11 @@ struct SplineLaw {
 
 struct FieldOptions {
   FieldLaw law = {};
-  FieldLaw doubt = {};               // law of the deviation (force_field.hpp)
+  FieldLaw doubt = {};               // law of the deviation (force_field.hpp); length 0: `law`
+  Mat3 stretch = Mat3::Identity();   // A of `doubt` (measured/stretch.hpp)
   SplineLaw spline = {};             // blended with the process (force_field.hpp)
   double stiffest = 0;               // S [N/m] (force_field.hpp)
+  bool stated = false;               // S was given: S E is not held by the bound of the force
   std::size_t neighbours = 0;        // rows of each place; 0: all
   std::size_t box = 1;               // neighbouring rows averaged to one, of all rows
   FieldLaw rough = {};               // the likeliest of Matern's laws with 3/2

@@ -40,18 +40,6 @@ void take_in(std::vector<State>& states, double metres) {
   }
 }
 
-// A word where neighbouring states are many spacings apart, or the box is larger than any hand reaches: both are so for
-// positions in another unit than metres.
-std::string unlikely_box(const std::vector<State>& states, const Box& box, double spacing) {
-  const double side = box.size().maxCoeff(), apart = typical_distance(states);
-  if (!(apart > 20 * spacing) && !(side > 3)) return {};
-  return fmt::format(
-      "the states span {:.3g} m and are {:.3g} m apart, with a spacing of {:g} mm; expected metres, or "
-      "--unit cm, mm or "
-      "um",
-      side, apart, 1e3 * spacing);
-}
-
 // An imported file may be imported again. A file with solved states is never overwritten.
 void refuse_solved(const std::string& output) {
   std::error_code error;
@@ -79,7 +67,7 @@ int run_import(const Globals& globals, const ImportArguments& arguments) {
   header.box = sum.extent;
   if (const auto line = spacing_beyond("--spacing", header.spacing, header.box, "the states"))
     warn(globals, *line);
-  else if (const std::string unlikely = unlikely_box(states, header.box, header.spacing); !unlikely.empty())
+  else if (const std::string unlikely = unlikely_unit(states, header.spacing); !unlikely.empty())
     warn(globals, fmt::format("{}: {}", arguments.input, unlikely));
   if (const std::string problem = disagreement_in_words(stiffness_agreement(states)); !problem.empty())
     warn(globals, fmt::format("{}: {}", arguments.input, problem));

@@ -198,6 +198,9 @@ KnownStates read_known(const Globals& globals, const EvaluateArguments& argument
     if (const auto line =
             spacing_beyond("--spacing", known.spacing, summarise(known.states).extent, "the states"))
       warn(globals, *line);
+  if (loaded.header.identity.empty())
+    if (const std::string unlikely = unlikely_unit(known.states, known.spacing); !unlikely.empty())
+      warn(globals, fmt::format("{}: {}", arguments.states, unlikely));
   return known;
 }
 

@@ -92,7 +92,10 @@ std::string read_file(const std::filesystem::path& file) {
 
 std::string read_text_file(const std::filesystem::path& file) {
   LineCheck lines(file);
-  return read_blocks(file, std::string::npos, &lines);
+  std::string text = read_blocks(file, std::string::npos, &lines);
+  if (text.starts_with("\xFF\xFE") || text.starts_with("\xFE\xFF"))
+    throw InputError({.file = file.string()}, "is UTF-16, expected UTF-8");
+  return text;
 }
 
 std::string read_start(const std::filesystem::path& file, std::size_t bytes) {

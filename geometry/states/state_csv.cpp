@@ -307,7 +307,7 @@ NamedColumns named_columns(std::string_view text) {
   if (count != names.size() || seen.size() != names.size() || seen.contains(""))
     throw InputError("--columns", fmt::format("names {} columns, expected six different ones, of "
                                               "x, y, z, fx, fy and fz",
-                                              seen.size() - seen.count("")));
+                                              count));
   return names;
 }
 
