@@ -14,10 +14,10 @@
 #include "geometry/common/output_file.hpp"
 #include "geometry/common/scanner.hpp"
 #include "geometry/mesh/length_unit.hpp"
+#include "geometry/states/misleading.hpp"
 #include "geometry/states/named_columns.hpp"
 #include "geometry/states/state_file.hpp"
 #include "geometry/states/state_summary.hpp"
-#include "geometry/states/stiffness_agreement.hpp"
 
 namespace forefeel {
 namespace {
@@ -67,9 +67,7 @@ int run_import(const Globals& globals, const ImportArguments& arguments) {
   header.box = sum.extent;
   if (const auto line = spacing_beyond("--spacing", header.spacing, header.box, "the states"))
     warn(globals, *line);
-  else if (const std::string unlikely = unlikely_unit(states, header.spacing); !unlikely.empty())
-    warn(globals, fmt::format("{}: {}", arguments.input, unlikely));
-  if (const std::string problem = disagreement_in_words(stiffness_agreement(states)); !problem.empty())
+  for (const std::string& problem : misleading(states, header.spacing))
     warn(globals, fmt::format("{}: {}", arguments.input, problem));
   header.notes["source"] = "import " + arguments.input;
   StateFile file = StateFile::open_or_create(arguments.output, header);

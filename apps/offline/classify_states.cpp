@@ -26,8 +26,8 @@
 #include "geometry/coverage/voxel_summary.hpp"
 #include "geometry/index/morton_order.hpp"
 #include "geometry/states/check_solves.hpp"
+#include "geometry/states/misleading.hpp"
 #include "geometry/states/state_file.hpp"
-#include "geometry/states/state_summary.hpp"
 #include "solver/body/body.hpp"
 
 namespace forefeel {
@@ -309,8 +309,8 @@ StatesInFrame load_set(const std::string& file) {
     LoadedStates loaded = load_states(file);
     if (loaded.damaged > 0) warn({}, damage_in_words(file, loaded.damaged));
     if (loaded.header.identity.empty())
-      if (const std::string unlikely = unlikely_unit(loaded.states, loaded.header.spacing); !unlikely.empty())
-        warn({}, fmt::format("{}: {}", file, unlikely));
+      for (const std::string& line : misleading(loaded.states, loaded.header.spacing))
+        warn({}, fmt::format("{}: {}", file, line));
     set.states = std::move(loaded.states);
     set.own = {loaded.header.spacing, std::nullopt, loaded.header.identity, check_solves(loaded.header)};
     return set;

@@ -27,9 +27,9 @@
 #include "geometry/common/error.hpp"
 #include "geometry/common/output_file.hpp"
 #include "geometry/states/check_solves.hpp"
+#include "geometry/states/misleading.hpp"
 #include "geometry/states/state_file.hpp"
 #include "geometry/states/state_summary.hpp"
-#include "geometry/states/stiffness_agreement.hpp"
 
 namespace forefeel {
 namespace {
@@ -175,10 +175,6 @@ KnownStates read_known(const Globals& globals, const EvaluateArguments& argument
                                                    arguments.states));
   if (std::ranges::none_of(loaded.states, &State::usable))
     throw InputError(arguments.states, "holds no solved state, expected at least one");
-  if (loaded.header.identity.empty())
-    if (const std::string problem = disagreement_in_words(stiffness_agreement(loaded.states));
-        !problem.empty())
-      warn(globals, fmt::format("{}: {}", arguments.states, problem));
   KnownStates known{.spacing = loaded.header.spacing, .checks = check_solves(loaded.header)};
   if (!arguments.scene.empty()) {
     const Scene scene = load_scene(arguments.scene, globals.set);
@@ -199,8 +195,8 @@ KnownStates read_known(const Globals& globals, const EvaluateArguments& argument
             spacing_beyond("--spacing", known.spacing, summarise(known.states).extent, "the states"))
       warn(globals, *line);
   if (loaded.header.identity.empty())
-    if (const std::string unlikely = unlikely_unit(known.states, known.spacing); !unlikely.empty())
-      warn(globals, fmt::format("{}: {}", arguments.states, unlikely));
+    for (const std::string& line : misleading(known.states, known.spacing))
+      warn(globals, fmt::format("{}: {}", arguments.states, line));
   return known;
 }
 

@@ -7,9 +7,8 @@
 #include "apps/scene/scene_field.hpp"
 #include "apps/scene/scene_session.hpp"
 #include "geometry/common/error.hpp"
+#include "geometry/states/misleading.hpp"
 #include "geometry/states/repeated_states.hpp"
-#include "geometry/states/state_summary.hpp"
-#include "geometry/states/stiffness_agreement.hpp"
 #include "scheduling/workers/ask_body.hpp"
 #include "scheduling/workers/reference_service.hpp"
 
@@ -99,14 +98,9 @@ Belonging belonging_of(const Globals& globals, const Scene& scene, const std::st
 GivenStates given_states(const Globals& globals, const Scene& scene, const std::string& file, bool foreign) {
   GivenStates given{.loaded = load_states(file)};
   if (given.loaded.damaged > 0) warn(globals, damage_in_words(file, given.loaded.damaged));
-  if (given.loaded.header.identity.empty()) {
-    if (const std::string problem = disagreement_in_words(stiffness_agreement(given.loaded.states));
-        !problem.empty())
-      warn(globals, fmt::format("{}: {}", file, problem));
-    if (const std::string unlikely = unlikely_unit(given.loaded.states, scene.space.spacing);
-        !unlikely.empty())
-      warn(globals, fmt::format("{}: {}", file, unlikely));
-  }
+  if (given.loaded.header.identity.empty())
+    for (const std::string& line : misleading(given.loaded.states, scene.space.spacing))
+      warn(globals, fmt::format("{}: {}", file, line));
   AveragedStates mean = averaged(std::move(given.loaded.states));
   if (mean.found.contradicting > 0) warn(globals, contradictions_in_words(file, mean.found));
   given.loaded.states = std::move(mean.states);

@@ -1,24 +1,14 @@
 #include "geometry/states/state_summary.hpp"
 
-#include <fmt/format.h>
-
 #include <algorithm>
 #include <cmath>
 #include <limits>
-#include <optional>
 #include <vector>
 
 #include "geometry/states/energy_jet.hpp"
 #include "geometry/states/state_outcome.hpp"
 
 namespace forefeel {
-namespace {
-
-constexpr double most_spacings = 20;  // between neighbours, in metres
-constexpr double widest_reach = 3;    // of states that a hand touches [m]
-
-}  // namespace
-
 StateSetSummary summarise(std::span<const State> states) {
   StateSetSummary sum;
   sum.states = states.size();
@@ -53,20 +43,6 @@ double typical_distance(std::span<const State> states) {
   const auto middle = distances.begin() + static_cast<std::ptrdiff_t>(count / 2);
   std::nth_element(distances.begin(), middle, distances.end());
   return *middle;
-}
-
-std::string unlikely_unit(std::span<const State> states, double spacing) {
-  std::optional<Box> box;
-  for (const State& state : states) {
-    if (!box) box = Box{state.at, state.at};
-    box = Box{box->low.cwiseMin(state.at), box->high.cwiseMax(state.at)};
-  }
-  const double side = box ? box->size().maxCoeff() : 0, apart = typical_distance(states);
-  if (!std::isfinite(apart) || (!(apart > most_spacings * spacing) && !(side > widest_reach))) return {};
-  const std::string of = spacing > 0 ? fmt::format(", with a spacing of {:g} mm", 1e3 * spacing) : std::string();
-  return fmt::format(
-      "the states span {:.3g} m and are {:.3g} m apart{}; expected metres, or import --unit cm, mm or um", side,
-      apart, of);
 }
 
 }  // namespace forefeel

@@ -30,8 +30,4 @@ StateSetSummary summarise(std::span<const State> states);
 // for fewer than two positions. O(200 n).
 double typical_distance(std::span<const State> states);
 
-// A word where neighbouring states are over 20 spacings h apart, or all of them span over 3 m, more than a hand reaches:
-// both are so for positions in another unit than metres. Empty: neither. spacing: h [m], or unknown.
-std::string unlikely_unit(std::span<const State> states, double spacing);
-
 }  // namespace forefeel

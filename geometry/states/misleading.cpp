@@ -1,0 +1,83 @@
+#include "geometry/states/misleading.hpp"
+
+#include <fmt/format.h>
+
+#include <algorithm>
+#include <cmath>
+#include <optional>
+#include <utility>
+
+#include "geometry/states/state_summary.hpp"
+#include "geometry/states/stiffness_agreement.hpp"
+
+namespace forefeel {
+namespace {
+
+constexpr double most_spacings = 20;           // between neighbours, in metres
+constexpr double widest_reach = 3;             // of states that a hand touches [m]
+constexpr std::size_t beside = 12;             // states that tell of a force
+constexpr double far_off = 8;                  // from them, in their largest difference
+constexpr std::size_t most_lone_share = 100;   // one of so many
+constexpr std::size_t most_compared = 20'000;  // states
+
+std::string unlikely_unit(std::span<const State> states, double spacing) {
+  std::optional<Box> box;
+  for (const State& state : states) {
+    if (!box) box = Box{state.at, state.at};
+    box = Box{box->low.cwiseMin(state.at), box->high.cwiseMax(state.at)};
+  }
+  const double side = box ? box->size().maxCoeff() : 0, apart = typical_distance(states);
+  if (!std::isfinite(apart) || (!(apart > most_spacings * spacing) && !(side > widest_reach))) return {};
+  const std::string of = spacing > 0 ? fmt::format(", with a spacing of {:g} mm", 1e3 * spacing) : "";
+  return fmt::format(
+      "the states span {:.3g} m and are {:.3g} m apart{}; expected metres, or import --unit cm, mm or um",
+      side, apart, of);
+}
+
+// How far the force of `one` is from the nearest of those about it, if that is far beyond their differences; else 0.
+double alone_by(std::span<const State* const> states, const State& one) {
+  std::vector<std::pair<double, const State*>> near;
+  near.reserve(states.size());
+  for (const State* other : states)
+    if (const double d = (other->at - one.at).squaredNorm(); d > 0) near.emplace_back(d, other);
+  if (near.size() < beside) return 0;
+  std::ranges::nth_element(near, near.begin() + beside - 1);
+  near.resize(beside);
+  double range = 0, off = (near.front().second->force - one.force).norm();
+  for (std::size_t i = 0; i < near.size(); ++i) {
+    off = std::min(off, (near[i].second->force - one.force).norm());
+    for (std::size_t j = 0; j < i; ++j)
+      range = std::max(range, (near[i].second->force - near[j].second->force).norm());
+  }
+  return range > 0 && off > far_off * range ? off : 0;
+}
+
+std::string lone_forces(std::span<const State> states) {
+  std::vector<const State*> usable;
+  for (const State& s : states)
+    if (s.usable() && s.force.allFinite() && !s.has_site()) usable.push_back(&s);
+  if (usable.size() > most_compared) return {};
+  std::vector<double> by(usable.size());
+#pragma omp parallel for schedule(dynamic, 64)
+  for (std::size_t i = 0; i < usable.size(); ++i) by[i] = alone_by(usable, *usable[i]);
+  const auto count = static_cast<std::size_t>(std::ranges::count_if(by, [](double off) { return off > 0; }));
+  if (count == 0 || count * most_lone_share > usable.size()) return {};
+  const auto farthest = static_cast<std::size_t>(std::ranges::max_element(by) - by.begin());
+  const Vec3& x = usable[farthest]->at;
+  return fmt::format(
+      "{} {} far from those of all neighbours, at {:g},{:g},{:g} by {:.2g} N; expected a smooth force or a "
+      "word of "
+      "the sensor: one such row spoils the force and its bars about it",
+      count, count == 1 ? "force is" : "forces are", x.x(), x.y(), x.z(), by[farthest]);
+}
+
+}  // namespace
+
+std::vector<std::string> misleading(std::span<const State> states, double spacing) {
+  std::vector<std::string> lines{disagreement_in_words(stiffness_agreement(states)),
+                                 unlikely_unit(states, spacing), lone_forces(states)};
+  std::erase(lines, "");
+  return lines;
+}
+
+}  // namespace forefeel
