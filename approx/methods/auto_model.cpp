@@ -17,6 +17,7 @@
 namespace forefeel {
 namespace {
 
+constexpr double least_gain = 0.1;          // of a log of errors: less may be the noise of the same rows
 constexpr std::size_t most_for_all = 1000;  // states for a model of all
 constexpr std::size_t first_positions = 60, most_positions = 300;
 constexpr std::size_t first_trials = 3;
@@ -164,7 +165,7 @@ bool surely_less(const Misses& a, const Misses& b, const std::vector<std::size_t
   if (sums.size() < 2) return false;
   const auto n = static_cast<double>(sums.size());
   const double mean = sum / n, variance = std::max(0.0, squares / n - mean * mean) / (n - 1);
-  return mean > student(sums.size() - 1) * std::sqrt(variance);
+  return mean > least_gain && mean > student(sums.size() - 1) * std::sqrt(variance);
 }
 
 // Root mean square of the errors. Those outside count by the share of wanted places there.
@@ -315,8 +316,7 @@ std::size_t best_of(const std::vector<Candidate>& candidates, const std::vector<
   for (std::size_t c = 0; c < candidates.size(); ++c)
     if (candidates[c].field && candidates[c].field->local && process < candidates.size() &&
         (candidates[process].field->law.smoothness == Smoothness::matern32 ||
-         likely_score(errors[c]) < likely_score(errors[process]) ||
-         scores[c] < 0.8 * scores[process]))
+         likely_score(errors[c]) < likely_score(errors[process]) || scores[c] < 0.8 * scores[process]))
       return c;
   if (process < candidates.size() && best != process && !surely_less(errors[best], errors[process], trial))
     return process;

@@ -129,6 +129,59 @@ TEST_CASE("Across a stroke the expected error is that of the stiffness, found or
     CHECK((stated.chosen->across || found.chosen->p95 == stated.chosen->p95));
     CHECK(held(stated, errors) >= 0.93);
     CHECK(quantile_of(errors, 0.95) <= stated.chosen->p95);
+    // A stated stiffness is not held by the largest force; without one a force cannot be farther off than that.
+    given.points = {given.points.front() + Vec3(0, 0, 1e3 * distance)};
+    const Evaluation far = evaluate(given.states(), given.points, {.bars = true, .stiffest = 330 * unit});
+    CHECK(far.bars->at[0][1] > 200 * unit * 330 * distance);
+  }
+}
+
+// Two slides at depths of 2 and 10 mm through tissue that stiffens with depth: along them the force is smooth, between
+// them nothing was measured. SciPy errs as much; the bars know it.
+TEST_CASE("Between two strokes a bar knows that the force changes more across than along", "[measured]") {
+  for (const Variant& v : ten_variants()) {
+    MeasuredCase given;
+    std::mt19937 random(v.seed);
+    std::uniform_real_distribution<double> uniform(0, 1);
+    std::normal_distribution<double> normal;
+    const auto force = [](const Vec3& x) {
+      const double f = 2 * (std::exp(-150 * x[2]) - 1) * (1 + 3 * x[0]);
+      return Vec3(-0.1 * f + 20 * x[0], -0.05 * f, f);
+    };
+    for (const double z : {-0.002, -0.01})
+      for (int i = 0; i < 60; ++i) {
+        given.at.emplace_back(-0.02 + 0.04 * i / 59, 0, z);
+        given.force.push_back(force(given.at.back()) +
+                              0.02 * v.noise * Vec3(normal(random), normal(random), normal(random)));
+      }
+    for (int i = 0; i < 60; ++i) {
+      given.points.emplace_back(-0.02 + 0.04 * uniform(random), 0, -0.002 - 0.008 * uniform(random));
+      given.truth.push_back(force(given.points.back()));
+    }
+    apply(v, given);
+    const Evaluation found = evaluate(given.states(), given.points, {.bars = true});
+    const std::vector<double> errors = errors_of(found, given);
+    CAPTURE(v.seed, quantile_of(errors, 0.5), quantile_of(errors, 0.95));
+    CHECK(held(found, errors) >= 0.93);
+    for (const auto& bar : found.bars->at) CHECK((bar[0] <= bar[1] && bar[1] <= bar[2]));
+  }
+}
+
+// The same rows twice, the second time a nanometre beside.
+TEST_CASE("A twin of a row within a millionth of the extent is the same row", "[measured]") {
+  for (const Variant& v : ten_variants()) {
+    MeasuredCase given = stroke(v);
+    const Evaluation once = evaluate(given.states(), given.points, {.bars = true});
+    const std::size_t rows = given.at.size();
+    const double length = (given.at.front() - given.at.back()).norm();
+    for (std::size_t i = 0; i < rows; ++i) {
+      given.at.push_back(given.at[i] + 1e-8 * length * Vec3(1, -1, 0.5));
+      given.force.push_back(given.force[i]);
+    }
+    const Evaluation twice = evaluate(given.states(), given.points, {.bars = true});
+    CHECK(twice.states == once.states);
+    for (std::size_t i = 0; i < given.points.size(); ++i)
+      CHECK(twice.bars->at[i][1] == Approx(once.bars->at[i][1]).epsilon(0.01));
   }
 }
 

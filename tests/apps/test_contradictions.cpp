@@ -9,6 +9,7 @@
 #include <random>
 
 #include "geometry/common/types.hpp"
+#include "geometry/states/misleading.hpp"
 #include "geometry/states/state_file.hpp"
 #include "geometry/states/stiffness_agreement.hpp"
 #include "tests/support/executable.hpp"
@@ -103,6 +104,36 @@ TEST_CASE("stiffness of the other sign is said, whatever the field, the noise an
     CHECK(said({}).empty());
     CHECK(said({field.states.front()}).empty());
   }
+}
+
+TEST_CASE(
+    "a force that is far from all its neighbours is named with its place, and a kink, a step or noise is "
+    "not") {
+  std::mt19937 random(7);
+  std::normal_distribution<double> normal;
+  for (int seed = 0; seed < 10; ++seed) {
+    const double noise = seed % 2 == 0 ? 0 : 0.02;
+    std::vector<State> line(300);
+    for (std::size_t i = 0; i < line.size(); ++i) {
+      const double x = 1e-4 * (double(i) - 150);
+      line[i].at = Vec3(x, 0.3 * x, -0.003);
+      line[i].force =
+          Vec3(-60 * x, std::abs(40 * x), x > 0 ? 3 : 0) + noise * Vec3(normal(random), normal(random), 0);
+    }
+    CHECK(misleading(line, 1e-3).empty());
+    const std::size_t bad = 40 + 20 * std::size_t(seed);
+    line[bad].force += Vec3(0, 50, 0);
+    const std::vector<std::string> lines = misleading(line, 1e-3);
+    REQUIRE(lines.size() == 1);
+    CHECK_THAT(lines[0], Catch::StartsWith("1 force is far from those of all neighbours, at ") &&
+                             Catch::Contains(fmt::format("{:g},", line[bad].at[0])) &&
+                             Catch::Contains("by 50 N"));
+    for (State& state : line) state.at *= 1000;
+    CHECK_THAT(fmt::format("{}", fmt::join(misleading(line, 1e-3), "; ")),
+               Catch::Contains("the states span 29.9 m") && Catch::Contains("--unit cm, mm"));
+  }
+  CHECK(misleading({}, 1e-3).empty());
+  CHECK(misleading(std::vector<State>(5), unknown).empty());
 }
 
 TEST_CASE("noise that hides the change between neighbours is no contradiction") {

@@ -6,9 +6,14 @@
 #include <catch2/catch.hpp>
 #include <cmath>
 #include <fstream>
+#include <map>
+#include <random>
 #include <sstream>
+#include <vector>
 
 #include "apps/picture/plot.hpp"
+#include "geometry/common/quantiles.hpp"
+#include "geometry/common/types.hpp"
 #include "tests/support/executable.hpp"
 #include "tests/support/skip.hpp"
 
@@ -38,6 +43,24 @@ void prepare(const Workshop& shop) {
               .code == 0);
   REQUIRE(shop.forefeel("import same.csv -o same.states --spacing 0.004 --quiet").code == 0);
   REQUIRE(shop.forefeel("import other.csv -o other.states --spacing 0.004 --quiet").code == 0);
+}
+
+// The rows of a table by the names of their columns; an empty cell is left out.
+std::vector<std::map<std::string, double>> rows_of(std::istream& in) {
+  std::vector<std::string> names;
+  std::vector<std::map<std::string, double>> rows;
+  for (std::string line, cell; std::getline(in, line);) {
+    if (line.starts_with('#')) continue;
+    std::istringstream cells(line);
+    const bool header = names.empty();
+    if (!header) rows.emplace_back();
+    for (std::size_t i = 0; std::getline(cells, cell, ','); ++i)
+      if (header)
+        names.push_back(cell);
+      else if (!cell.empty() && names[i] != "label")
+        rows.back()[names[i]] = std::stod(cell);
+  }
+  return rows;
 }
 
 const std::string at_rest = "session beam.toml --seconds 0.4 --quiet ";
@@ -178,6 +201,48 @@ TEST_CASE("a foreign session renders the given states alone: nothing is solved, 
   check_refused(shop, session + "--states other.csv --foreign --arrivals arrivals.csv -o run",
                 {"foreign", "mixed"});
   check_refused(shop, session + "--foreign -o run", {"--foreign", "--states"});
+}
+
+// Presses of 40 rows with 0.02 N and 1 um of noise: between rows that near each other the noise is a slope of 20,000 N/m.
+TEST_CASE("a session on measured forces renders their field, and its bars are those of the field",
+          "[states]") {
+  const Workshop shop;
+  shop.write("beam.toml", beam_scene());
+  std::mt19937 random(5);
+  std::normal_distribution<double> normal;
+  const auto force = [](const forefeel::Vec3& x) {
+    return forefeel::Vec3(-80 * x[0], -80 * x[1], -300 * x[2] * (1 - 60 * x[2]));
+  };
+  std::string rows = "x,y,z,fx,fy,fz\n";
+  for (int place = 0; place < 25; ++place)
+    for (int i = 0; i < 20; ++i) {
+      const forefeel::Vec3 x(0.006 * (place % 5 - 2), 0.006 * (place / 5 - 2), -0.012 + 0.0012 * i);
+      const forefeel::Vec3 f = force(x);
+      const auto off = [&](double size) { return size * normal(random); };
+      rows += fmt::format("{},{},{},{},{},{}\n", x[0] + off(1e-6), x[1] + off(1e-6), x[2] + off(1e-6),
+                          f[0] + off(0.02), f[1] + off(0.02), f[2] + off(0.02));
+    }
+  shop.write("presses.csv", rows);
+  const Workshop::Outcome told = shop.forefeel(
+      "session beam.toml --seconds 1 --clock virtual --states presses.csv --foreign "
+      "--device path:lissajous,amplitude=0.008 -o run");
+  REQUIRE(told.code == 0);
+  CHECK_THAT(told.out + told.err, Catch::Contains("their field") && Catch::Contains("of 500 places"));
+  std::ifstream frames(shop.path() / "run/frames.csv");
+  const std::vector<std::map<std::string, double>> all = rows_of(frames);
+  REQUIRE(all.size() == 1000);
+  std::vector<double> errors;
+  int held = 0;
+  for (std::size_t i = 100; i < all.size(); ++i) {  // the force has faded in
+    const auto vector = [&](const char* a, const char* b, const char* c) {
+      return forefeel::Vec3(all[i].at(a), all[i].at(b), all[i].at(c));
+    };
+    errors.push_back(
+        (vector("rendered_x", "rendered_y", "rendered_z") - force(vector("x", "y", "z"))).norm());
+    held += errors.back() <= all[i].at("bar95");
+  }
+  CHECK(forefeel::quantile_of(errors, 0.95) < 0.05);  // 27 N by a model through the rows
+  CHECK(held >= 0.93 * double(errors.size()));
 }
 
 // A new user's stroke: f = -100 x along 2 cm, asked along it and 5 mm beside it.
