@@ -32,15 +32,22 @@ std::vector<std::size_t> evenly(std::size_t n) {
 
 using Bar = std::array<double, 3>;  // ForceBar::half_width
 
-// What `evaluate` finds at these places; with the forces rendered there, about these. Empty: no bars.
-std::vector<Bar> bars_at(std::span<const State> states, std::span<const Vec3> at,
-                         std::span<const Vec3> rendered) {
-  const Evaluation found = evaluate(states, at, {.bars = true});
-  if (!found.bars) return {};
-  std::vector<Bar> bars = found.bars->at;
-  for (std::size_t i = 0; i < rendered.size(); ++i)
-    for (double& width : bars[i]) width += (rendered[i] - found.made.forces[i]).norm();
-  return bars;
+struct Told {
+  std::vector<Vec3> forces;
+  std::vector<Bar> bars;  // empty: none
+  // The bars about other forces there.
+  std::vector<Bar> about(std::span<const Vec3> others) const {
+    std::vector<Bar> wider = bars;
+    for (std::size_t i = 0; i < wider.size(); ++i)
+      for (double& width : wider[i]) width += (others[i] - forces[i]).norm();
+    return wider;
+  }
+};
+
+// What `evaluate` finds at these places.
+Told told_at(std::span<const State> states, std::span<const Vec3> at) {
+  Evaluation found = evaluate(states, at, {.bars = true});
+  return {std::move(found.made.forces), found.bars ? found.bars->at : std::vector<Bar>()};
 }
 
 double median_bar(const std::vector<Bar>& bars) {
@@ -85,15 +92,17 @@ SessionSummary::AwayFromStates away_from_states(SessionResult& result, const Ses
   std::vector<Bar> bars;
   try {
     if (states.size() <= most_known) {
-      std::vector<Vec3> hand, rendered, known;
+      std::vector<Vec3> hand, modelled, rendered, known;
       for (const std::size_t i : picked) {
         hand.push_back(result.frames[i].at);
-        rendered.push_back(result.frames[i].force);
+        modelled.push_back(result.frames[i].undamped);
+        rendered.push_back(result.frames[i].elastic);
       }
       for (const std::size_t i : evenly(states.size())) known.push_back(states[i].at);
-      bars = bars_at(states, hand, rendered);
-      away.bar = median_bar(bars);
-      away.bar_at_states = median_bar(bars_at(states, known, {}));
+      const Told told = told_at(states, hand);
+      away.bar = median_bar(told.about(modelled));
+      away.bar_at_states = median_bar(told_at(states, known).bars);
+      bars = told.about(rendered);
     }
   } catch (const InputError&) {  // states that no model takes
   }

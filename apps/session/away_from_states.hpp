@@ -9,9 +9,10 @@ struct SessionPlan;
 struct SessionResult;
 
 // Distances of at most 5,000 frames from the nearest usable state, and medians of the 95 % bars that
-// `evaluate` finds from the states: at up to 100 frames, each with the distance of the rendered force from that of
-// `evaluate`, and at up to 100 states. Empty unless the states are of another body.
-// Where the field of measured forces was rendered, the frames take these bars.
+// `evaluate` finds from the states: at up to 100 frames, each with the distance of the newest model's force from that
+// of `evaluate`, and at up to 100 states. Empty unless the states are of another body.
+// Where the field of measured forces was rendered, the frames take these bars, about what
+// was rendered.
 SessionSummary::AwayFromStates away_from_states(SessionResult& result, const SessionPlan& plan);
 
 }  // namespace forefeel

@@ -81,9 +81,10 @@ SessionPlan take_states(const Scene& scene, const SessionArguments& given, const
     std::vector<State>& states = known.loaded.states;
     if (std::ranges::any_of(states, &State::has_stiffness))
       return with_foreign(std::move(plan), std::move(states));
+    plan = with_foreign(std::move(plan), {});  // refused before the work
     std::vector<State> field = field_of_measured(scene, states, given.states.file, globals);
-    if (field.empty()) return with_foreign(std::move(plan), std::move(states));
-    plan = with_foreign(std::move(plan), std::move(field));
+    if (field.empty()) return with_known(std::move(plan), std::move(states));
+    plan = with_known(std::move(plan), std::move(field));
     plan.input.measured = std::move(states);
     return plan;
   }

@@ -30,7 +30,7 @@ std::string unlikely_unit(std::span<const State> states, double spacing) {
   if (!std::isfinite(apart) || (!(apart > most_spacings * spacing) && !(side > widest_reach))) return {};
   const std::string of = spacing > 0 ? fmt::format(", with a spacing of {:g} mm", 1e3 * spacing) : "";
   return fmt::format(
-      "the states span {:.3g} m and are {:.3g} m apart{}; expected metres, or import --unit cm, mm or um",
+      "the states span {:.3g} m and are {:.3g} m apart{}; expected metres, or --unit cm, mm or um of import",
       side, apart, of);
 }
 
