@@ -14,6 +14,7 @@ constexpr double least_jump = 1.5;       // of edge lengths, between clusters an
 constexpr double least_jump_of_few = 3;  // with fewer than six clusters
 constexpr std::size_t most_levels = 3;   // of clusters: presses, and rows held at one depth of a press
 constexpr std::size_t compact_size = 4;  // positions of a compact group
+constexpr double wide_gap = 0.25;        // between two positions, in the side of their box
 
 struct Edge {
   double length;
@@ -61,6 +62,21 @@ std::vector<std::size_t> joining_edges(const std::vector<Edge>& edges) {
   return joining;
 }
 
+// Where to split positions sorted along the longest side of their box: in the middle, or at a gap near it, as between
+// two lines of a raster, whose rows are then of one box only if they are of one line.
+std::size_t split_of(std::span<const Vec3> positions, std::span<const std::size_t> order, Eigen::Index axis,
+                     double side) {
+  const std::size_t middle = order.size() / 2, apart = std::max<std::size_t>(1, order.size() / 4);
+  std::size_t found = middle;
+  double widest = wide_gap * side;
+  for (std::size_t k = apart; k + apart <= order.size(); ++k)
+    if (const double gap = positions[order[k]][axis] - positions[order[k - 1]][axis]; gap > widest) {
+      widest = gap;
+      found = k;
+    }
+  return found;
+}
+
 // Splits [begin, end) of `order` along the longest side of its box until it is small.
 void halve(std::span<const Vec3> positions, std::span<std::size_t> order, std::size_t most,
            PositionGroups& groups) {
@@ -72,10 +88,11 @@ void halve(std::span<const Vec3> positions, std::span<std::size_t> order, std::s
   Box box{positions[order[0]], positions[order[0]]};
   for (const std::size_t i : order) box = {box.low.cwiseMin(positions[i]), box.high.cwiseMax(positions[i])};
   Eigen::Index axis = 0;
-  box.size().maxCoeff(&axis);
+  const double side = box.size().maxCoeff(&axis);
   std::ranges::stable_sort(order, {}, [&](std::size_t i) { return positions[i][axis]; });
-  halve(positions, order.first(order.size() / 2), most, groups);
-  halve(positions, order.subspan(order.size() / 2), most, groups);
+  const std::size_t split = split_of(positions, order, axis, side);
+  halve(positions, order.first(split), most, groups);
+  halve(positions, order.subspan(split), most, groups);
 }
 
 }  // namespace
