@@ -9,7 +9,6 @@
 #include <stop_token>
 #include <thread>
 
-#include "approx/model/model_options.hpp"
 #include "apps/console/console.hpp"
 #include "apps/console/document_keys.hpp"
 #include "apps/console/interrupt.hpp"
