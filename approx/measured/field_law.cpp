@@ -56,7 +56,7 @@ std::size_t box_size(std::size_t rows, std::size_t most_boxes) {
 bool flat_within(std::span<const State> states, std::size_t size, const FieldLaw& law) {
   if (size == 1) return true;
   const MeasuredRows boxes = averaged_boxes(states, size);
-  const PositionGroups groups = compact_groups(positions_of(states), size);
+  const PositionGroups groups = compact_groups(positions_of(states), size, true);
   double squared = 0;
   for (std::size_t i = 0; i < states.size(); ++i)
     squared += (states[i].at - boxes.at[groups.of[i]]).squaredNorm() / double(states.size());
@@ -155,7 +155,7 @@ double radius_of(const MeasuredRows& rows) {
 
 MeasuredRows averaged_boxes(std::span<const State> states, std::size_t size) {
   MeasuredRows rows;
-  const PositionGroups groups = compact_groups(positions_of(states), size);
+  const PositionGroups groups = compact_groups(positions_of(states), size, true);
   rows.at.assign(groups.count, Vec3::Zero());
   rows.force.assign(groups.count, Vec3::Zero());
   rows.weight.assign(groups.count, 0);

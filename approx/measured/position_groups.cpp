@@ -77,8 +77,8 @@ std::size_t split_of(std::span<const Vec3> positions, std::span<const std::size_
   return found;
 }
 
-// Splits [begin, end) of `order` along the longest side of its box until it is small.
-void halve(std::span<const Vec3> positions, std::span<std::size_t> order, std::size_t most,
+// Splits `order` along the longest side of its box, in the middle or at gaps, until it is small.
+void halve(std::span<const Vec3> positions, std::span<std::size_t> order, std::size_t most, bool at_gaps,
            PositionGroups& groups) {
   if (order.size() <= most) {
     for (const std::size_t i : order) groups.of[i] = static_cast<std::uint32_t>(groups.count);
@@ -90,20 +90,20 @@ void halve(std::span<const Vec3> positions, std::span<std::size_t> order, std::s
   Eigen::Index axis = 0;
   const double side = box.size().maxCoeff(&axis);
   std::ranges::stable_sort(order, {}, [&](std::size_t i) { return positions[i][axis]; });
-  const std::size_t split = split_of(positions, order, axis, side);
-  halve(positions, order.first(split), most, groups);
-  halve(positions, order.subspan(split), most, groups);
+  const std::size_t split = at_gaps ? split_of(positions, order, axis, side) : order.size() / 2;
+  halve(positions, order.first(split), most, at_gaps, groups);
+  halve(positions, order.subspan(split), most, at_gaps, groups);
 }
 
 }  // namespace
 
-PositionGroups compact_groups(std::span<const Vec3> positions, std::size_t most) {
+PositionGroups compact_groups(std::span<const Vec3> positions, std::size_t most, bool at_gaps) {
   PositionGroups groups;
   groups.of.assign(positions.size(), 0);
   if (positions.empty()) return groups;
   std::vector<std::size_t> order(positions.size());
   std::iota(order.begin(), order.end(), std::size_t{0});
-  halve(positions, order, std::max<std::size_t>(most, 1), groups);
+  halve(positions, order, std::max<std::size_t>(most, 1), at_gaps, groups);
   return groups;
 }
 

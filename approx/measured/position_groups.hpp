@@ -28,8 +28,9 @@ std::vector<PositionGroups> natural_groups(std::span<const Vec3> positions);
 // The first of these, or else compact groups of at most 4.
 PositionGroups position_groups(std::span<const Vec3> positions);
 
-// Boxes of at most `most` positions, more than half of it, by halving the longest side.
-PositionGroups compact_groups(std::span<const Vec3> positions, std::size_t most);
+// Boxes of at most `most` positions, more than half of it, by halving the longest side. at_gaps: instead split at a gap
+// of over a quarter of that side, if there is one near the middle, so that no box holds rows of two lines or levels.
+PositionGroups compact_groups(std::span<const Vec3> positions, std::size_t most, bool at_gaps = false);
 
 // Assigns each group to the part, 0 to parts - 1, in which it is held out. Groups of one part lie as far from each
 // other as the positions allow.

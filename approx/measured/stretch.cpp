@@ -40,7 +40,8 @@ Mat3 likely_stretch(const MeasuredRows& rows, const FieldLaw& law, std::optional
   const double alike = least;
   for (const double step : {2.0, 2.0, 2.0, 1.4}) {
     for (int axis = 0; axis < 3; ++axis) {
-      if (!(axes.eigenvalues()[axis] > fewest_deviations * fewest_deviations * axes.eigenvalues()[2])) continue;
+      if (!(axes.eigenvalues()[axis] > fewest_deviations * fewest_deviations * axes.eigenvalues()[2]))
+        continue;
       for (const double factor : {step, 1 / step}) {
         Vec3 tried = best;
         tried[axis] *= factor;

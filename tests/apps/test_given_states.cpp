@@ -203,7 +203,8 @@ TEST_CASE("a foreign session renders the given states alone: nothing is solved, 
   check_refused(shop, session + "--foreign -o run", {"--foreign", "--states"});
 }
 
-// Presses of 40 rows with 0.02 N and 1 um of noise: between rows that near each other the noise is a slope of 20,000 N/m.
+// 25 presses of 20 rows with noise of 0.02 N and 1 um. A model through the rows takes the noise across a press for a
+// slope of 20,000 N/m.
 TEST_CASE("a session on measured forces renders their field, and its bars are those of the field",
           "[states]") {
   const Workshop shop;
