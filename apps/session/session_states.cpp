@@ -78,14 +78,14 @@ SessionPlan take_states(const Scene& scene, const SessionArguments& given, const
   if (known.belonging == Belonging::foreign) {
     if (std::ranges::none_of(known.loaded.states, &State::usable))
       throw InputError(states.file, "holds no usable state, expected some to render");
-    std::vector<State>& states = known.loaded.states;
-    if (std::ranges::any_of(states, &State::has_stiffness))
-      return with_foreign(std::move(plan), std::move(states));
+    std::vector<State>& given_forces = known.loaded.states;
+    if (std::ranges::any_of(given_forces, &State::has_stiffness))
+      return with_foreign(std::move(plan), std::move(given_forces));
     plan = with_foreign(std::move(plan), {});  // refused before the work
-    std::vector<State> field = field_of_measured(scene, states, given.states.file, globals);
-    if (field.empty()) return with_known(std::move(plan), std::move(states));
+    std::vector<State> field = field_of_measured(scene, given_forces, given.states.file, globals);
+    if (field.empty()) return with_known(std::move(plan), std::move(given_forces));
     plan = with_known(std::move(plan), std::move(field));
-    plan.input.measured = std::move(states);
+    plan.input.measured = std::move(given_forces);
     return plan;
   }
   return with_known(with_state_file(std::move(plan), own), std::move(known.loaded.states));
