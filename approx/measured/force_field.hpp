@@ -23,7 +23,7 @@
 // is thin if the rows deviate in it by less than a fifth of their largest deviation. There the rows bend, as those of a
 // curve do, so c and the deviation are those of a parabola along the rows. Then
 //   foot     x without its components along unknown directions, about c: the place on the line that is nearest to x
-//   across   E = |x - foot| [m]; S E is at most the bound of the force, twice the largest one known, if S is not stated
+//   across   E = |x - foot| [m]; unless S is stated, S E is at most twice the largest force known
 // The components of x in thin directions beyond 1.5 deviations (a line with noise in its positions) count in E, but do
 // not move the foot. At the foot's force the error is at least S E. S [N/m]: the largest secant
 // |F_i - F_j| / |x_i - x_j| of neighbouring boxes, or the largest force over half the extent of the rows, if that is

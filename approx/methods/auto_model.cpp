@@ -17,6 +17,7 @@
 namespace forefeel {
 namespace {
 
+constexpr double clearly_less = 0.8;        // of errors: then the law of each place is taken
 constexpr double least_gain = 0.1;          // of a log of errors: less may be the noise of the same rows
 constexpr std::size_t most_for_all = 1000;  // states for a model of all
 constexpr std::size_t first_positions = 60, most_positions = 300;
@@ -316,7 +317,8 @@ std::size_t best_of(const std::vector<Candidate>& candidates, const std::vector<
   for (std::size_t c = 0; c < candidates.size(); ++c)
     if (candidates[c].field && candidates[c].field->local && process < candidates.size() &&
         (candidates[process].field->law.smoothness == Smoothness::matern32 ||
-         likely_score(errors[c]) < likely_score(errors[process]) || scores[c] < 0.8 * scores[process]))
+         likely_score(errors[c]) < likely_score(errors[process]) ||
+         scores[c] < clearly_less * scores[process]))
       return c;
   if (process < candidates.size() && best != process && !surely_less(errors[best], errors[process], trial))
     return process;

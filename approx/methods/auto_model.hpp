@@ -10,10 +10,10 @@
 // (measured/field_law.hpp). That one is chosen if the law of all states is the roughest, or if it predicts what is left
 // out with less
 //   3/2 log mean(|e|^2 / (3 v)) + 3/2 mean(log v),   v: variance of the error e, with noise
-// or with errors less by a fifth. Else another model replaces the process only if its errors are surely less, by 10
-// %. Candidates are otherwise: kernels r, r^3, r^5; the nearest 25 to 200 states, 25 or 50 states by label, or one
-// model of all states (at most 1000 rows); ridges (nuggets) from 0 to 0.1. A ridge is used only if it reduces the
-// error by 2 %. All candidates are tried on some of the positions, the best ones on all.
+// or with errors less by a fifth. Else another model replaces the process only if its errors are surely less, and by a
+// tenth. Candidates are otherwise: kernels r, r^3, r^5; the nearest 25 to 200 states, 25 or 50 states by label, or one
+// model of all states (at most 1000 rows); ridges (nuggets) from 0 to 0.1. A ridge is used only if it reduces the error
+// by 2 %. All candidates are tried on some of the positions, the best ones on all.
 
 #include <cstddef>
 #include <functional>

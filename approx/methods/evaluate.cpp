@@ -5,6 +5,7 @@
 #include <algorithm>
 #include <chrono>
 #include <cmath>
+#include <limits>
 
 #include "approx/error/leave_one_out.hpp"
 #include "approx/error/left_out.hpp"

@@ -57,11 +57,9 @@ double median_bar(const std::vector<Bar>& bars) {
   return std::isfinite(width) ? width : unknown;
 }
 
-// The bars of a session on a field of measured forces. Its own would be those of a model beside the field, not beside
-// the truth. bars: of the frames `of`; a frame between two of them has the wider one.
+// bars: of the frames `of`; a frame between two of them has the wider one.
 void take_bars(std::vector<FrameRecord>& frames, const std::vector<std::size_t>& of,
                const std::vector<Bar>& bars) {
-  for (FrameRecord& frame : frames) frame.bar = {};
   if (bars.empty()) return;
   for (std::size_t i = 0, k = 0; i < frames.size(); ++i) {
     while (k + 1 < of.size() && of[k + 1] <= i) ++k;

@@ -8,11 +8,10 @@ namespace forefeel {
 struct SessionPlan;
 struct SessionResult;
 
-// Distances of at most 5,000 frames from the nearest usable state, and medians of the 95 % bars that
-// `evaluate` finds from the states: at up to 100 frames, each with the distance of the newest model's force from that
-// of `evaluate`, and at up to 100 states. Empty unless the states are of another body.
-// Where the field of measured forces was rendered, the frames take these bars, about what
-// was rendered.
+// Distances of at most 5,000 frames from the nearest usable state, and medians of the 95 % bars that `evaluate` finds
+// from the states: at up to 100 frames, each with the distance of the newest model's force from that of `evaluate`, and
+// at up to 100 states. Empty unless the states are of another body. Where the field of measured forces was rendered,
+// the frames take these bars, about the rendered force.
 SessionSummary::AwayFromStates away_from_states(SessionResult& result, const SessionPlan& plan);
 
 }  // namespace forefeel

@@ -276,14 +276,21 @@ int run_session_command(const Globals& globals, const SessionArguments& given,
       shapes.wanted());
   progress.reset();
   for (const std::string& warning : result.warnings) warn(globals, warning);
+  WriteAttempts files(result.failures);
+  const auto write_tables = [&] {
+    files.attempt("the run's tables", [&] { write_run_files(run, result, options); });
+  };
+  const bool measured = !plan.input.measured.empty();
+  if (measured)  // bars of the model beside the field, not beside the truth
+    for (FrameRecord& frame : result.frames) frame.bar = {};
+  write_tables();  // what was run is kept even if the bars, which take seconds, are cut short
   const SessionSummary::AwayFromStates away = away_from_states(result, plan);
+  if (measured) write_tables();
 
   shapes.begin_files(run);
   const RunView view = view_of(scene.space, options, plan.render.safety.force_limit);
   ReportPictures pictures = begin_pictures(result, meanwhile.slices, view);
   pictures.shape = shapes.begin_picture();
-  WriteAttempts files(result.failures);
-  files.attempt("the run's tables", [&] { write_run_files(run, result, options); });
   files.attempt("states.csv", [&] { meanwhile.states.get(); });
   files.attempt("the shapes", [&] { shapes.finish_files(run); });
   RunDocuments documents{globals, given, scene, result, view, summarise(result, plan)};

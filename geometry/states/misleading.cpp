@@ -65,9 +65,9 @@ std::string lone_forces(std::span<const State> states) {
   const auto farthest = static_cast<std::size_t>(std::ranges::max_element(by) - by.begin());
   const Vec3& x = usable[farthest]->at;
   return fmt::format(
-      "{} {} far from those of all neighbours, at {:g},{:g},{:g} by {:.2g} N; expected a smooth force or a "
-      "word of "
-      "the sensor: one such row spoils the force and its bars about it",
+      "{} {} far from those of all neighbours, at {:g},{:g},{:g} by {:.2g} N; if the sensor failed there, "
+      "remove such "
+      "rows: each spoils the force and the bars about it",
       count, count == 1 ? "force is" : "forces are", x.x(), x.y(), x.z(), by[farthest]);
 }
 
