@@ -1,23 +1,32 @@
 #!/usr/bin/env bash
 # Installs the Debian 12 packages that are missing. Safe to repeat; needs root, or sudo, only when something is missing.
 #   setup.sh              packages to build and run forefeel
-#   setup.sh tests        also the tests' reference programs, clang, the formatter, and tools to make a package
+#   setup.sh tests        also the formatter, for the fast tests
+#   setup.sh all          also what slow tests compare with (VTK, SciPy, CalculiX, FEniCSx, Open MPI, Chromium), clang,
+#                         Python, the baselines of forefeel-bench, and tools to make a package: over a gigabyte
+#   setup.sh bench        also the baselines of forefeel-bench
 #   setup.sh sanitizers   also clang for the thread sanitizer
 #   setup.sh mpi          also Open MPI for workers in other processes
 #   setup.sh python       also what the Python module and its examples need
 set -euo pipefail
 
-packages=(git g++ cmake ninja-build libeigen3-dev libfmt-dev libcgal-dev libboost-dev libtet1.5-dev libsqlite3-dev libcli11-dev
-          libtomlplusplus-dev nlohmann-json3-dev libsuitesparse-dev libopenblas-dev libnanoflann-dev
-          zlib1g-dev libnifti2-dev catch2 gnuplot-nox libjs-three)
+packages=(git g++ cmake ninja-build ccache libeigen3-dev libfmt-dev libcgal-dev libboost-dev libtet1.5-dev libsqlite3-dev
+          libcli11-dev libtomlplusplus-dev nlohmann-json3-dev zlib1g-dev libnifti2-dev catch2 gnuplot-nox libjs-three)
+format=(clang-format-14)
+bench=(libsuitesparse-dev libopenblas-dev libnanoflann-dev)
+sanitizers=(clang libomp-dev)
+mpi=(openmpi-bin libboost-mpi-dev libopenmpi-dev)
+python=(pybind11-dev python3-dev python3-numpy python3-scipy python3-matplotlib)
+references=(python3-pandas python3-vtk9 calculix-ccx python3-dolfinx chromium dpkg-dev file)
 case "${1:-}" in
   "") ;;
-  tests) packages+=(python3 python3-numpy python3-scipy python3-pandas python3-matplotlib python3-vtk9 calculix-ccx python3-dolfinx
-                    clang clang-format-14 libomp-dev dpkg-dev file pybind11-dev python3-dev) ;;
-  sanitizers) packages+=(clang libomp-dev) ;;
-  python) packages+=(pybind11-dev python3-dev python3-numpy python3-scipy python3-matplotlib) ;;
-  mpi) packages+=(openmpi-bin libboost-mpi-dev libopenmpi-dev) ;;
-  *) echo "setup.sh: '$1' is unknown, expected nothing, tests, sanitizers, mpi or python" >&2; exit 2 ;;
+  tests) packages+=("${format[@]}") ;;
+  all) packages+=("${format[@]}" "${bench[@]}" "${sanitizers[@]}" "${mpi[@]}" "${python[@]}" "${references[@]}") ;;
+  bench) packages+=("${bench[@]}") ;;
+  sanitizers) packages+=("${sanitizers[@]}") ;;
+  mpi) packages+=("${mpi[@]}") ;;
+  python) packages+=("${python[@]}") ;;
+  *) echo "setup.sh: '$1' is unknown, expected nothing, tests, all, bench, sanitizers, mpi or python" >&2; exit 2 ;;
 esac
 
 if ! command -v dpkg-query >/dev/null; then

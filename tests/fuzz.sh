@@ -7,7 +7,6 @@ set -euo pipefail
 cd "$(dirname "$0")/.."
 seconds=${1:-60}
 shift || true
-bash apps/setup.sh tests
 bash apps/setup.sh sanitizers   # clang with libFuzzer
 cmake --preset fuzz >/dev/null
 cmake --build --preset fuzz --target test_fuzz fuzzers

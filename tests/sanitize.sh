@@ -14,8 +14,7 @@ case "${1:-}" in
   *) echo "sanitize.sh: '$1' is unknown, expected asan, tsan or nothing" >&2; exit 2 ;;
 esac
 
-bash apps/setup.sh tests
-bash apps/setup.sh sanitizers
+bash apps/setup.sh all
 bad=0
 for kind in "${kinds[@]}"; do
   reports=$PWD/build/$kind/reports

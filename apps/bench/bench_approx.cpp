@@ -1,4 +1,4 @@
-// forefeel bench approx [SCENE]: one table, speed against error, of every method on a real state space.
+// forefeel-bench approx [SCENE]: one table, speed against error, of every method on a real state space.
 //   speed  fit, update and evaluation, compared with Eigen's LU of the whole saddle system and with a scalar sum, in
 //          the same run and with the same instruction set (FOREFEEL_ISA selects a lower one). The series are timed
 //          one after the other, so that each finds its own data in the caches. Medians, one thread.

@@ -1,4 +1,4 @@
-// States and references of `forefeel bench approx`.
+// States and references of `forefeel-bench approx`.
 
 #include <fmt/format.h>
 #include <omp.h>

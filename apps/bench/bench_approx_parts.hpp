@@ -1,5 +1,5 @@
 #pragma once
-// Parts of `forefeel bench approx`: its states and references, the times it measures, its tables, and the
+// Parts of `forefeel-bench approx`: its states and references, the times it measures, its tables, and the
 // picture of speed against error.
 
 #include <memory>

@@ -1,4 +1,4 @@
-// The tables of `forefeel bench approx`, as text and as JSON.
+// The tables of `forefeel-bench approx`, as text and as JSON.
 
 #include <fmt/format.h>
 

@@ -1,5 +1,5 @@
 #pragma once
-// Times of one model in `forefeel bench approx`, each compared with a baseline measured in the same run.
+// Times of one model in `forefeel-bench approx`, each compared with a baseline measured in the same run.
 
 #include <vector>
 

@@ -1,4 +1,4 @@
-// forefeel bench coverage: our indexes against plain CGAL and nanoflann, in one run and with the same
+// forefeel-bench coverage: our indexes against plain CGAL and nanoflann, in one run and with the same
 // compiler flags. `ratio` is time of the baseline / our time, as medians of repeated batches.
 
 #include <CGAL/Delaunay_triangulation_3.h>

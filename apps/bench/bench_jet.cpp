@@ -1,4 +1,4 @@
-// forefeel bench jet [SCENE]: the energy jet at rest alone against tight solves, and what it costs beside the state.
+// forefeel-bench jet [SCENE]: the energy jet at rest alone against tight solves, and what it costs beside the state.
 // Positions are drawn in the scene's box; errors are relative to the force there, or to session.error_floor.
 //   radius   the distance from rest to which every error stays below 7 %
 //   us       time of the jet, factor and tangent at hand, best of many; baseline: one factorisation at rest, in turns

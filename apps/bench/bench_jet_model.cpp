@@ -1,4 +1,4 @@
-// Times of a model of energy jets in `forefeel bench approx`.
+// Times of a model of energy jets in `forefeel-bench approx`.
 
 #include <fmt/format.h>
 

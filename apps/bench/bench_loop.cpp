@@ -1,4 +1,4 @@
-// forefeel bench loop [SCENE]: the 1 kHz loop of a session beside a bare loop that only waits for its deadlines.
+// forefeel-bench loop [SCENE]: the 1 kHz loop of a session beside a bare loop that only waits for its deadlines.
 // Both run at the same time in one process, half a frame apart, with the same thread settings, so that they meet the
 // same load: the session's workers, and as many threads of tight solves that take every processor the workers leave
 // idle. Runs with and without the recording of inputs (session.record) alternate.

@@ -1,4 +1,4 @@
-// forefeel bench solver SCENE --states 1: solves one state two spacings inward, starting from the equilibrium
+// forefeel-bench solver SCENE --states 1: solves one state two spacings inward, starting from the equilibrium
 // one spacing inward. Each solver runs on one thread in its own process, so that its memory can be measured:
 // the peak minus that of a process that solves nothing. Analysis (ordering, symbolic factorisation) is timed
 // separately, because it is done once per body.

@@ -11,7 +11,7 @@
 
 namespace forefeel {
 
-// `forefeel bench solver SCENE --states 1`.
+// `forefeel-bench solver SCENE --states 1`.
 int bench_one_state(const Globals& globals, std::shared_ptr<const Body> body, double spacing,
                     const std::string& scene);
 

@@ -1,5 +1,5 @@
 #pragma once
-// Two further measurements of `forefeel bench coverage`: the cost of updating regions, and the agreement of the two
+// Two further measurements of `forefeel-bench coverage`: the cost of updating regions, and the agreement of the two
 // indexes on the built-in setups.
 
 #include <cstdint>

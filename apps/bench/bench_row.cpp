@@ -7,6 +7,7 @@
 #include <chrono>
 #include <filesystem>
 
+#include "apps/bench/bench.hpp"
 #include "apps/console/provenance.hpp"
 #include "geometry/common/error.hpp"
 #include "geometry/common/instruction_set.hpp"
@@ -89,7 +90,7 @@ const JsonKeys<BenchEnd>& provenance_keys() {
 }
 
 DeclaredTable bench_table(const std::string& name, std::initializer_list<std::vector<Declared>> parts) {
-  DeclaredTable table{"bench_" + name + ".json", "Of bench " + name + " --json.",
+  DeclaredTable table{"bench_" + name + ".json", "Of forefeel-bench " + name + " --json.",
                       below("rows[]", declared(common_keys()))};
   const auto add = [&](const std::vector<Declared>& rows) {
     table.rows.insert(table.rows.end(), rows.begin(), rows.end());
@@ -97,6 +98,12 @@ DeclaredTable bench_table(const std::string& name, std::initializer_list<std::ve
   add(declared(provenance_keys()));
   for (const std::vector<Declared>& rows : parts) add(rows);
   return table;
+}
+
+std::vector<DeclaredTable> declared_bench_json() {
+  return {declared_bench_approx(), declared_bench_solver(), declared_bench_coverage(),
+          declared_bench_switch(), declared_bench_loop(),   declared_bench_jet(),
+          declared_bench_truth()};
 }
 
 void claim_bench_folder(const std::string& folder, const std::vector<std::string>& files) {

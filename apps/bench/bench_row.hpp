@@ -47,7 +47,7 @@ JsonKey<BenchEnd> instruction_set_key(std::string_view name);
 const JsonKeys<BenchEnd>& instruction_set_keys();  // of our own loops
 const JsonKeys<BenchEnd>& provenance_keys();
 
-// The help of `bench NAME --json`: the keys of all benches, then these.
+// The help of `forefeel-bench NAME --json`: the keys of all benches, then these.
 DeclaredTable bench_table(const std::string& name, std::initializer_list<std::vector<Declared>> parts);
 
 // Makes the folder and marks these files as ours (result_folder.hpp). Nothing for "". InputError if it cannot be one.

@@ -1,4 +1,4 @@
-// forefeel bench solver [SCENE]: states per second over the scene's whole lattice. With a limit on states,
+// forefeel-bench solver [SCENE]: states per second over the scene's whole lattice. With a limit on states,
 // the box is shrunk towards rest until its lattice fits, for the baselines as well. The baselines are full
 // Newton on Eigen's SimplicialLDLT and on CHOLMOD, in the same run and on the same number of threads. A
 // baseline solves a sample of the lattice and starts each state from its lattice neighbour towards rest. Eigen is left

@@ -1,5 +1,5 @@
 #pragma once
-// Parts of `forefeel bench solver`: the baselines on a sample of the lattice, and the errors of our states.
+// Parts of `forefeel-bench solver`: the baselines on a sample of the lattice, and the errors of our states.
 //
 // A baseline is timed by the wall and by the processor time of the thread that solves. Where the two differ by more
 // than 20 %, the thread waited for a processor, and its row does not count; nor does one of a baseline that failed.

@@ -1,4 +1,4 @@
-// forefeel bench switch [SCENE]: the cost of a frame under each switch rule and without a switch, and what
+// forefeel-bench switch [SCENE]: the cost of a frame under each switch rule and without a switch, and what
 // the hand feels if the model changes every 10 to 100 ms. All rules get the same stream of models, a hard
 // one: the HIP moves through the scene's box at hand speed, and each model is made from 24 other states of
 // the lattice (r^3 on force, as in the paper), so that it differs from the last model everywhere. The first
@@ -22,7 +22,6 @@
 #include "approx/switch/force_switch.hpp"
 #include "apps/bench/bench.hpp"
 #include "apps/bench/bench_row.hpp"
-#include "apps/bench/fit_baseline.hpp"
 #include "apps/console/console.hpp"
 #include "apps/scene/laboratory.hpp"
 #include "geometry/common/quantiles.hpp"

@@ -1,4 +1,4 @@
-// forefeel bench truth [SCENE] [-o DIR]: the whole error of a force, mesh and contact included, against what a state
+// forefeel-bench truth [SCENE] [-o DIR]: the whole error of a force, mesh and contact included, against what a state
 // costs. The truth is a solved body of quadratic elements, twice as many as the fine body has, small at the pad.
 // Positions are drawn in a ball about rest. Every position counts: a solve that fails is an error of 100 %.
 //   error          |f - f_truth| / max(|f_truth|, session.error_floor)

@@ -217,16 +217,16 @@ void check_options(const CLI::App& app, int argc, const char* const* argv) {
     if (!word.starts_with("--") || std::ranges::find(names, word) != names.end()) continue;
     const std::string near = nearest_word(word, names);
     throw InputError(&chosen == &app ? "options" : first,
-                     fmt::format("unknown option '{}'{} forefeel {}--help", word,
+                     fmt::format("unknown option '{}'{} {} {}--help", word,
                                  near.empty() ? ", see" : fmt::format(", did you mean '{}'? See", near),
-                                 &chosen == &app ? "" : first + " "));
+                                 app.get_name(), &chosen == &app ? "" : first + " "));
   }
 }
 
 // A positional argument is named with its command: "solve: SCENE is missing".
-InputError missing(const std::string& option, const std::string& where) {
-  if (option.starts_with("-")) return {option, fmt::format("is missing, see forefeel {} --help", where)};
-  return {where, fmt::format("{} is missing, see forefeel {} --help", option, where)};
+InputError missing(const std::string& option, const std::string& program, const std::string& where) {
+  if (option.starts_with("-")) return {option, fmt::format("is missing, see {} {} --help", program, where)};
+  return {where, fmt::format("{} is missing, see {} {} --help", option, program, where)};
 }
 
 // "--seed: 1 required N missing", "--clock: At Most 1 required but received 2", or another form.
@@ -252,8 +252,8 @@ InputError usage_error(const CLI::App& app, const CLI::ParseError& error) {
   const CLI::App& sub = chosen.empty() ? app : *chosen.front();
   const std::string where = chosen.empty() ? "options" : sub.get_name();
   if (dynamic_cast<const CLI::ExtrasError*>(&error) && !app.remaining(true).empty())
-    return {where, fmt::format("unexpected argument '{}', see forefeel {} --help",
-                               app.remaining(true).front(), where)};
+    return {where, fmt::format("unexpected argument '{}', see {} {} --help", app.remaining(true).front(),
+                               app.get_name(), where)};
   const std::string text = error.what();
   const std::string conversion = "Could not convert: ";  // of a flag: values of options are checked before
   if (const std::size_t end = text.find(" = "); text.starts_with(conversion) && end != std::string::npos)
@@ -265,12 +265,12 @@ InputError usage_error(const CLI::App& app, const CLI::ParseError& error) {
   if (dynamic_cast<const CLI::ArgumentMismatch*>(&error) && colon != std::string::npos)
     if (const auto found = wrong_count(sub, text.substr(0, colon), text.substr(colon + 2))) return *found;
   if (const std::size_t end = text.find(" is required"); dynamic_cast<const CLI::RequiredError*>(&error))
-    if (end != std::string::npos) return missing(text.substr(0, end), where);
+    if (end != std::string::npos) return missing(text.substr(0, end), app.get_name(), where);
   if (const std::size_t end = text.find(" excludes "); dynamic_cast<const CLI::ExcludesError*>(&error))
     if (end != std::string::npos)
       return {text.substr(0, end),
               fmt::format("is given with {}, expected one of the two", text.substr(end + 10))};
-  return {where, fmt::format("{}, see forefeel {}--help", text, chosen.empty() ? "" : where + " ")};
+  return {where, fmt::format("{}, see {} {}--help", text, app.get_name(), chosen.empty() ? "" : where + " ")};
 }
 
 // Refuses an empty value: it usually comes from an unset shell variable and must not look like a missing
@@ -325,8 +325,9 @@ struct CommandLine::Parser {
   Parser(const std::string& description, const std::string& name) : app(description, name) {}
 };
 
-CommandLine::CommandLine(const std::string& description, std::function<std::string()> version)
-    : parser_(std::make_unique<Parser>(description, "forefeel")) {
+CommandLine::CommandLine(const std::string& program, const std::string& description,
+                         std::function<std::string()> version)
+    : parser_(std::make_unique<Parser>(description, program)) {
   parser_->app.set_version_flag("--version", std::move(version), "Version, also of the libraries");
   parser_->app.require_subcommand(0, 1);
 }

@@ -1,5 +1,5 @@
 #pragma once
-// The command line: `forefeel <command> …`. A command has a name, options and a function to run. Each command is in a
+// The command line: `forefeel <command> …` and `forefeel-bench <command> …`. A command has a name, options and a function to run. Each command is in a
 // file command_NAME.cpp of its room in apps. Only command.cpp includes the parser, CLI11.
 //
 //   Command solve = line.add("solve", "Tight solves …");
@@ -74,8 +74,9 @@ class Command {
 
 class CommandLine {
  public:
-  // version: the text of --version.
-  CommandLine(const std::string& description, std::function<std::string()> version);
+  // program: its name, as one types it; version: the text of --version.
+  CommandLine(const std::string& program, const std::string& description,
+              std::function<std::string()> version);
   ~CommandLine();
   CommandLine(const CommandLine&) = delete;
   CommandLine& operator=(const CommandLine&) = delete;

@@ -18,9 +18,7 @@ void add_session(CommandLine& line);
 void add_replay(CommandLine& line);
 void add_study(CommandLine& line);
 void add_reproduce(CommandLine& line);
-void add_bench(CommandLine& line);
 void add_cache(CommandLine& line);
-void add_help(CommandLine& line);
 void add_show(CommandLine& line);
 void add_trace(CommandLine& line);
 

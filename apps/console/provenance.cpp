@@ -40,8 +40,8 @@ std::string shell_quoted(const std::string& word) {
   return text + "'";
 }
 
-void remember_command(int argc, const char* const* argv) {
-  remembered_command = "forefeel";
+void remember_command(const std::string& program, int argc, const char* const* argv) {
+  remembered_command = program;
   for (int i = 1; i < argc; ++i) remembered_command += " " + shell_quoted(argv[i]);
 }
 

@@ -6,9 +6,10 @@
 
 namespace forefeel {
 
-std::string shell_quoted(const std::string& word);         // for a shell, where it needs quotes
-void remember_command(int argc, const char* const* argv);  // called once by main()
-const std::string& command_line();                         // as typed, quoted for a shell
+std::string shell_quoted(const std::string& word);  // for a shell, where it needs quotes
+void remember_command(const std::string& program, int argc,
+                      const char* const* argv);  // called once by main()
+const std::string& command_line();               // as typed, quoted for a shell
 nlohmann::ordered_json provenance(
     const std::string& scene_hash);  // {command, version, commit, scene_hash, libraries{}, machine}
 std::string program_text();          // version and commit, in one line

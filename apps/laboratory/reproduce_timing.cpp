@@ -11,14 +11,14 @@
 #include <omp.h>
 
 #include <algorithm>
+#include <chrono>
 #include <cmath>
 #include <nlohmann/json.hpp>
 #include <optional>
 
 #include "approx/model/neighbours.hpp"
-#include "apps/bench/bench_row.hpp"
-#include "apps/bench/fit_baseline.hpp"
 #include "apps/console/json.hpp"
+#include "apps/laboratory/lu_refit.hpp"
 #include "apps/laboratory/paper_states.hpp"
 #include "apps/laboratory/reproduce.hpp"
 #include "apps/picture/figure.hpp"
@@ -32,6 +32,11 @@ namespace forefeel {
 namespace {
 
 constexpr std::size_t error_samples = 60;
+
+double now_us() {
+  using Microseconds = std::chrono::duration<double, std::micro>;
+  return Microseconds(std::chrono::steady_clock::now().time_since_epoch()).count();
+}
 
 // Times of the paper, on two dual-core Opteron 2218 at 2.6 GHz [us].
 struct PaperTimes {

@@ -17,23 +17,24 @@
 #include "apps/console/commands.hpp"
 #include "apps/console/interrupt.hpp"
 #include "apps/console/provenance.hpp"
+#include "apps/main/help_topics.hpp"
+#include "apps/main/program.hpp"
 #include "geometry/common/error.hpp"
 #include "geometry/common/instruction_set.hpp"
 #include "scheduling/study/study_run.hpp"
 
 namespace forefeel {
-namespace {
 
-int run(int argc, const char* const* argv) {
-  remember_command(argc, argv);
+int run_program(const Program& program, int argc, const char* const* argv) {
+  remember_command(program.name, argc, argv);
   check_instruction_set();
-  CommandLine line("Haptic rendering of soft bodies from states solved ahead", version_text);
-  for (const auto add : {add_mesh, add_solve, add_generate, add_import, add_export, add_info, add_show,
-                         add_classify, add_evaluate, add_trace, add_session, add_replay, add_study,
-                         add_reproduce, add_bench, add_cache, add_help})
-    add(line);
+  CommandLine line(program.name, program.description, version_text);
+  for (const auto add : program.commands) add(line);
+  add_help(line, program);
   return line.run(argc, argv);
 }
+
+namespace {
 
 // When interrupted, these commands stop by themselves and report what they keep.
 bool watches(int argc, char** argv) {
@@ -45,10 +46,10 @@ bool has_word(int argc, char** argv, std::string_view wanted) {
   return std::any_of(argv, argv + argc, [&](const char* word) { return word == wanted; });
 }
 
-int tell_interrupted(const char* text, int argc, char** argv) {
+int tell_interrupted(const Program& program, const char* text, int argc, char** argv) {
   if (has_word(argc, argv, "--json")) std::cout << "{\n  \"interrupted\": true\n}\n";
   flush_warnings();
-  std::cerr << "forefeel: " << text << '\n';
+  std::cerr << program.name << ": " << text << '\n';
   return 1;
 }
 
@@ -59,43 +60,58 @@ bool reader_is_gone() {
 }
 
 // Checks that the output was written completely. A full disk behind `> file` is detected here.
-int printed(int code) {
+int printed(const Program& program, int code) {
   std::cout.flush();
   if (std::cout.good() && std::fflush(stdout) == 0) return code;
   if (reader_is_gone()) return code;
-  std::cerr << "forefeel: stdout: cannot be written, so the results are incomplete (is the disk full?)\n";
+  std::cerr << program.name
+            << ": stdout: cannot be written, so the results are incomplete (is the disk full?)\n";
   return code == 0 ? 1 : code;
 }
 
-int complain(const std::string& text, int code) {
-  std::cerr << "forefeel: " << text << '\n';
+int complain(const Program& program, const std::string& text, int code) {
+  std::cerr << program.name << ": " << text << '\n';
   return code;
 }
 
 }  // namespace
 
-int command_main(int argc, char** argv) {
+int program_main(const Program& program, int argc, char** argv) {
   write_errors_without_signals();
   // Under MPI rank 0 ends the others.
   if (watches(argc, argv))
     watch_from_the_start({.leave = !has_word(argc, argv, "--mpi"), .json = has_word(argc, argv, "--json")});
   try {
-    return printed(run(argc, argv));
+    return printed(program, run_program(program, argc, argv));
   } catch (const Interrupted& wish) {
-    return tell_interrupted(wish.what(), argc, argv);
+    return tell_interrupted(program, wish.what(), argc, argv);
   } catch (const InputError& error) {
-    return complain(error.what(), 2);
+    return complain(program, error.what(), 2);
   } catch (const std::filesystem::filesystem_error& error) {
     // An InputError shortens long names.
     const std::string problem = error.code().message() + ", expected a file or folder that can be used";
-    return complain(InputError({.file = error.path1().string()}, problem).what(), 2);
+    return complain(program, InputError({.file = error.path1().string()}, problem).what(), 2);
   } catch (const std::bad_alloc&) {
-    return complain("out of memory", 1);
+    return complain(program, "out of memory", 1);
   } catch (const StudyFailure& error) {
-    return complain(error.what(), 1);
+    return complain(program, error.what(), 1);
   } catch (const std::exception& error) {
-    return complain(std::string("internal error: ") + error.what(), 1);
+    return complain(program, std::string("internal error: ") + error.what(), 1);
   }
+}
+
+const Program& forefeel_program() {
+  static const Program program{.name = "forefeel",
+                               .description = "Haptic rendering of soft bodies from states solved ahead",
+                               .commands = {add_mesh, add_solve, add_generate, add_import, add_export,
+                                            add_info, add_show, add_classify, add_evaluate, add_trace,
+                                            add_session, add_replay, add_study, add_reproduce, add_cache},
+                               .topics = help_topics};
+  return program;
+}
+
+int command_main(int argc, char** argv) {
+  return program_main(forefeel_program(), argc, argv);
 }
 
 }  // namespace forefeel

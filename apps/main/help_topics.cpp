@@ -7,7 +7,6 @@
 #include <nlohmann/json.hpp>
 #include <sstream>
 
-#include "apps/bench/bench.hpp"
 #include "apps/console/outputs.hpp"
 #include "apps/picture/page.hpp"
 #include "apps/scene/scene_declared.hpp"
@@ -71,7 +70,6 @@ HelpTopic outputs_topic() {
         placement_output(), evaluate_output(), evaluate_sites_output(), sited_forces_output(),
         classify_sites_output(), labelled_sites_output(), classify_output()})
     topic.tables.push_back(table);
-  for (const DeclaredTable& table : declared_bench_json()) topic.tables.push_back(table);
   topic.tables.push_back(mesh_study_output());
   return topic;
 }
@@ -158,10 +156,10 @@ std::string as_text(const DeclaredTable& table, std::size_t width) {
   return text;
 }
 
-std::string as_html(const std::vector<HelpTopic>& topics) {
-  std::string html =
-      "<h1>Forefeel: reference</h1>\n<p class=\"sub\">Every key, setting and column. SI units; [1]: a "
-      "share or a ratio.</p>\n";
+std::string as_html(const std::string& program, const std::vector<HelpTopic>& topics) {
+  std::string html = "<h1>" + program +
+                     ": reference</h1>\n<p class=\"sub\">Every key, setting and column. SI units; [1]: a "
+                     "share or a ratio.</p>\n";
   for (const HelpTopic& topic : topics) {
     html += fmt::format("<p><b>{}</b>:", html_escaped(topic.name));
     for (const DeclaredTable& table : topic.tables)
@@ -173,7 +171,7 @@ std::string as_html(const std::vector<HelpTopic>& topics) {
     html += fmt::format("<h2>{}</h2>\n<p>{}</p>\n", html_escaped(topic.name), html_escaped(topic.meaning));
     for (const DeclaredTable& table : topic.tables) html += html_of(table, topic.name);
   }
-  return html_page("Forefeel: reference", html);
+  return html_page(program + ": reference", html);
 }
 
 nlohmann::ordered_json to_json(const std::vector<HelpTopic>& topics) {

@@ -22,7 +22,7 @@ std::vector<DeclaredTable> tables_named(const HelpTopic& topic, const std::strin
 
 // Text for a terminal of `width` columns.
 std::string as_text(const DeclaredTable& table, std::size_t width);
-std::string as_html(const std::vector<HelpTopic>& topics);  // a complete page
+std::string as_html(const std::string& program, const std::vector<HelpTopic>& topics);  // a complete page
 nlohmann::ordered_json to_json(const std::vector<HelpTopic>& topics);
 
 }  // namespace forefeel

@@ -34,12 +34,12 @@ if(FOREFEEL_HAS_MPI)
 endif()
 
 # The command as a library: the objects of apps.
-get_property(command_objects GLOBAL PROPERTY FOREFEEL_OBJECTS_baselines)
-list(APPEND command_objects $<TARGET_OBJECTS:forefeel_apps> $<TARGET_OBJECTS:forefeel_bench>)
+get_property(command_objects GLOBAL PROPERTY FOREFEEL_OBJECTS_lu)
+list(APPEND command_objects $<TARGET_OBJECTS:forefeel_apps>)
 find_package(tomlplusplus REQUIRED)
 add_library(forefeel_command STATIC ${command_objects})
 set_target_properties(forefeel_command PROPERTIES EXPORT_NAME command LINKER_LANGUAGE CXX)
-target_link_libraries(forefeel_command INTERFACE forefeel_library $<LINK_ONLY:tomlplusplus::tomlplusplus> cholmod)
+target_link_libraries(forefeel_command INTERFACE forefeel_library $<LINK_ONLY:tomlplusplus::tomlplusplus>)
 
 # Manual page and completion come from the command's own --help at each build, so they are never out of date.
 set(manual_folder ${PROJECT_BINARY_DIR}/manual)
@@ -114,7 +114,7 @@ set(CPACK_DEBIAN_PACKAGE_SHLIBDEPS ON)
 set(CPACK_DEBIAN_FOREFEEL_PACKAGE_NAME forefeel)
 set(CPACK_DEBIAN_FOREFEEL_PACKAGE_SECTION science)
 # gnuplot draws the reports' plots; the rest is what programs built with the library need.
-set(CPACK_DEBIAN_FOREFEEL_PACKAGE_RECOMMENDS "gnuplot-nox, libeigen3-dev, libfmt-dev, libsqlite3-dev, libtet1.5-dev, libnifti2-dev, libgmp-dev, libmpfr-dev, libtomlplusplus-dev, libsuitesparse-dev, zlib1g-dev")
+set(CPACK_DEBIAN_FOREFEEL_PACKAGE_RECOMMENDS "gnuplot-nox, libeigen3-dev, libfmt-dev, libsqlite3-dev, libtet1.5-dev, libnifti2-dev, libgmp-dev, libmpfr-dev, libtomlplusplus-dev, zlib1g-dev")
 set(CPACK_DEBIAN_FOREFEEL_PACKAGE_SUGGESTS "g++, cmake")
 set(CPACK_COMPONENT_FOREFEEL_DESCRIPTION "The command forefeel, the C++ library, scenes, studies and examples.")
 if(TARGET forefeel_python)

@@ -5,9 +5,9 @@
 #include <string>
 #include <vector>
 
-#include "apps/console/commands.hpp"
 #include "apps/console/interrupt.hpp"
 #include "apps/console/provenance.hpp"
+#include "apps/main/program.hpp"
 #include "apps/python/bindings.hpp"
 #include "apps/python/python_parts.hpp"
 
@@ -39,15 +39,8 @@ int run_command(const std::vector<std::string>& words) {
   const KeptSignals kept;
   std::vector<const char*> argv{"forefeel"};
   for (const std::string& word : words) argv.push_back(word.c_str());
-  const int argc = static_cast<int>(argv.size());
-  remember_command(argc, argv.data());
-  CommandLine line("Haptic rendering of soft bodies from states solved ahead", version_text);
-  for (const auto add :
-       {add_mesh, add_solve, add_generate, add_import, add_export, add_info, add_show, add_classify,
-        add_evaluate, add_trace, add_session, add_study, add_reproduce, add_bench, add_cache, add_help})
-    add(line);
   try {
-    return line.run(argc, argv.data());
+    return run_program(forefeel_program(), static_cast<int>(argv.size()), argv.data());
   } catch (const Interrupted&) {
     return 1;
   }

@@ -67,41 +67,60 @@ std::string share(double value) {
   return std::isfinite(value) ? fmt::format("{:.1f} %", 100 * value) : "unknown";
 }
 
+// One of the figures that a reader looks for: what it is, its value, its meaning.
+void tell_figure(const Globals& globals, const char* what, const std::string& value,
+                 const std::string& meaning) {
+  say(globals, fmt::format("  {:<9} {:>8}  {}", what, value, meaning));
+}
+
+void tell_figures(const Globals& globals, const SessionSummary& s) {
+  const SessionSummary::Errors &error = s.error.samples, &visits = s.error.first_visit;
+  tell_figure(
+      globals, "error", share(error.p95),
+      fmt::format("of the force, for 95 % of the samples (median {}); below what a hand feels: {} samples, "
+                  "{} first visits",
+                  share(error.p50), share_of_samples(error.within_jnd, error.samples),
+                  share_of_samples(visits.within_jnd, visits.samples)));
+  const SessionSummary::Bars& bars = s.error.bars.all;
+  if (bars.samples > 0)
+    tell_figure(
+        globals, "bars", share(bars.inside[1]),
+        fmt::format("of {} true forces lay inside the 95 % error bars, of half-width {:.2g} N (median)",
+                    bars.samples, bars.width_p50));
+  tell_figure(
+      globals, "safe", share(s.time_in[Label::safe]),
+      fmt::format("of the time among densely known states; sparse {}, gap {}, blank {}; outside the box {}",
+                  share(s.time_in[Label::sparse]), share(s.time_in[Label::gap]),
+                  share(s.time_in[Label::blank]), share(s.motion.outside)));
+  tell_figure(
+      globals, "felt", std::to_string(s.switching.frames_over_jnd),
+      fmt::format("frames in which one of {} changes of model moved the force by more than its bound; "
+                  "clamped {}, slewed {} of the frames",
+                  s.switching.count, share(s.safety.clamped_share), share(s.safety.slewed_share)));
+}
+
+std::string in_words(const SessionSummary::Mesh& mesh) {
+  if (!std::isfinite(mesh.error))
+    return fmt::format("The error of the mesh itself is not known: {}", mesh.how);
+  const std::string range =
+      std::isfinite(mesh.high) ? fmt::format(" ({} to {})", share(mesh.low), share(mesh.high)) : "";
+  return fmt::format("The mesh itself errs by {}{}, not part of these errors; a hand feels {} ({})",
+                     share(mesh.error), range, share(felt_share), mesh.how);
+}
+
 void tell(const Globals& globals, const SessionSummary& s, const std::optional<std::string>& shapes,
           const fs::path& run) {
   for (const std::string& line : attention(s)) say(globals, "attention: " + line);
   say(globals,
       fmt::format(
-          "{} frames ({} clock), {} missed deadlines; {} states known at the start, {} solved{}, {} used",
-          s.run.frames, s.settings.clock == Clock::real ? "real" : "virtual", s.deadline.missed,
-          s.states.start, s.states.solved,
+          "{:.3g} s rendered: {} frames ({} clock), {} missed deadlines; {} states known at the start, {} "
+          "solved{}, {} used",
+          s.run.seconds, s.run.frames, s.settings.clock == Clock::real ? "real" : "virtual",
+          s.deadline.missed, s.states.start, s.states.solved,
           s.states.inverted > 0 ? fmt::format(", {} with inverted elements", s.states.inverted) : "",
           s.states.used));
-  say(globals,
-      fmt::format("time in safe {}, sparse {}, gap {}, blank {}; outside the box {}",
-                  share(s.time_in[Label::safe]), share(s.time_in[Label::sparse]),
-                  share(s.time_in[Label::gap]), share(s.time_in[Label::blank]), share(s.motion.outside)));
-  const SessionSummary::Errors &error = s.error.samples, &visits = s.error.first_visit;
-  say(globals,
-      fmt::format("error of the rendered force: p50 {}, p95 {}; within the JND {} samples, {} first visits",
-                  share(error.p50), share(error.p95), share_of_samples(error.within_jnd, error.samples),
-                  share_of_samples(visits.within_jnd, visits.samples)));
-  const SessionSummary::Mesh& mesh = s.error.mesh;
-  say(globals,
-      fmt::format("discretisation error of the mesh, not in these errors: {}{} ({})", share(mesh.error),
-                  std::isfinite(mesh.high)
-                      ? fmt::format(", between {} and {}", share(mesh.low), share(mesh.high))
-                      : "",
-                  mesh.how));
-  const SessionSummary::Bars& bars = s.error.bars.all;
-  if (bars.samples > 0)
-    say(globals,
-        fmt::format("error bars: that of 95 % held the truth in {} samples; median half-width {:.2g} N",
-                    share_of_samples(bars.inside[1], bars.samples), bars.width_p50));
-  say(globals,
-      fmt::format("{} model switches, {} frames over the JND bound; clamped {}, slewed {} of the frames",
-                  s.switching.count, s.switching.frames_over_jnd, share(s.safety.clamped_share),
-                  share(s.safety.slewed_share)));
+  tell_figures(globals, s);
+  say(globals, in_words(s.error.mesh));
   if (shapes) say(globals, *shapes);
   for (const std::string& note : shortened_notes(s.run.notes)) say(globals, note);
   if (std::error_code problem; fs::exists(run / "report.html", problem))

@@ -84,7 +84,7 @@ std::string tiles(const SessionSummary& s) {
     html +=
         tile(percent(s.error.mesh.error),
              "discretisation error of the mesh, not in the errors before: " + html_escaped(s.error.mesh.how),
-             small_is_good(s.error.mesh.error, 0.07, 0.3));
+             small_is_good(s.error.mesh.error, felt_share, 0.3));
   html += tile(shown(s.switching.frames_over_jnd),
                fmt::format("of {} frames in which a switch exceeded its bound", s.run.frames),
                small_is_good(static_cast<double>(s.switching.frames_over_jnd), 0, 0));

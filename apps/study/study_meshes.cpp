@@ -55,7 +55,8 @@ MeshFindings measure_meshes(const Globals& globals, const PlannedStudy& planned,
     const std::string where = bodies.size() > 1 ? fmt::format(" ({} cells)", among.size()) : "";
     std::string line = discretisation_line(mesh, shown) + where;
     if (std::isfinite(shown)) line += fmt::format("; the sessions show a p95 of {:.2g} %", 100 * shown);
-    (mesh.error > shown ? found.above : found.others).push_back(std::move(line));
+    const bool felt = SessionSummary::Mesh{.error = mesh.error}.is_felt(shown);
+    (felt ? found.above : found.others).push_back(std::move(line));
   }
   return found;
 }

@@ -68,9 +68,10 @@ void add_short_bars(const SessionSummary::ErrorBars& bars, std::vector<std::stri
 
 std::string coarse(const SessionSummary::Mesh& mesh, double shown) {
   return fmt::format(
-      "the mesh is too coarse for the errors shown: its own error is {:.2g} % of the force ({}), the "
-      "rendered force is within {:.2g} % of the force on this mesh (p95)",
-      100 * mesh.error, mesh.how, 100 * shown);
+      "the mesh itself errs by {:.2g} % of the force ({}), and a hand feels {:.2g} %; the errors below do "
+      "not "
+      "contain it: the rendered force is within {:.2g} % of the force on this mesh (p95)",
+      100 * mesh.error, mesh.how, 100 * felt_share, 100 * shown);
 }
 
 // "3 frames", "1 frame".
@@ -128,7 +129,7 @@ std::vector<std::string> attention(const SessionSummary& summary) {
   if (stability && !stability->stable) lines.push_back(unstable(*stability, safety));
   if (std::isfinite(motion.away.median)) lines.push_back(far_from_states(motion.away));
   const SessionSummary::Error& error = summary.error;
-  if (error.mesh.above(error.samples.p95)) lines.push_back(coarse(error.mesh, error.samples.p95));
+  if (error.mesh.is_felt(error.samples.p95)) lines.push_back(coarse(error.mesh, error.samples.p95));
   if (safety.clamped_share > clamped_too_often) lines.push_back(clamped(safety));
   if (summary.energy.control.added_p95 > added_too_much) lines.push_back(controlled(summary.energy.control));
   if (motion.starts_wrong) lines.push_back(pressed_in(motion));

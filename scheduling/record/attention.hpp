@@ -1,6 +1,6 @@
 #pragma once
 // Warnings that a reader needs before the figures of a session: instability (record/stability.hpp), the
-// distance from measured states, a mesh that is further off than the errors shown, many clamped frames, a
+// distance from measured states, a mesh whose own error a hand would feel, many clamped frames, a
 // motion that starts pressed in or leaves the box of states, inverted elements, few samples. Console,
 // report.html and summary.json begin with these lines.
 

@@ -33,6 +33,8 @@ namespace forefeel {
 struct SessionInput;
 struct SessionPlan;
 
+inline constexpr double felt_share = SwitchOptions{}.jnd_share;  // just noticeable difference, of the force
+
 struct SessionSummary {
   // Nearest-rank quantiles of times per frame [us]; unknown under the virtual clock.
   struct Timing {
@@ -90,11 +92,12 @@ struct SessionSummary {
   // The discretisation error of the body (solver/equilibrium/mesh_error.hpp). The caller measures it. The other errors
   // do not contain it.
   struct Mesh {
-    double error = unknown;                                   // relative force
-    std::size_t positions = 0;                                // at which it was measured
-    std::string how = "not measured";                         // by what, or why not
-    double low = unknown, high = unknown;                     // an interval for error
-    bool above(double shown) const { return error > shown; }  // false where one of the two is unknown
+    double error = unknown;                // relative force
+    std::size_t positions = 0;             // at which it was measured
+    std::string how = "not measured";      // by what, or why not
+    double low = unknown, high = unknown;  // an interval for error
+    // Above the just noticeable difference and above the errors shown beside it.
+    bool is_felt(double shown) const { return error > felt_share && !(error <= shown); }
   };
   // samples: positions at equal distances along the path. first_visit: the first frames in their lattice
   // cells.

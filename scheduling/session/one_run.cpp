@@ -65,7 +65,7 @@ void note_late_states(SessionResult& result) {
   if (all <= seen) return;
   result.notes.push_back(fmt::format(
       "{} of the {} solved states came after the last frame, which knew {}: states.csv and the file of "
-      "states hold them; pictures and the replay of the run leave out what came too late for them",
+      "states hold them; pictures of the run leave out what came too late for them",
       all - seen, result.counts.solved, seen));
 }
 

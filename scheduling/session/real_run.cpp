@@ -289,6 +289,7 @@ void run_real(const RunSetup& setup, ReferenceService& references, SessionResult
   loop_thread.join();
   if (shape_thread) shape_thread->end();
   if (!failure) run.keep_rest();
+  if (logs.inputs) logs.inputs->learn(planner.space());  // also what came after the last model
   states.flush();
   if (states.failure()) result.failures.push_back(*states.failure());
   if (failure) result.failures.push_back(failure_in_words("planning", failure));

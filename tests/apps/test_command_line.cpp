@@ -45,14 +45,13 @@ TEST_CASE("usage errors are one line", "[command-line]") {
   check_refused(shop, "solve beam.toml --at=0,0,0 --seed -1", {"--seed", "at least 0"});
   check_refused(shop, "evaluate s.csv --points q.csv --neighbours 0", {"--neighbours", "above 0"});
   check_refused(shop, "classify s.csv --safe-angle nan", {"--safe-angle", "above 0"});
-  check_refused(shop, "bench nothing", {"nothing"});
 }
 
 TEST_CASE("an instruction set that is none is refused at the start", "[command-line]") {
   const Workshop shop;
   const std::string program = "'" + forefeel::test::executable() + "' ";
   for (const std::string wrong : {"bogus", "AVX2", "avx2 "}) {
-    const Workshop::Outcome outcome = shop.shell("FOREFEEL_ISA='" + wrong + "' " + program + "bench switch");
+    const Workshop::Outcome outcome = shop.shell("FOREFEEL_ISA='" + wrong + "' " + program + "cache");
     INFO(outcome.err);
     CHECK(outcome.code == 2);
     CHECK(outcome.error_lines() == 1);
@@ -67,11 +66,6 @@ TEST_CASE("an instruction set that is none is refused at the start", "[command-l
 TEST_CASE("--set is refused where there is no scene, and is that of the built-in scene where that serves",
           "[command-line]") {
   const Workshop shop;
-  check_refused(shop, "bench coverage --set material.poisson=0.4",
-                {"--set", "material.poisson=0.4", "coverage"});
-  for (const std::string bench : {"approx", "solver", "switch"})
-    check_refused(shop, "bench " + bench + " --set material.poison=0.4",
-                  {"--set material.poison", "material.poisson"});
   check_refused(shop, "reproduce timing --set state_space.spacings=0.01 -o out", {"state_space.spacings"});
 }
 
@@ -102,20 +96,11 @@ TEST_CASE("errors of the command line name the option, what was given and what w
       {"session -o r", "session: SCENE is missing, see forefeel session --help"},
       {"classify s --diff a", "--diff: has 1 of its values, expected 2"},
       {"session b.toml -o r --json=maybe", "--json: is 'maybe', expected no value"},
-      {"bench solvr",
-       "WHAT: is 'solvr', did you mean 'solver'? Expected one of approx, solver, coverage, switch, loop, "
-       "jet, truth"},
       {"evaluate s --points q --kernel x", "--kernel: is 'x', expected one of linear, cubic, quintic"}};
   for (const auto& [command, message] : wrong) {
     INFO(command);
     check_refused(shop, command, {"forefeel: " + message + "\n"});
   }
-}
-
-TEST_CASE("an output folder that is a file is called one", "[command-line]") {
-  const Workshop shop;
-  shop.write("taken.csv", "x\n");
-  check_refused(shop, "bench approx -o taken.csv", {"taken.csv", "is a file", "expected a folder"});
 }
 
 TEST_CASE("help and version are not errors", "[command-line]") {
@@ -125,7 +110,7 @@ TEST_CASE("help and version are not errors", "[command-line]") {
   for (const char* library : {"forefeel ", "CGAL", "TetGen", "Eigen", "SQLite"})
     CHECK_THAT(version.out, Catch::Contains(library));
   for (const std::string command : {"", "mesh ", "solve ", "generate ", "import ", "export ", "info ",
-                                    "show ", "classify ", "evaluate ", "session ", "reproduce ", "bench "}) {
+                                    "show ", "classify ", "evaluate ", "session ", "reproduce "}) {
     const Workshop::Outcome help = shop.forefeel(command + "--help");
     INFO("forefeel " << command << "--help: " << help.err);
     CHECK(help.code == 0);

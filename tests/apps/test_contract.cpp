@@ -142,24 +142,3 @@ TEST_CASE("generate, export, info, classify and evaluate", "[contract]") {
   REQUIRE(forces["forces"].size() == 3);
   for (const json& value : forces["forces"][2]) CHECK(value.is_number());  // bounded at any distance
 }
-
-TEST_CASE("bench solver: a shrunk lattice and a single state, where all solvers find the same force",
-          "[contract]") {
-  const Workshop shop;
-  shop.write("beam.toml", beam_scene());
-  const json few = run_json(shop, "bench solver beam.toml --set state_space.spacing=0.002 --states 30");
-  REQUIRE(few["rows"].size() == 2);
-  CHECK(few["rows"][0]["n"] <= 30);
-  CHECK(few["rows"][0]["n"] > 1);
-  CHECK(few["states_of_the_scene"] > few["rows"][0]["n"]);
-  CHECK(few["rows"][0]["error"]["max"] < 1e-6);
-  const json one = run_json(shop, "bench solver beam.toml --states 1");
-  REQUIRE(one["rows"].size() == 2);
-  for (const json& row : one["rows"]) {
-    check_keys(row, {"name", "baseline", "ratio", "ours_us", "baseline_us", "error.max", "ours_bytes",
-                     "baseline_bytes"});
-    CHECK(row["error"]["max"] < 1e-5);
-    CHECK(row["ours_bytes"] > 0);
-  }
-  CHECK(shop.forefeel("bench coverage --states 5").code == 2);
-}

@@ -1,4 +1,4 @@
-// reproduce, bench switch and bench approx.
+// reproduce.
 
 #include <fmt/format.h>
 #include <catch2/catch.hpp>
@@ -203,82 +203,9 @@ TEST_CASE("experiments that cannot be run", "[laboratory]") {
   check_refused(shop, "reproduce timing beam.toml -o beam.toml/out", {"beam.toml/out"});
   check_refused(shop, "reproduce damping beam.toml --interval 0 -o out", {"--interval"});
   check_refused(shop, "reproduce damping beam.toml --depth 2 -o out", {"--depth"});
-  check_refused(shop, "bench switch absent.toml", {"absent.toml"});
   check_refused(shop, "classify --calibrate absent.toml", {"absent.toml"});
   check_refused(shop, "classify --calibrate beam.toml --grid 0.01", {"--calibrate"});
   check_refused(shop, "classify absent.states --calibrate beam.toml", {"absent.states"});
-}
-
-TEST_CASE("bench switch: bounds hold and the latest model wins", "[laboratory]") {
-  const Workshop shop;
-  shop.write("beam.toml", beam_scene());
-  const Workshop::Outcome outcome = shop.forefeel("bench switch beam.toml --json");
-  INFO(outcome.err);
-  REQUIRE(outcome.code == 0);
-  const nlohmann::json found = outcome.json();
-  REQUIRE(found["rows"].size() == 12);
-  for (const auto& row : found["rows"]) {
-    for (const char* key : {"name", "baseline", "ratio", "ours_us", "baseline_us", "error", "n", "k", "scene",
-                            "law", "elements", "threads", "tolerance"})
-      CHECK(row.contains(key));
-    CHECK(row["latest_wins"] == true);
-    CHECK(row["delay"]["within_bound"] == true);
-    // A window of w ms holds w frames; changes of opposite signs may cancel in a longer one.
-    const double jump = row["max_jump"];
-    CHECK(row["drift"]["ms50"].get<double>() > 0);
-    CHECK(row["drift"]["ms50"].get<double>() <= 50 * jump);
-    CHECK(row["drift"]["ms300"].get<double>() <= 300 * jump);
-    if (row["rule"] == "none")
-      CHECK(row["delay"]["max_ms"] == 0.0);
-    else
-      CHECK(row["frames_over_jnd"] == 0);
-  }
-}
-
-TEST_CASE("bench approx: inside is inside the lattice, and what is left out is said", "[laboratory]") {
-  const Workshop shop;
-  // f = -K x: trilinear cells are exact inside the lattice and wrong beyond it, where the force is held constant. The
-  // box extends 3 mm beyond the lattice of 6 mm.
-  shop.write("beam.toml", beam_scene());
-  const Workshop::Outcome outcome = shop.forefeel(
-      "bench approx beam.toml --json --set 'material.law=\"linear\"' --set state_space.spacing=0.006 "
-      "--set 'state_space.box=[[-0.009,-0.009,-0.009],[0.015,0.009,0.009]]' -o out");
-  INFO(outcome.err);
-  REQUIRE(outcome.code == 0);
-  const nlohmann::json found = outcome.json();
-  bool trilinear = false;
-  for (const auto& method : found["methods"]) {
-    if (method["method"] == "trilinear" || method["method"] == "tricubic") {
-      trilinear = true;
-      CHECK(method["error"]["max"].get<double>() < 1e-6);
-    }
-    CHECK(method["n"].get<int>() <= 36);
-  }
-  CHECK(trilinear);
-  REQUIRE(!found["rows"].empty());
-  std::vector<int> scalar;
-  for (const auto& row : found["rows"])
-    if (row["name"] == "evaluate hermite-r5" && row["baseline"] == "scalar -O2") {
-      scalar.push_back(row["n"]);
-      CHECK(row["ratio"].get<double>() > 0);
-    }
-  CHECK(scalar == std::vector<int>{8});  // 25 + 20 are more than the 36 states
-  const std::string notes = found["notes"].dump();
-  CHECK_THAT(notes,
-             Catch::Contains(
-                 "r, r3, r5 with n = 100: needs 120 states (20 to replace), the lattice has 36, left out") &&
-                 Catch::Contains("no multiple of the spacing") &&
-                 Catch::Contains("hermite-r3, hermite-r5 with n = 25"));
-  CHECK_THAT(outcome.err, Catch::Contains("needs 120 states") && !Catch::Contains("gives another force"));
-  CHECK_THAT(shop.files(), Catch::Contains("out/approx.csv"));
-  // Eight states are too few to measure a model. All other results are there, and the answer is incomplete.
-  const Workshop::Outcome few = shop.forefeel(
-      "bench approx beam.toml --json --set 'material.law=\"linear\"' --set state_space.spacing=0.006 "
-      "--set 'state_space.box=[[0,0,0],[0.006,0.006,0.006]]'");
-  INFO(few.err);
-  CHECK(few.code == 1);
-  CHECK(few.json()["rows"].empty());
-  CHECK_THAT(few.err, Catch::Contains("no row could be measured"));
 }
 
 TEST_CASE("rank correlation and intervals of a share", "[laboratory]") {

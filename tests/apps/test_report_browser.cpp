@@ -1,4 +1,4 @@
-// Reports in a real browser, where chromium is installed (no setup installs it).
+// Reports in a real browser, where chromium is installed (`apps/setup.sh all`).
 
 #include <catch2/catch.hpp>
 #include <fstream>

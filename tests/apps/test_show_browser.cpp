@@ -1,4 +1,4 @@
-// The page of forefeel show under a real mouse, where chromium is installed (no setup installs it).
+// The page of forefeel show under a real mouse, where chromium is installed (`apps/setup.sh all`).
 
 #include <algorithm>
 #include <catch2/catch.hpp>

@@ -56,7 +56,6 @@ TEST_CASE("sites that cannot be are refused, and a pad that reaches over the cla
   check_refused(shop, "solve beam.toml --site=nan,0,0 --at=0,0,-0.001", {"--site"});
   check_refused(shop, "solve beam.toml --site=0.06,0,0.02 --at=0,0,0 -o out.csv", {"-o", "--json"});
   check_refused(shop, "solve plain.toml --site=0.06,0,0.02 --at=0,0,0", {"--site", "contact.anywhere"});
-  check_refused(shop, "bench solver beam.toml", {"beam.toml:", "contact.anywhere", "solve --site"});
   const Workshop::Outcome run =
       shop.forefeel("solve beam.toml --site=0.008,0.01,0.02 --at=0,0,-0.002 --json");
   CHECK(run.code == 0);

@@ -47,7 +47,7 @@ TEST_CASE("solve measures no spacing, and gives the same forces as with a spacin
   for (int i = 0; i < 3; ++i) CHECK(a[i].get<double>() == Approx(b[i].get<double>()).epsilon(1e-8));
 }
 
-TEST_CASE("classify with a spacing of its own, and benches that read no lattice, measure none") {
+TEST_CASE("classify with a spacing of its own measures none") {
   const Workshop shop;
   shop.write("beam.toml", beam_scene());
   REQUIRE(shop.forefeel("generate beam.toml -o s.states --quiet").code == 0);

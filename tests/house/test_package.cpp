@@ -108,7 +108,7 @@ void check_manual(const Workshop& shop) {
   const std::string page = ran(shop, "cat prefix/share/man/man1/forefeel.1");
   for (const char* command :
        {"mesh", "solve", "generate", "import", "export", "info", "show", "classify", "evaluate", "trace",
-        "session", "replay", "study", "reproduce", "bench", "cache", "help"})
+        "session", "replay", "study", "reproduce", "cache", "help"})
     CHECK_THAT(page, Catch::Contains(std::string(".SS forefeel ") + command + "\n"));
   CHECK_THAT(page, Catch::Contains(".SH EXAMPLES\n") && Catch::Contains("forefeel cache \\-\\-empty"));
   CHECK_THAT(page, Catch::Contains(".SH FILES\n") && Catch::Contains("~/.cache/forefeel"));
@@ -131,7 +131,7 @@ void check_command(const Workshop& shop) {
   CHECK(unknown.code == 2);
   CHECK_THAT(unknown.err, Catch::Contains("'ahead'") && Catch::Contains("nearest"));
   CHECK_THAT(ran(shop, "build/command_policy --help"),
-             Catch::Contains("reproduce") && Catch::Contains("bench"));
+             Catch::Contains("reproduce") && Catch::Contains("classify"));
 }
 
 // Every link of the installed README leads to an installed file.

@@ -41,6 +41,10 @@ Workshop::Outcome Workshop::forefeel(const std::string& arguments) const {
   return shell("'" + executable() + "' " + arguments);
 }
 
+Workshop::Outcome Workshop::forefeel_bench(const std::string& arguments) const {
+  return shell("'" + bench_executable() + "' " + arguments);
+}
+
 std::size_t Workshop::Outcome::error_lines() const {
   return static_cast<std::size_t>(std::ranges::count(err, '\n'));
 }
@@ -75,10 +79,10 @@ std::string is_larger(const std::string& file, int bytes) {
 }
 
 void check_refused(const Workshop& shop, const std::string& arguments,
-                   const std::vector<std::string>& mentions) {
+                   const std::vector<std::string>& mentions, const std::string& program) {
   const std::string before = shop.files();
-  const Workshop::Outcome outcome = shop.forefeel(arguments);
-  INFO("forefeel " << arguments << "\nstdout: " << outcome.out << "\nstderr: " << outcome.err);
+  const Workshop::Outcome outcome = shop.shell("'" + program + "' " + arguments);
+  INFO(program << ' ' << arguments << "\nstdout: " << outcome.out << "\nstderr: " << outcome.err);
   CHECK(outcome.code == 2);
   CHECK(outcome.error_lines() == 1);
   CHECK(outcome.err.ends_with('\n'));

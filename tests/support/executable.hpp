@@ -6,6 +6,7 @@
 #include <string>
 #include <vector>
 
+#include "tests/support/paths.hpp"
 #include "tests/support/temporary_folder.hpp"
 
 namespace forefeel::test {
@@ -22,6 +23,7 @@ class Workshop {
     nlohmann::json json() const;  // of out; fails the test if it is not one document
   };
   Outcome forefeel(const std::string& arguments) const;  // arguments as for a shell
+  Outcome forefeel_bench(const std::string& arguments) const;
   Outcome shell(const std::string& command) const;
   std::filesystem::path write(const std::string& name, const std::string& text) const;
   std::string files() const;  // names of all files below, sorted, one a line
@@ -41,7 +43,7 @@ inline const std::string takes_signals = "grep -q '^SigCgt:.*[4-7c-f]..[2367abef
 
 // Checks that a command is refused: one error line that contains every word, exit code 2, no file made or renamed.
 void check_refused(const Workshop& shop, const std::string& arguments,
-                   const std::vector<std::string>& mentions);
+                   const std::vector<std::string>& mentions, const std::string& program = executable());
 
 // A beam of 10 x 2 x 2 cm with few elements, clamped at one end, touched at the other.
 std::string beam_scene(const std::string& more = "");

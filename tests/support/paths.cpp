@@ -14,6 +14,10 @@ std::string executable() {
   return (build_folder() / "apps" / "forefeel").string();
 }
 
+std::string bench_executable() {
+  return (build_folder() / "apps" / "forefeel-bench").string();
+}
+
 std::string shared_folder() {
   const std::filesystem::path folder = source_folder() / ".." / "shared" / "data";
   std::error_code error;

@@ -1,4 +1,4 @@
-#include "apps/bench/fit_baseline.hpp"
+#include "apps/laboratory/lu_refit.hpp"
 
 #include <cmath>
 
@@ -7,10 +7,7 @@
 namespace forefeel {
 
 FOREFEEL_IN_EACH_SET(void* make_lu(long, bool); void free_lu(void*);
-                     double refit_lu(void*, long, const double*, const double*);
-                     void scalar_sum(std::size_t, const double*, const double*, const double*, double*);
-                     void scalar_hermite_sum(std::size_t, const double*, const double*, const double*,
-                                             double*);)
+                     double refit_lu(void*, long, const double*, const double*);)
 
 namespace {
 
@@ -18,13 +15,11 @@ struct Functions {
   void* (*make)(long, bool);
   void (*free)(void*);
   double (*refit)(void*, long, const double*, const double*);
-  void (*sum)(std::size_t, const double*, const double*, const double*, double*);
-  void (*hermite_sum)(std::size_t, const double*, const double*, const double*, double*);
 };
 
 const Functions& functions() {
-  static const Functions chosen{FOREFEEL_CHOSEN(make_lu), FOREFEEL_CHOSEN(free_lu), FOREFEEL_CHOSEN(refit_lu),
-                                FOREFEEL_CHOSEN(scalar_sum), FOREFEEL_CHOSEN(scalar_hermite_sum)};
+  static const Functions chosen{FOREFEEL_CHOSEN(make_lu), FOREFEEL_CHOSEN(free_lu),
+                                FOREFEEL_CHOSEN(refit_lu)};
   return chosen;
 }
 
@@ -59,15 +54,6 @@ double LuRefit::refit(std::span<const Sample> samples) {
     }
   }
   return functions().refit(work_, static_cast<long>(n), positions_.data(), values_.data());
-}
-
-void scalar_evaluate(std::size_t n, const double* positions, const double* coefficients, const double x[3],
-                     double f[3]) {
-  functions().sum(n, positions, coefficients, x, f);
-}
-void scalar_evaluate_hermite(std::size_t n, const double* centres, const double* polynomial,
-                             const double x[3], double f[3]) {
-  functions().hermite_sum(n, centres, polynomial, x, f);
 }
 
 }  // namespace forefeel

@@ -74,7 +74,7 @@ TEST_CASE("bench loop compares the session's loop with a bare one, with and with
   const Workshop shop;
   shop.write("beam.toml", beam_scene());
   const Workshop::Outcome outcome =
-      shop.forefeel("bench loop beam.toml --seconds 4 --blocks 2 --states 60 --json");
+      shop.forefeel_bench("loop beam.toml --seconds 4 --blocks 2 --states 60 --json");
   INFO(outcome.err);
   const nlohmann::json found = outcome.json();
   const auto& rows = found["rows"];
@@ -107,20 +107,4 @@ TEST_CASE("bench loop compares the session's loop with a bare one, with and with
   CHECK(rows[2]["ours_us"] == rows[1]["loop"]["cost_us"]["p50"]);
   CHECK(found["good"] == good);
   CHECK(outcome.code == (good ? 0 : 1));
-}
-
-TEST_CASE("bench loop refuses blocks that are too short, and other benches its options", "[bench_loop]") {
-  const Workshop shop;
-  shop.write("beam.toml", beam_scene());
-  for (const auto& [arguments, words] :
-       {std::pair{"bench loop beam.toml --seconds 4 --blocks 3", "--seconds"},
-        std::pair{"bench switch beam.toml --seconds 4", "--seconds"},
-        std::pair{"bench switch beam.toml --blocks 4", "--blocks"},
-        std::pair{"bench loop beam.toml -o out", "--output"},
-        std::pair{"bench loop beam.toml --blocks 0", "--blocks"}}) {
-    const Workshop::Outcome outcome = shop.forefeel(arguments);
-    INFO(arguments);
-    CHECK(outcome.code == 2);
-    CHECK_THAT(outcome.err, Catch::Contains(words));
-  }
 }
