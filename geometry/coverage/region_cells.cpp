@@ -134,7 +134,7 @@ struct Facets {
 };
 
 // Marks the cells of a component that must be cut for its parts (`set`) to be connected.
-void mark(const std::vector<Cell>& cells, const std::vector<std::uint32_t>& members,
+void mark_part(const std::vector<Cell>& cells, const std::vector<std::uint32_t>& members,
           const std::vector<std::uint32_t>& set, std::vector<unsigned>& cut) {
   std::map<std::uint32_t, std::size_t> size;
   for (const std::uint32_t i : members) ++size[set[i]];
@@ -194,7 +194,7 @@ RegionCells cells_with_shared_corners(std::span<const RegionLeaf> leaves) {
     std::map<std::uint32_t, std::vector<std::uint32_t>> members;  // of each component
     for (std::uint32_t i = 0; i < cells.size(); ++i) members[leaves[cells[i].leaf].component].push_back(i);
     std::vector<unsigned> cut(cells.size(), 0);
-    for (const auto& [component, own] : members) mark(cells, own, set, cut);
+    for (const auto& [component, own] : members) mark_part(cells, own, set, cut);
     if (std::ranges::all_of(cut, [](unsigned axes) { return axes == 0; })) break;
     cut_cells(planes, cut, cells);
     numbered = number_corners(leaves, cells);

@@ -13,12 +13,12 @@ namespace {
 
 using Facets = std::vector<cgal::Kernel::Triangle_3>;
 using Primitive = CGAL::AABB_triangle_primitive<cgal::Kernel, Facets::const_iterator>;
-using Tree = CGAL::AABB_tree<CGAL::AABB_traits<cgal::Kernel, Primitive>>;
+using FacetTree = CGAL::AABB_tree<CGAL::AABB_traits<cgal::Kernel, Primitive>>;
 
 struct Index {
   Facets facets;
   std::vector<std::size_t> number;  // of each facet, in the surface
-  Tree tree;
+  FacetTree tree;
 };
 
 cgal::Point point_of(const Vec3& p) {

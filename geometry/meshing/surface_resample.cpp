@@ -83,7 +83,7 @@ Surface decimated(const Surface& surface, double share) {
 
 Surface resample_surface(const Surface& surface, double edge) {
   Mesh mesh = cgal::to_mesh(surface);
-  const double wanted = surface_area(surface) / (std::sqrt(3.0) / 4 * edge * edge);
+  const double wanted = forefeel::surface_area(surface) / (std::sqrt(3.0) / 4 * edge * edge);
   const double far_finer = static_cast<double>(surface.triangles.size()) / (6 * wanted);
   try {
     if (far_finer > 1) decimate(mesh, 1 / far_finer);

@@ -12,14 +12,14 @@
 namespace forefeel {
 namespace {
 
-constexpr int rounds = 4;
+constexpr int improvements = 4;
 constexpr double peel_below_deg =
     6;  // a flat tetrahedron on the surface is removed below this dihedral angle
 constexpr unsigned faces[4][3] = {{1, 2, 3}, {0, 3, 2}, {0, 1, 3}, {0, 2, 1}};  // outward, opposite node i
 
 // Least sine of a dihedral angle; negative for an inverted tetrahedron. The sine penalises angles near 0 and near 180
 // degrees alike and needs no trigonometry: sin = 3/2 V l / (A_i A_j), with l the edge that the two faces share.
-double shape(const Vec3& a, const Vec3& b, const Vec3& c, const Vec3& d) {
+double volume_shape(const Vec3& a, const Vec3& b, const Vec3& c, const Vec3& d) {
   const Vec3 p[4] = {a, b, c, d};
   const double six_volume = (b - a).cross(c - a).dot(d - a);
   double area[4];
@@ -55,10 +55,10 @@ class Improver {
   void run() {
     if (mesh_.nodes.size() >= (1u << 21)) return;
     if (!options_.flips) {
-      for (int k = 0; k < 3 * rounds; ++k) smooth();
+      for (int k = 0; k < 3 * improvements; ++k) smooth();
       return;
     }
-    for (int round = 0; round < rounds; ++round) {
+    for (int round = 0; round < improvements; ++round) {
       while (peel()) {
       }
       flip_faces();
@@ -72,7 +72,7 @@ class Improver {
 
  private:
   const Vec3& at(NodeIndex i) const { return mesh_.nodes[i]; }
-  double shape_of(const Tet& t) const { return shape(at(t[0]), at(t[1]), at(t[2]), at(t[3])); }
+  double shape_of(const Tet& t) const { return volume_shape(at(t[0]), at(t[1]), at(t[2]), at(t[3])); }
 
   struct Side {
     Key key;
@@ -276,7 +276,7 @@ class Improver {
     double before = 1;
     for (const TetIndex t : tets) before = std::min(before, shape_of(mesh_.tets[t]));
     if (before > 0.5) return std::nullopt;                                    // 30 degrees: good enough
-    const bool upward = shape(at(nodes[0]), at(nodes[1]), at(p), at(q)) > 0;  // ring turns about p -> q
+    const bool upward = volume_shape(at(nodes[0]), at(nodes[1]), at(p), at(q)) > 0;  // ring turns about p -> q
     const auto pair_of = [&](std::size_t i, std::size_t k, std::size_t j) {
       const NodeIndex a = nodes[i], b = nodes[k], c = nodes[j];
       return upward ? std::array<Tet, 2>{Tet{a, b, c, q}, Tet{a, c, b, p}}

@@ -13,7 +13,7 @@
 namespace forefeel {
 namespace {
 
-constexpr std::size_t most_compared = 500, neighbours = 8, fewest = 3, enough_to_fit = 6;
+constexpr std::size_t most_pairs = 500, neighbours = 8, fewest = 3, enough_to_fit = 6;
 constexpr double like = 0.7, surely = 0.9, linear = 0.95;  // correlations
 
 struct Near {
@@ -74,7 +74,7 @@ StiffnessAgreement stiffness_agreement(std::span<const State> states) {
     if (state.usable() && state.force.allFinite() && state.has_stiffness()) with.push_back(&state);
   StiffnessAgreement found;
   std::vector<double> scales;
-  const std::size_t count = std::min(with.size(), most_compared);
+  const std::size_t count = std::min(with.size(), most_pairs);
   for (std::size_t k = 0; k < count; ++k) {
     const std::optional<Fit> fit = fit_around(states, *with[k * with.size() / count]);
     if (!fit) continue;

@@ -6,7 +6,7 @@
 namespace forefeel {
 namespace {
 
-Registry<PredictorFactory>& registry() {
+Registry<PredictorFactory>& predictors_known() {
   static Registry<PredictorFactory> predictors(
       "predictor",
       {{"kalman", make_kalman,
@@ -18,19 +18,19 @@ Registry<PredictorFactory>& registry() {
 }  // namespace
 
 void register_predictor(const std::string& name, PredictorFactory factory) {
-  registry().add(name, std::move(factory));
+  predictors_known().add(name, std::move(factory));
 }
 
 std::vector<std::string> predictor_names() {
-  return registry().names();
+  return predictors_known().names();
 }
 
 std::vector<Declared> declared_predictors() {
-  return registry().declared();
+  return predictors_known().declared();
 }
 
 std::unique_ptr<Predictor> make_predictor(const PredictorSpec& predictor, const FactoryContext& context) {
-  return make_registered(registry().at(predictor.name), "predictor", predictor, context);
+  return make_registered(predictors_known().at(predictor.name), "predictor", predictor, context);
 }
 
 }  // namespace forefeel
