@@ -17,7 +17,7 @@ bench=(libsuitesparse-dev libopenblas-dev libnanoflann-dev)
 sanitizers=(clang libomp-dev)
 mpi=(openmpi-bin libboost-mpi-dev libopenmpi-dev)
 python=(pybind11-dev python3-dev python3-numpy python3-scipy python3-matplotlib)
-references=(python3-pandas python3-vtk9 calculix-ccx python3-dolfinx chromium dpkg-dev file)
+references=(python3-pandas python3-vtk9 calculix-ccx python3-dolfinx chromium nodejs dpkg-dev file)
 case "${1:-}" in
   "") ;;
   tests) packages+=("${format[@]}") ;;

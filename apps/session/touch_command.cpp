@@ -118,7 +118,7 @@ TouchSessionInput touch_input(const Globals& globals, const SessionArguments& gi
   return input;
 }
 
-std::string percent_of(double value) {
+std::string share_of_touch(double value) {
   return std::isfinite(value) ? fmt::format("{:.3g} %", 100 * value) : "unknown";
 }
 
@@ -130,13 +130,14 @@ void tell_touch(const Globals& globals, const TouchSummary& s, const fs::path& r
           s.field.sites, s.field.kept ? "read" : "made", s.field.seconds, s.field.patches, s.states.jets,
           s.states.solved, s.states.failed));
   say(globals, fmt::format("{} touches, {} of {} frames; slid {:.3g} m, lost {:.3g} J; force trusted in {}",
-                           s.touch.count, percent_of(s.touch.time), s.frames, s.touch.slid, s.touch.lost,
-                           percent_of(s.time_trusted)));
+                           s.touch.count, share_of_touch(s.touch.time), s.frames, s.touch.slid, s.touch.lost,
+                           share_of_touch(s.time_trusted)));
   say(globals,
       fmt::format("error of the rendered force at {} samples: p50 {}, p95 {}, max {}; within the JND {}; "
                   "{} first visits {}",
-                  s.samples.samples, percent_of(s.samples.p50), percent_of(s.samples.p95), percent_of(s.samples.max),
-                  percent_of(s.samples.within_jnd), s.first_visit.samples, percent_of(s.first_visit.within_jnd)));
+                  s.samples.samples, share_of_touch(s.samples.p50), share_of_touch(s.samples.p95),
+                  share_of_touch(s.samples.max), share_of_touch(s.samples.within_jnd), s.first_visit.samples,
+                  share_of_touch(s.first_visit.within_jnd)));
   if (s.references_failed > 0)
     say(globals, fmt::format("{} samples have no tight solve to compare with", s.references_failed));
   for (const std::string& note : s.notes) say(globals, note);

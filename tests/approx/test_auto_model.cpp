@@ -18,6 +18,7 @@
 #include "tests/approx/sets.hpp"
 #include "tests/support/paths.hpp"
 #include "tests/support/skip.hpp"
+#include "tests/support/slow.hpp"
 #include "tests/support/temporary_folder.hpp"
 
 using namespace forefeel;
@@ -123,7 +124,7 @@ double best_of_scipy(const Case& given) {
 }  // namespace
 
 TEST_CASE("the chosen model is no worse than the best of SciPy's kernels, and its error is as expected",
-          "[auto][scipy]") {
+          "[auto][scipy]" SLOW("compares with SciPy, which only run.sh all installs")) {
   if (!test::has_python_module("scipy.interpolate")) return test::skip("python3-scipy is not installed");
   const std::vector<std::pair<std::string, Case>> cases{{"probed", probed(1, 0.03)},
                                                         {"probed, noisy", probed(5, 0.1)},

@@ -15,6 +15,7 @@
 #include "tests/approx/sets.hpp"
 #include "tests/support/paths.hpp"
 #include "tests/support/skip.hpp"
+#include "tests/support/slow.hpp"
 #include "tests/support/temporary_folder.hpp"
 
 using namespace forefeel;
@@ -77,7 +78,8 @@ StateSpace space_of(const std::vector<State>& states, double spacing) {
 
 }  // namespace
 
-TEST_CASE("linear and cubic on force equal SciPy's RBFInterpolator of degree 1", "[scipy]") {
+TEST_CASE("linear and cubic on force equal SciPy's RBFInterpolator of degree 1",
+          "[scipy]" SLOW("compares with SciPy, which only run.sh all installs")) {
   if (!test::has_python_module("scipy.interpolate")) return test::skip("python3-scipy is not installed");
   const auto states = states_at(lattice_points(4, 0.006));
   std::vector<Vec3> points;
@@ -88,7 +90,8 @@ TEST_CASE("linear and cubic on force equal SciPy's RBFInterpolator of degree 1",
   check_against_scipy(space_of(states, 0.006), states, points);
 }
 
-TEST_CASE("The same on a liver's states, of all and of the 100 nearest", "[scipy]") {
+TEST_CASE("The same on a liver's states, of all and of the 100 nearest",
+          "[scipy]" SLOW("compares with SciPy, which only run.sh all installs")) {
   if (!test::has_python_module("scipy.interpolate")) return test::skip("python3-scipy is not installed");
   auto body = std::make_shared<Body>();
   body->mesh = phantom("liver");

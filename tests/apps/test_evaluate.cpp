@@ -10,6 +10,7 @@
 #include "tests/support/executable.hpp"
 #include "tests/support/paths.hpp"
 #include "tests/support/skip.hpp"
+#include "tests/support/slow.hpp"
 
 using namespace forefeel;
 using test::beam_scene;
@@ -62,7 +63,8 @@ json.dump(answers, open("answers.json", "w"))
 
 }  // namespace
 
-TEST_CASE("generate, export and evaluate equal SciPy on the liver's states", "[scipy]") {
+TEST_CASE("generate, export and evaluate equal SciPy on the liver's states",
+          "[scipy]" SLOW("compares with SciPy, which only run.sh all installs")) {
   const Workshop shop;
   if (!forefeel::test::has_python_module("scipy.interpolate"))
     return forefeel::test::skip("python3-scipy is not installed");

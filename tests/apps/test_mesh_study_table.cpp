@@ -15,6 +15,7 @@
 #include "tests/solver/block_body.hpp"
 #include "tests/support/calculix.hpp"
 #include "tests/support/skip.hpp"
+#include "tests/support/slow.hpp"
 
 using namespace forefeel;
 using nlohmann::json;
@@ -64,7 +65,8 @@ Vec3 vector_of(const json& list) {
 
 }  // namespace
 
-TEST_CASE("study: its forces are those of CalculiX on the same meshes, and its rates are the theory's") {
+TEST_CASE("study: its forces are those of CalculiX on the same meshes, and its rates are the theory's",
+          SLOW("compares with CalculiX, which only run.sh all installs")) {
   const Workshop shop;
   const auto body = write_bars(shop);
   const json study = run_json(shop, "mesh bars.toml --study -o study --error 0.05");

@@ -8,6 +8,7 @@
 #include "tests/support/paths.hpp"
 #include "tests/support/sanitized.hpp"
 #include "tests/support/skip.hpp"
+#include "tests/support/slow.hpp"
 
 using forefeel::test::beam_scene;
 using forefeel::test::is_larger;
@@ -70,7 +71,8 @@ std::string states_of(const Workshop& shop, const std::string& file) {
 
 }  // namespace
 
-TEST_CASE("generate by two ranks gives the states of generate by threads, and resumes") {
+TEST_CASE("generate by two ranks gives the states of generate by threads, and resumes",
+          SLOW("starts Open MPI, which only run.sh all installs")) {
   const Workshop shop;
   if (const std::string why = reason_to_skip(shop); !why.empty()) return forefeel::test::skip(why);
   const std::string finer = " --set state_space.spacing=0.002 ";
@@ -93,7 +95,8 @@ TEST_CASE("generate by two ranks gives the states of generate by threads, and re
   CHECK(shop.shell("test -e other.states").code != 0);
 }
 
-TEST_CASE("a rank of generate that is stopped, or killed where MPI allows, costs nothing but its own work") {
+TEST_CASE("a rank of generate that is stopped, or killed where MPI allows, costs nothing but its own work",
+          SLOW("starts Open MPI, which only run.sh all installs")) {
   const Workshop shop;
   if (const std::string why = reason_to_skip(shop); !why.empty()) return forefeel::test::skip(why);
   const std::string finer =
@@ -122,7 +125,8 @@ TEST_CASE("a rank of generate that is stopped, or killed where MPI allows, costs
 }
 
 TEST_CASE(
-    "rank 0 of generate says how many states are kept before mpirun ends it, when another rank has died") {
+    "rank 0 of generate says how many states are kept before mpirun ends it, when another rank has died",
+    SLOW("starts Open MPI, which only run.sh all installs")) {
   const Workshop shop;
   if (const std::string why = reason_to_skip(shop); !why.empty()) return forefeel::test::skip(why);
   // Every rank is the program itself: a shell around rank 0 would take the signal of mpirun.
@@ -146,7 +150,8 @@ TEST_CASE(
         std::stoi(ended.err.substr(from, said - from)));
 }
 
-TEST_CASE("a study by two ranks writes the same cells.csv, byte for byte, as by threads") {
+TEST_CASE("a study by two ranks writes the same cells.csv, byte for byte, as by threads",
+          SLOW("starts Open MPI, which only run.sh all installs")) {
   const Workshop shop;
   if (const std::string why = reason_to_skip(shop); !why.empty()) return forefeel::test::skip(why);
   shop.write("study.toml",
@@ -169,7 +174,8 @@ TEST_CASE("a study by two ranks writes the same cells.csv, byte for byte, as by 
   CHECK(shop.shell("cmp threads/cells.csv stopped/cells.csv").code == 0);
 }
 
-TEST_CASE("a session whose worker rank is stopped ends in time, and says which rank did not answer") {
+TEST_CASE("a session whose worker rank is stopped ends in time, and says which rank did not answer",
+          SLOW("starts Open MPI, which only run.sh all installs")) {
   const Workshop shop;
   if (const std::string why = reason_to_skip(shop); !why.empty()) return forefeel::test::skip(why);
   const auto stopped =
@@ -190,7 +196,8 @@ TEST_CASE("a session whose worker rank is stopped ends in time, and says which r
   CHECK(summary["attention"].dump().find("1 worker was lost") != std::string::npos);
 }
 
-TEST_CASE("a session whose worker rank is killed goes on with the other, where MPI allows it") {
+TEST_CASE("a session whose worker rank is killed goes on with the other, where MPI allows it",
+          SLOW("starts Open MPI, which only run.sh all installs")) {
   const Workshop shop;
   if (const std::string why = reason_to_skip(shop); !why.empty()) return forefeel::test::skip(why);
   const auto killed =
@@ -205,7 +212,8 @@ TEST_CASE("a session whose worker rank is killed goes on with the other, where M
   CHECK(summary["interrupted"] == false);
 }
 
-TEST_CASE("generate anywhere by two ranks gives the states of threads, also in rounds") {
+TEST_CASE("generate anywhere by two ranks gives the states of threads, also in rounds",
+          SLOW("starts Open MPI, which only run.sh all installs")) {
   const Workshop shop;
   if (const std::string why = reason_to_skip(shop); !why.empty()) return forefeel::test::skip(why);
   shop.write("any.toml",
@@ -225,7 +233,8 @@ TEST_CASE("generate anywhere by two ranks gives the states of threads, also in r
   }
 }
 
-TEST_CASE("a session that touches anywhere has its workers in other processes") {
+TEST_CASE("a session that touches anywhere has its workers in other processes",
+          SLOW("starts Open MPI, which only run.sh all installs")) {
   const Workshop shop;
   if (const std::string why = reason_to_skip(shop); !why.empty()) return forefeel::test::skip(why);
   shop.write("any.toml",
@@ -246,7 +255,8 @@ TEST_CASE("a session that touches anywhere has its workers in other processes") 
   CHECK(simulated.err.find("--clock real") != std::string::npos);
 }
 
-TEST_CASE("a session with its workers in other processes") {
+TEST_CASE("a session with its workers in other processes",
+          SLOW("starts Open MPI, which only run.sh all installs")) {
   const Workshop shop;
   shop.write("beam.toml", beam_scene());
   const Workshop::Outcome alone = shop.forefeel("session beam.toml --mpi --clock real --seconds 1 -o alone");

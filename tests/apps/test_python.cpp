@@ -5,6 +5,7 @@
 #include "tests/support/executable.hpp"
 #include "tests/support/paths.hpp"
 #include "tests/support/skip.hpp"
+#include "tests/support/slow.hpp"
 
 using namespace forefeel::test;
 
@@ -48,23 +49,28 @@ void run_checks(const std::string& script) {
 
 }  // namespace
 
-TEST_CASE("the Python package gives the command's numbers and runs parts written in Python") {
+TEST_CASE("the Python package gives the command's numbers and runs parts written in Python",
+          SLOW("runs the Python module, which only run.sh all builds")) {
   run_checks("tests/apps/python_module.py");
 }
 
-TEST_CASE("bodies, files, interruption, errors and documentation of the Python package") {
+TEST_CASE("bodies, files, interruption, errors and documentation of the Python package",
+          SLOW("runs the Python module, which only run.sh all builds")) {
   run_checks("tests/apps/python_package.py");
 }
 
-TEST_CASE("masks, floats as numbers, masked and complex arrays and positions without forces in Python") {
+TEST_CASE("masks, floats as numbers, masked and complex arrays and positions without forces in Python",
+          SLOW("runs the Python module, which only run.sh all builds")) {
   run_checks("tests/apps/python_input.py");
 }
 
-TEST_CASE("a Python body with a pad has the forces of the command, and wrong pads are refused") {
+TEST_CASE("a Python body with a pad has the forces of the command, and wrong pads are refused",
+          SLOW("runs the Python module, which only run.sh all builds")) {
   run_checks("tests/apps/python_pads.py");
 }
 
-TEST_CASE("the Python example of the paper's figure finds blank space worse than sparse") {
+TEST_CASE("the Python example of the paper's figure finds blank space worse than sparse",
+          SLOW("runs the Python module, which only run.sh all builds")) {
   if (is_missing()) return;
   if (!has_python_module("matplotlib")) return skip("python3-matplotlib is not installed");
   const Workshop shop;
@@ -76,7 +82,8 @@ TEST_CASE("the Python example of the paper's figure finds blank space worse than
   CHECK(std::filesystem::file_size(shop.path() / "fig2.png") > 10'000);
 }
 
-TEST_CASE("the Python example of a policy compares it in a study and times a plan") {
+TEST_CASE("the Python example of a policy compares it in a study and times a plan",
+          SLOW("runs the Python module, which only run.sh all builds")) {
   if (is_missing()) return;
   const Workshop shop;
   const auto scene = shop.write("beam.toml", beam_scene());
@@ -89,7 +96,8 @@ TEST_CASE("the Python example of a policy compares it in a study and times a pla
   CHECK(number_after(done.out, "built-in ") > 0);
 }
 
-TEST_CASE("a script that registers a policy, which nothing else holds, ends with exit code 0") {
+TEST_CASE("a script that registers a policy, which nothing else holds, ends with exit code 0",
+          SLOW("runs the Python module, which only run.sh all builds")) {
   if (is_missing()) return;
   const Workshop shop;
   shop.write("short.py",
@@ -104,7 +112,8 @@ TEST_CASE("a script that registers a policy, which nothing else holds, ends with
   CHECK(done.out == "registered\n");
 }
 
-TEST_CASE("the Python example of ask and tell learns a solver of SciPy to 2 % with 40 states") {
+TEST_CASE("the Python example of ask and tell learns a solver of SciPy to 2 % with 40 states",
+          SLOW("runs the Python module, which only run.sh all builds")) {
   if (is_missing()) return;
   const Workshop shop;
   const Workshop::Outcome done = python(shop, "apps/examples/ask_and_tell.py", "");
@@ -114,7 +123,8 @@ TEST_CASE("the Python example of ask and tell learns a solver of SciPy to 2 % wi
   CHECK(number_after(done.out, "median ") < 2);
 }
 
-TEST_CASE("the Python example of ask and tell learns hyperelastic solves of FEniCSx") {
+TEST_CASE("the Python example of ask and tell learns hyperelastic solves of FEniCSx",
+          SLOW("runs the Python module, which only run.sh all builds")) {
   if (is_missing()) return;
   if (!has_python_module("dolfinx")) return skip("python3-dolfinx is not installed");
   const Workshop shop;

@@ -8,6 +8,7 @@
 #include "tests/support/executable.hpp"
 #include "tests/support/file_text.hpp"
 #include "tests/support/skip.hpp"
+#include "tests/support/slow.hpp"
 
 using namespace forefeel;
 using test::beam_scene;
@@ -31,7 +32,8 @@ std::string in_browser(const Workshop& shop, const std::string& page, int width,
 
 }  // namespace
 
-TEST_CASE("a session's report in a browser: its script runs, and nothing is wider than the page") {
+TEST_CASE("a session's report in a browser: its script runs, and nothing is wider than the page",
+          SLOW("starts Chromium, which only run.sh all installs")) {
   if (!test::has_command("chromium")) {
     test::skip("chromium is not installed");
     return;
@@ -49,8 +51,8 @@ TEST_CASE("a session's report in a browser: its script runs, and nothing is wide
     CHECK_THAT(in_browser(shop, "run/report.html", width, drawn), Catch::Contains("probe true"));
 }
 
-TEST_CASE(
-    "a study's report in a browser: no table is cut off by its frame, also with long names of devices") {
+TEST_CASE("a study's report in a browser: no table is cut off by its frame, also with long names of devices",
+          SLOW("starts Chromium, which only run.sh all installs")) {
   if (!test::has_command("chromium")) {
     test::skip("chromium is not installed");
     return;

@@ -10,6 +10,7 @@
 #include "tests/support/executable.hpp"
 #include "tests/support/paths.hpp"
 #include "tests/support/skip.hpp"
+#include "tests/support/slow.hpp"
 
 using namespace forefeel::test;
 using nlohmann::json;
@@ -41,7 +42,7 @@ double moved_at(const ShownPage& page, double t) {
 }  // namespace
 
 TEST_CASE("show in a browser: drag turns, the wheel zooms, the time moves the body, the pointer reads off",
-          "[show]") {
+          "[show]" SLOW("starts Chromium, which only run.sh all installs")) {
   const Workshop shop;
   shop.write("beam.toml", beam_scene());
   REQUIRE(

@@ -7,12 +7,14 @@
 #include "scheduling/render/bare_loop.hpp"
 #include "scheduling/render/loop_thread.hpp"
 #include "tests/support/executable.hpp"
+#include "tests/support/slow.hpp"
 
 using namespace forefeel;
 using test::beam_scene;
 using test::Workshop;
 
-TEST_CASE("missed frames: skipped ones and those whose cost and lateness exceed a frame", "[bench_loop]") {
+TEST_CASE("missed frames: skipped ones and those whose cost and lateness exceed a frame",
+          "[bench_loop]" SLOW("runs forefeel-bench, which only run.sh all builds")) {
   std::vector<FrameRecord> records(2998);
   for (std::size_t i = 0; i < records.size(); ++i) {
     const std::size_t k = i < 1500 ? i : i + 2;  // two frames were skipped
@@ -40,7 +42,8 @@ TEST_CASE("missed frames: skipped ones and those whose cost and lateness exceed 
   CHECK_FALSE(missed_difference(bare, bare, 1e-3).excludes_zero());
 }
 
-TEST_CASE("the course of memory: start, end and slope of the second half", "[bench_loop]") {
+TEST_CASE("the course of memory: start, end and slope of the second half",
+          "[bench_loop]" SLOW("runs forefeel-bench, which only run.sh all builds")) {
   MemoryCourse course;
   for (int i = 0; i <= 100; ++i) {
     course.t.push_back(0.1 * i);
@@ -53,7 +56,7 @@ TEST_CASE("the course of memory: start, end and slope of the second half", "[ben
 }
 
 TEST_CASE("a bare loop has a time for every frame that it did not skip, and may end before it begins",
-          "[bench_loop]") {
+          "[bench_loop]" SLOW("runs forefeel-bench, which only run.sh all builds")) {
   BareLoop loop(1e-3, 50);
   CHECK_FALSE(loop.begun());
   loop.begin(monotonic() + 1000000);
@@ -70,7 +73,7 @@ TEST_CASE("a bare loop has a time for every frame that it did not skip, and may 
 }
 
 TEST_CASE("bench loop compares the session's loop with a bare one, with and without the record",
-          "[bench_loop]") {
+          "[bench_loop]" SLOW("runs forefeel-bench, which only run.sh all builds")) {
   const Workshop shop;
   shop.write("beam.toml", beam_scene());
   const Workshop::Outcome outcome =

@@ -10,6 +10,7 @@
 #include "apps/bench/bench.hpp"
 #include "tests/support/executable.hpp"
 #include "tests/support/json_keys.hpp"
+#include "tests/support/slow.hpp"
 
 using namespace forefeel;
 using nlohmann::json;
@@ -32,7 +33,8 @@ void check_bench_refused(const Workshop& shop, const std::string& arguments,
 
 }  // namespace
 
-TEST_CASE("bench switch: bounds hold and the latest model wins", "[bench]") {
+TEST_CASE("bench switch: bounds hold and the latest model wins",
+          "[bench]" SLOW("runs forefeel-bench, which only run.sh all builds")) {
   const Workshop shop;
   shop.write("beam.toml", beam_scene());
   const Workshop::Outcome outcome = shop.forefeel_bench("switch beam.toml --json");
@@ -58,7 +60,8 @@ TEST_CASE("bench switch: bounds hold and the latest model wins", "[bench]") {
   }
 }
 
-TEST_CASE("bench approx: inside is inside the lattice, and what is left out is said", "[bench]") {
+TEST_CASE("bench approx: inside is inside the lattice, and what is left out is said",
+          "[bench]" SLOW("runs forefeel-bench, which only run.sh all builds")) {
   const Workshop shop;
   // f = -K x: trilinear cells are exact inside the lattice and wrong beyond it, where the force is held constant. The
   // box extends 3 mm beyond the lattice of 6 mm.
@@ -105,7 +108,7 @@ TEST_CASE("bench approx: inside is inside the lattice, and what is left out is s
 }
 
 TEST_CASE("bench solver: a shrunk lattice and a single state, where all solvers find the same force",
-          "[bench]") {
+          "[bench]" SLOW("runs forefeel-bench, which only run.sh all builds")) {
   const Workshop shop;
   shop.write("beam.toml", beam_scene());
   const json few = run_bench(shop, "solver beam.toml --set state_space.spacing=0.002 --states 30");
@@ -124,7 +127,8 @@ TEST_CASE("bench solver: a shrunk lattice and a single state, where all solvers 
   }
 }
 
-TEST_CASE("the help of forefeel-bench lists the keys of solver of one state --json", "[bench]") {
+TEST_CASE("the help of forefeel-bench lists the keys of solver of one state --json",
+          "[bench]" SLOW("runs forefeel-bench, which only run.sh all builds")) {
   const Workshop shop;
   shop.write("beam.toml", beam_scene());
   test::compare_keys(declared_bench_json(), "bench_solver.json",
@@ -137,7 +141,8 @@ TEST_CASE("the help of forefeel-bench lists the keys of solver of one state --js
   CHECK_THAT(help.out, Catch::Contains("states_of_the_scene"));
 }
 
-TEST_CASE("forefeel-bench refuses what a bench does not take", "[bench]") {
+TEST_CASE("forefeel-bench refuses what a bench does not take",
+          "[bench]" SLOW("runs forefeel-bench, which only run.sh all builds")) {
   const Workshop shop;
   shop.write("beam.toml", beam_scene());
   shop.write("anywhere.toml", beam_scene("[contact]\nanywhere = true\nradius = 0.008\npad = 1000.0\n"));

@@ -8,11 +8,13 @@
 #include "geometry/coverage/coverage_query.hpp"
 #include "tests/support/paths.hpp"
 #include "tests/support/skip.hpp"
+#include "tests/support/slow.hpp"
 #include "tests/support/temporary_folder.hpp"
 
 using namespace forefeel;
 
-TEST_CASE("spread, hull membership and gamma equal SciPy's") {
+TEST_CASE("spread, hull membership and gamma equal SciPy's",
+          SLOW("compares with SciPy, which only run.sh all installs")) {
   constexpr double h = 0.006;
   std::mt19937_64 random(17);
   std::uniform_real_distribution<double> uniform(-4 * h, 4 * h);

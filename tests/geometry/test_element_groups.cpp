@@ -16,6 +16,7 @@
 #include "tests/support/labelled_meshes.hpp"
 #include "tests/support/mesh_samples.hpp"
 #include "tests/support/skip.hpp"
+#include "tests/support/slow.hpp"
 #include "tests/support/temporary_folder.hpp"
 
 using namespace forefeel;
@@ -98,7 +99,8 @@ TEST_CASE("the summary of a mesh gives elements and volume of each region") {
   CHECK(sum.regions[1].volume == Approx(1.0 / 6));
 }
 
-TEST_CASE("labels that VTK itself wrote, ASCII and binary, old and new") {
+TEST_CASE("labels that VTK itself wrote, ASCII and binary, old and new",
+          SLOW("compares with VTK, which only run.sh all installs")) {
   const test::TemporaryFolder folder;
   folder.write("labels.vtk", test::labelled_legacy);
   const auto script = folder.write("write.py", R"(import sys

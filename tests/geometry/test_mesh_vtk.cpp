@@ -8,11 +8,13 @@
 #include "geometry/mesh/mesh_file.hpp"
 #include "tests/support/mesh_samples.hpp"
 #include "tests/support/skip.hpp"
+#include "tests/support/slow.hpp"
 #include "tests/support/temporary_folder.hpp"
 
 using namespace forefeel;
 
-TEST_CASE("files that VTK itself wrote read back as the same mesh") {
+TEST_CASE("files that VTK itself wrote read back as the same mesh",
+          SLOW("compares with VTK, which only run.sh all installs")) {
   const test::TemporaryFolder folder;
   folder.write("sample.vtk", test::sample_mesh_files().at("legacy3_ascii.vtk"));
   const auto script = folder.write("write.py", R"(import sys

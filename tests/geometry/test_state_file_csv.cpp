@@ -9,6 +9,7 @@
 #include "geometry/states/state_file.hpp"
 #include "tests/support/error_of.hpp"
 #include "tests/support/skip.hpp"
+#include "tests/support/slow.hpp"
 #include "tests/support/temporary_folder.hpp"
 
 using namespace forefeel;
@@ -115,7 +116,8 @@ TEST_CASE("a CSV cut at any byte is refused or read") {
   }
 }
 
-TEST_CASE("the exported VTU is what VTK's own reader makes of it") {
+TEST_CASE("the exported VTU is what VTK's own reader makes of it",
+          SLOW("compares with VTK, which only run.sh all installs")) {
   const TemporaryFolder folder;
   std::vector<State> all = some_states();
   write_states_vtu(folder / "s.vtu", all);

@@ -11,6 +11,7 @@
 #include "tests/support/error_of.hpp"
 #include "tests/support/mesh_samples.hpp"
 #include "tests/support/skip.hpp"
+#include "tests/support/slow.hpp"
 #include "tests/support/temporary_folder.hpp"
 
 using namespace forefeel;
@@ -50,7 +51,8 @@ TEST_CASE("triangle strips turn every second triangle; polygons are cut into fan
       Catch::Contains("a face names point 1, expected 0 to 0"));
 }
 
-TEST_CASE("surfaces that VTK itself wrote, as polygons and as strips, read back with the same volume") {
+TEST_CASE("surfaces that VTK itself wrote, as polygons and as strips, read back with the same volume",
+          SLOW("compares with VTK, which only run.sh all installs")) {
   const test::TemporaryFolder folder;
   const auto script = folder.write("write.py", R"(import sys
 try:

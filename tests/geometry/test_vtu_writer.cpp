@@ -10,6 +10,7 @@
 #include "geometry/mesh/mesh_file.hpp"
 #include "geometry/mesh/vtu_writer.hpp"
 #include "tests/support/skip.hpp"
+#include "tests/support/slow.hpp"
 #include "tests/support/temporary_folder.hpp"
 
 using namespace forefeel;
@@ -37,7 +38,8 @@ void write(const std::filesystem::path& file, VtuData data) {
 
 }  // namespace
 
-TEST_CASE("a grid is the same as text, base64, raw and compressed data") {
+TEST_CASE("a grid is the same as text, base64, raw and compressed data",
+          SLOW("compares with VTK, which only run.sh all installs")) {
   const test::TemporaryFolder folder;
   const std::pair<const char*, VtuData> kinds[] = {{"text.vtu", VtuData::text},
                                                    {"base64.vtu", VtuData::base64},

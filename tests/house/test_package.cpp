@@ -13,6 +13,7 @@
 #include "tests/support/paths.hpp"
 #include "tests/support/sanitized.hpp"
 #include "tests/support/skip.hpp"
+#include "tests/support/slow.hpp"
 
 using namespace forefeel::test;
 
@@ -150,7 +151,8 @@ void check_readme(const Workshop& shop) {
 
 }  // namespace
 
-TEST_CASE("examples are built against the installed library in a clean prefix, and run", "[package]") {
+TEST_CASE("examples are built against the installed library in a clean prefix, and run",
+          "[package]" SLOW("installs the library and builds six programs with it")) {
   if (sanitized) return skip("the library is built with a sanitizer");
   const Workshop shop;
   ran(shop, "cmake --install '" + build_folder().string() + "' --prefix prefix");

@@ -5,10 +5,12 @@
 #include "tests/support/executable.hpp"
 #include "tests/support/paths.hpp"
 #include "tests/support/skip.hpp"
+#include "tests/support/slow.hpp"
 
 using namespace forefeel::test;
 
-TEST_CASE("the Python package is installed where the message says, and imports there", "[package]") {
+TEST_CASE("the Python package is installed where the message says, and imports there",
+          "[package]" SLOW("installs the Python package, which only run.sh all builds")) {
   if (!std::filesystem::exists(build_folder() / "apps" / "python" / "forefeel" / "__init__.py"))
     return skip("the Python module is not built: pybind11 is not installed");
   const Workshop shop;

@@ -9,6 +9,7 @@
 
 #include "tests/support/executable.hpp"
 #include "tests/support/paths.hpp"
+#include "tests/support/slow.hpp"
 
 using namespace forefeel::test;
 
@@ -73,7 +74,7 @@ std::string organ() {
 
 }  // namespace
 
-TEST_CASE("the recipes", "[readme]") {
+TEST_CASE("the recipes", "[readme]" SLOW("runs the README's commands")) {
   const Workshop shop;
   lay_out(shop);
   check_runs(shop, block("Recipes", "sh"));
@@ -94,7 +95,7 @@ TEST_CASE("the recipes", "[readme]") {
   CHECK(shop.shell("sed 's/\"[^\"]*\"/text/g' build/tour/study/cells.csv | " + column).out.empty());
 }
 
-TEST_CASE("the recipes after an installation", "[readme]") {
+TEST_CASE("the recipes after an installation", "[readme]" SLOW("installs, and runs the README's commands")) {
   const Workshop shop;
   const auto installed =
       shop.shell("cmake --install '" + build_folder().string() + "' --component forefeel --prefix usr");
@@ -110,7 +111,7 @@ TEST_CASE("the recipes after an installation", "[readme]") {
                                Catch::Contains("build/tour/study/report.html"));
 }
 
-TEST_CASE("a mesh of one's own", "[readme]") {
+TEST_CASE("a mesh of one's own", "[readme]" SLOW("runs the README's commands")) {
   const Workshop shop;
   lay_out(shop);
   shop.write("my-organ.obj", organ());

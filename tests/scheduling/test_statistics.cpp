@@ -13,6 +13,7 @@
 
 #include "scheduling/motion/random.hpp"
 #include "tests/support/skip.hpp"
+#include "tests/support/slow.hpp"
 
 using namespace forefeel;
 
@@ -229,7 +230,8 @@ TEST_CASE("a block that lacks a contender is used for none, and counted") {
   CHECK(rank({}, 2, true).ranked.empty());
 }
 
-TEST_CASE("Student and bootstrap intervals agree with SciPy where it is installed") {
+TEST_CASE("Student and bootstrap intervals agree with SciPy where it is installed",
+          SLOW("compares with SciPy, which only run.sh all installs")) {
   const std::string python =
       "/usr/bin/python3 -c \""
       "import numpy as np, scipy.stats as s\n"

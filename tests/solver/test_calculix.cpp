@@ -5,6 +5,7 @@
 #include "region_body.hpp"
 #include "tests/support/calculix.hpp"
 #include "tests/support/skip.hpp"
+#include "tests/support/slow.hpp"
 #include "tests/support/temporary_folder.hpp"
 
 using namespace forefeel;
@@ -24,7 +25,8 @@ void check_same(const std::shared_ptr<Body>& body, bool nonlinear, const std::st
 
 }  // namespace
 
-TEST_CASE("CalculiX: the linear law, and St. Venant-Kirchhoff with NLGEOM, within its printed digits") {
+TEST_CASE("CalculiX: the linear law, and St. Venant-Kirchhoff with NLGEOM, within its printed digits",
+          SLOW("compares with CalculiX, which only run.sh all installs")) {
   if (!test::has_command("ccx")) return test::skip("calculix-ccx is not installed");
   for (const Element element : {Element::linear, Element::quadratic})
     for (const Law law : {Law::linear, Law::st_venant_kirchhoff})
@@ -33,7 +35,8 @@ TEST_CASE("CalculiX: the linear law, and St. Venant-Kirchhoff with NLGEOM, withi
 }
 
 TEST_CASE(
-    "CalculiX: stiff and soft inclusions, factors of 10 and 1000, near-incompressible beside compressible") {
+    "CalculiX: stiff and soft inclusions, factors of 10 and 1000, near-incompressible beside compressible",
+    SLOW("compares with CalculiX, which only run.sh all installs")) {
   if (!test::has_command("ccx")) return test::skip("calculix-ccx is not installed");
   for (const Law law : {Law::linear, Law::st_venant_kirchhoff}) {
     const Material end{law, 5e4, 0.3};

@@ -13,6 +13,7 @@
 #include "solver/system/discretisation.hpp"
 #include "tests/support/paths.hpp"
 #include "tests/support/skip.hpp"
+#include "tests/support/slow.hpp"
 #include "tests/support/temporary_folder.hpp"
 
 using namespace forefeel;
@@ -106,7 +107,8 @@ void compare(const std::vector<std::shared_ptr<Body>>& bodies, const std::vector
 
 }  // namespace
 
-TEST_CASE("FEniCSx: two and three materials, factors of 10 and 1000, forces within 1e-9") {
+TEST_CASE("FEniCSx: two and three materials, factors of 10 and 1000, forces within 1e-9",
+          SLOW("compares with FEniCSx, which only run.sh all installs")) {
   if (!test::has_python_module("dolfinx")) return test::skip("python3-dolfinx is not installed");
   constexpr Law nh = Law::neo_hookean, svk = Law::st_venant_kirchhoff, linear = Law::linear;
   const Material soft{nh, 5e3, 0.4}, stiff_end{linear, 5e6, 0.3};
@@ -124,7 +126,8 @@ TEST_CASE("FEniCSx: two and three materials, factors of 10 and 1000, forces with
   compare(bodies, at, 1e-9);
 }
 
-TEST_CASE("FEniCSx: forces under a pad within 1e-10, linear and quadratic elements") {
+TEST_CASE("FEniCSx: forces under a pad within 1e-10, linear and quadratic elements",
+          SLOW("compares with FEniCSx, which only run.sh all installs")) {
   if (!test::has_python_module("dolfinx")) return test::skip("python3-dolfinx is not installed");
   std::vector<std::shared_ptr<Body>> bodies;
   for (const Element element : {Element::linear, Element::quadratic}) {
@@ -137,7 +140,8 @@ TEST_CASE("FEniCSx: forces under a pad within 1e-10, linear and quadratic elemen
   compare(bodies, {Vec3(0, 0, -0.01), Vec3(0.005, -0.003, -0.006), Vec3(-0.002, 0.004, 0.006)}, 1e-10);
 }
 
-TEST_CASE("FEniCSx: forces under a pad at any site of the surface within 1e-8, neo-Hookean and linear") {
+TEST_CASE("FEniCSx: forces under a pad at any site of the surface within 1e-8, neo-Hookean and linear",
+          SLOW("compares with FEniCSx, which only run.sh all installs")) {
   if (!test::has_python_module("dolfinx")) return test::skip("python3-dolfinx is not installed");
   std::vector<std::shared_ptr<Body>> bodies;
   // Twenty: faces, edges, a corner and places over the clamp of the block of 0.1 x 0.04 x 0.04 m.
