@@ -1,11 +1,11 @@
 #include "approx/error/division.hpp"
 
-#include <Eigen/Eigenvalues>
 #include <algorithm>
 #include <cmath>
 #include <limits>
 #include <utility>
 
+#include "geometry/common/dense.hpp"
 #include "geometry/common/quantiles.hpp"
 
 namespace forefeel {
@@ -58,12 +58,12 @@ double nearer(std::span<const Vec3> held, std::span<const Vec3> wanted) {
 }
 
 double turned(std::span<const Vec3> held, std::span<const Vec3> wanted) {
-  const Eigen::SelfAdjointEigenSolver<Mat3> axes(second_moment(wanted));
+  const Modes3 axes = modes_of(second_moment(wanted));
   const Mat3 moment = second_moment(held);
   double sum = 0;
   for (int k = 0; k < 3; ++k) {
-    const Vec3 u = axes.eigenvectors().col(k);
-    const double share = std::max(0.0, axes.eigenvalues()[k]) / axes.eigenvalues().sum();
+    const Vec3 u = axes.vectors.col(k);
+    const double share = std::max(0.0, axes.values[k]) / axes.values.sum();
     sum += 0.5 * share * std::abs(std::log((u.dot(moment * u) / moment.trace() + 1e-4) / (share + 1e-4)));
   }
   return std::max(0.0, sum - same_direction);

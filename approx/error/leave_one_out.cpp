@@ -1,10 +1,11 @@
 #include "approx/error/leave_one_out.hpp"
 
-#include <Eigen/Dense>
+#include <Eigen/Cholesky>
 #include <algorithm>
 #include <cmath>
 
 #include "approx/model/polynomial.hpp"
+#include "geometry/common/dense.hpp"
 
 namespace forefeel {
 namespace {
@@ -77,9 +78,8 @@ class Crossed {
       set_rows(centre, radius, level.hermite);
       MatrixXd p(Index(rows_.size()), Index(detail::polynomial_terms(level.degree)));
       for (Index i = 0; i < p.rows(); ++i) p.row(i) = monomials(rows_[std::size_t(i)], level.degree);
-      Eigen::ColPivHouseholderQR<MatrixXd> qr(p);
-      qr.setThreshold(1e-6);
-      if (qr.rank() == p.cols() && p.rows() > p.cols()) {
+      const RankedOrthogonal qr = ranked_orthogonal_of(p, 1e-6);
+      if (qr.rank == p.cols() && p.rows() > p.cols()) {
         diagonalise(qr, level.power);
         return;
       }
@@ -127,17 +127,17 @@ class Crossed {
     }
   }
 
-  void diagonalise(const Eigen::ColPivHouseholderQR<MatrixXd>& qr, int power) {
-    const Index m = Index(rows_.size()), q = qr.rank();
+  void diagonalise(const RankedOrthogonal& qr, int power) {
+    const Index m = Index(rows_.size()), q = qr.rank;
     MatrixXd k(m, m);
     for (Index i = 0; i < m; ++i)
       for (Index j = 0; j <= i; ++j)
         k(i, j) = k(j, i) =
             (power == 3 ? 1 : -1) * kernel(rows_[std::size_t(i)], rows_[std::size_t(j)], power);
-    const MatrixXd z = MatrixXd(qr.householderQ()).rightCols(m - q);
-    const Eigen::SelfAdjointEigenSolver<MatrixXd> eigen(z.transpose() * k * z);
-    values_ = eigen.eigenvalues();
-    vectors_ = z * eigen.eigenvectors();
+    const MatrixXd z = qr.q.rightCols(m - q);
+    const Modes modes = modes_of(z.transpose() * k * z);
+    values_ = modes.values;
+    vectors_ = z * modes.vectors;
   }
 
   std::span<const State* const> states_;

@@ -1,11 +1,10 @@
 #include "approx/error/power_function.hpp"
 
-#include <Eigen/LU>
-#include <Eigen/QR>
 #include <cmath>
 #include <limits>
 
 #include "approx/model/polynomial.hpp"
+#include "geometry/common/dense.hpp"
 
 namespace forefeel {
 namespace {
@@ -67,9 +66,8 @@ double power_function(std::span<const State> states, const ModelOptions& options
     right[i] = pair(k, a, da, y, 0);
   }
   for (int t = 0; t < terms; ++t) right[rows + t] = term(t, y, 0);
-  if (system.topRightCorner(rows, terms).colPivHouseholderQr().rank() < terms)
-    return std::numeric_limits<double>::infinity();
-  const Eigen::VectorXd solution = system.partialPivLu().solve(right);
+  if (rank_of(system.topRightCorner(rows, terms)) < terms) return std::numeric_limits<double>::infinity();
+  const Eigen::VectorXd solution = solved(system, right);
   const auto u = solution.head(rows);
   // By the first block row A u = k - Q v, so that u^T A u = u . k - q . v.
   const double squared = -(u.dot(right.head(rows)) + solution.tail(terms).dot(right.tail(terms)));

@@ -1,13 +1,12 @@
 #include "approx/measured/force_field.hpp"
 
-#include <Eigen/Eigenvalues>
-#include <Eigen/QR>
 #include <algorithm>
 #include <cmath>
 #include <limits>
 #include <vector>
 
 #include "approx/measured/stretch.hpp"
+#include "geometry/common/dense.hpp"
 #include "geometry/common/quantiles.hpp"
 
 namespace forefeel {
@@ -64,13 +63,13 @@ Lie lie_of(const std::vector<Vec3>& near, int axis) {
     normal += powers(r[2]) * powers(r[2]).transpose();
     right += r[axis] * powers(r[2]);
   }
-  const Eigen::CompleteOrthogonalDecomposition<Mat3> factor(normal);
-  const Vec3 parabola = factor.solve(right), here = powers(std::clamp(0.0, first, last));
+  const Mat3 inverse = pseudo_inverse(normal);
+  const Vec3 parabola = inverse * right, here = powers(std::clamp(0.0, first, last));
   double squared = 0;
   for (const Vec3& r : near) squared += std::pow(r[axis] - parabola.dot(powers(r[2])), 2);
   Lie lie{.off = parabola.dot(here),
           .deviation = std::sqrt(squared / std::max(1.0, double(near.size()) - 3))};
-  lie.doubt = lie.deviation * std::sqrt(std::max(0.0, here.dot(factor.solve(here))));
+  lie.doubt = lie.deviation * std::sqrt(std::max(0.0, here.dot(inverse * here)));
   return lie;
 }
 
@@ -178,15 +177,15 @@ ForceField::Foot ForceField::foot_of(const Vec3& x) const {
     const Vec3 off = (*known_)[ids[i]].at - x - middle;
     spread += off * off.transpose() / count;
   }
-  const Eigen::SelfAdjointEigenSolver<Mat3> axes(spread);
+  const Modes3 axes = modes_of(spread);
   std::vector<Vec3> near;  // from x, along the axes: the rows extend least along the first
   for (std::size_t i = 0; i < ids.size(); i += stride)
-    near.push_back(axes.eigenvectors().transpose() * ((*known_)[ids[i]].at - x));
-  const double widest = std::sqrt(std::max(0.0, axes.eigenvalues()[2]));
+    near.push_back(axes.vectors.transpose() * ((*known_)[ids[i]].at - x));
+  const double widest = std::sqrt(std::max(0.0, axes.values[2]));
   Vec3 across = Vec3::Zero(), doubtful = Vec3::Zero();
   for (int k = 0; k < 3; ++k) {
-    const Vec3 u = axes.eigenvectors().col(k);
-    const double own = std::sqrt(std::max(0.0, axes.eigenvalues()[k]));
+    const Vec3 u = axes.vectors.col(k);
+    const double own = std::sqrt(std::max(0.0, axes.values[k]));
     const Lie lie = own < thin * widest ? lie_of(near, k) : Lie{.off = u.dot(middle), .deviation = own};
     const double off = std::abs(lie.off) - surely_off * lie.doubt;
     if (known_share * off > lie.deviation)

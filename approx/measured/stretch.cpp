@@ -1,8 +1,9 @@
 #include "approx/measured/stretch.hpp"
 
-#include <Eigen/Eigenvalues>
 #include <cmath>
 #include <limits>
+
+#include "geometry/common/dense.hpp"
 
 namespace forefeel {
 namespace {
@@ -25,8 +26,8 @@ Mat3 likely_stretch(const MeasuredRows& rows, const FieldLaw& law, std::optional
   for (const Vec3& x : rows.at) middle += x / count;
   Mat3 spread = Mat3::Zero();
   for (const Vec3& x : rows.at) spread += (x - middle) * (x - middle).transpose() / count;
-  const Eigen::SelfAdjointEigenSolver<Mat3> axes(spread);
-  const Mat3& directions = axes.eigenvectors();
+  const Modes3 axes = modes_of(spread);
+  const Mat3& directions = axes.vectors;
   const auto stretch_of = [&](const Vec3& by) -> Mat3 {
     return directions * (by / std::cbrt(by.prod())).asDiagonal() * directions.transpose();
   };
@@ -40,8 +41,7 @@ Mat3 likely_stretch(const MeasuredRows& rows, const FieldLaw& law, std::optional
   const double alike = least;
   for (const double step : {2.0, 2.0, 2.0, 1.4}) {
     for (int axis = 0; axis < 3; ++axis) {
-      if (!(axes.eigenvalues()[axis] > fewest_deviations * fewest_deviations * axes.eigenvalues()[2]))
-        continue;
+      if (!(axes.values[axis] > fewest_deviations * fewest_deviations * axes.values[2])) continue;
       for (const double factor : {step, 1 / step}) {
         Vec3 tried = best;
         tried[axis] *= factor;

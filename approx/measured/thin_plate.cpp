@@ -1,12 +1,11 @@
 #include "approx/measured/thin_plate.hpp"
 
-#include <Eigen/Cholesky>
-#include <Eigen/Eigenvalues>
-#include <Eigen/QR>
 #include <algorithm>
 #include <cmath>
 #include <limits>
 #include <utility>
+
+#include "geometry/common/dense.hpp"
 
 namespace forefeel {
 namespace {
@@ -38,11 +37,11 @@ Frame frame_of(const std::vector<Vec3>& at) {
   Mat3 moment = Mat3::Zero();
   for (const Vec3& x : at) moment += (x - frame.middle) * (x - frame.middle).transpose() / double(at.size());
   frame.radius = std::sqrt(moment.trace());
-  const Eigen::SelfAdjointEigenSolver<Mat3> axes(moment);
+  const Modes3 axes = modes_of(moment);
   std::vector<Vec3> kept;
-  const double least = least_extent * least_extent * axes.eigenvalues()[2];
+  const double least = least_extent * least_extent * axes.values[2];
   for (int k = 0; k < 3; ++k)
-    if (axes.eigenvalues()[k] > least) kept.push_back(axes.eigenvectors().col(k) / frame.radius);
+    if (axes.values[k] > least) kept.push_back(axes.vectors.col(k) / frame.radius);
   if (kept.size() + 1 >= at.size()) kept.clear();
   frame.axes.resize(3, Index(kept.size()));
   for (std::size_t k = 0; k < kept.size(); ++k) frame.axes.col(Index(k)) = kept[k];
@@ -83,20 +82,16 @@ std::optional<SplineLaw> likely_spline(const MeasuredRows& rows, std::optional<d
   const Frame frame = frame_of(rows.at);
   if (rows.size() < fewest_rows || !(frame.radius > 0)) return {};
   const MatrixXd p = polynomials(rows, frame.middle, frame.axes);
-  const Eigen::HouseholderQR<MatrixXd> qr(p);
-  MatrixXd r = plates(rows, frame.radius);
-  r.applyOnTheLeft(qr.householderQ().transpose());
-  r.applyOnTheRight(qr.householderQ());
-  const Forces turned = qr.householderQ().transpose() * forces_of_rows(rows);
-  const Index rest = r.rows() - p.cols();
-  const Eigen::SelfAdjointEigenSolver<MatrixXd> modes(r.bottomRightCorner(rest, rest));
+  const Index rest = p.rows() - p.cols();
+  const MatrixXd other = orthogonal_of(p).q.rightCols(rest);
+  const Modes modes = modes_of(other.transpose() * plates(rows, frame.radius) * other);
   const VectorXd squared =
-      (modes.eigenvectors().transpose() * turned.bottomRows(rest)).rowwise().squaredNorm();
+      (modes.vectors.transpose() * (other.transpose() * forces_of_rows(rows))).rowwise().squaredNorm();
   const double count = 3 * double(rest);
   SplineLaw law;
   double least = std::numeric_limits<double>::infinity();
   for (double ratio = smallest_ratio; ratio < largest_ratio; ratio *= ratio_step) {
-    const auto spread = modes.eigenvalues().array().max(1e-14 * modes.eigenvalues().maxCoeff()) + ratio;
+    const auto spread = modes.values.array().max(1e-14 * modes.values.maxCoeff()) + ratio;
     const double sum = std::max((squared.array() / spread).sum(), std::numeric_limits<double>::min());
     const double variance = noise && *noise > 0 ? *noise * *noise / ratio : sum / count;
     const double value = 0.5 * count * std::log(variance) + 0.5 * sum / variance + 1.5 * spread.log().sum();
@@ -116,24 +111,24 @@ ThinPlate::ThinPlate(MeasuredRows rows, const SplineLaw& law) : rows_(std::move(
   const double ratio = std::max(smallest_ratio, law_.noise * law_.noise / (law_.amplitude * law_.amplitude));
   for (Index i = 0; i < system_.rows(); ++i) system_(i, i) += ratio / rows_.weight[std::size_t(i)];
   const MatrixXd p = polynomials(rows_, middle_, axes_);
-  const Eigen::HouseholderQR<MatrixXd> qr(p);
   const Index own = p.cols(), rest = p.rows() - own;
-  const MatrixXd all = qr.householderQ();
+  const auto [all, upper] = orthogonal_of(p);
   other_ = all.rightCols(rest).transpose();
-  const auto upper = qr.matrixQR().topLeftCorner(own, own).triangularView<Eigen::Upper>();
-  reproducing_ = all.leftCols(own) * upper.transpose().solve(MatrixXd(MatrixXd::Identity(own, own)));
+  MatrixXd inverse = MatrixXd::Identity(own, own);
+  solve_lower(upper.transpose(), inverse);
+  reproducing_ = all.leftCols(own) * inverse;
   MatrixXd inner = other_ * system_ * other_.transpose();
   for (double more = 0; rest > 0; more = std::max(10 * more, 1e-14 * inner.diagonal().maxCoeff())) {
     inner.diagonal().array() += more;  // rounding may leave the matrix indefinite
-    const Eigen::LLT<MatrixXd> factor(inner);
-    if (factor.info() != Eigen::Success && more < 1) continue;
-    lower_ = factor.matrixLLT();
+    std::optional<MatrixXd> factor = cholesky_of(inner);
+    if (!factor && more < 1) continue;
+    lower_ = factor ? *std::move(factor) : inner;
     break;
   }
   const Forces forces = forces_of_rows(rows_);
-  Forces right = other_ * forces;
-  lower_.triangularView<Eigen::Lower>().solveInPlace(right);
-  lower_.triangularView<Eigen::Lower>().adjoint().solveInPlace(right);
+  MatrixXd right = other_ * forces;
+  solve_lower(lower_, right);
+  solve_lower_transposed(lower_, right);
   weights_ = other_.transpose() * right;
   linear_ = reproducing_.transpose() * (forces - system_ * weights_);
 }
@@ -144,8 +139,8 @@ GaussianProcess::Prediction ThinPlate::at(const Vec3& x) const {
   const VectorXd p = polynomial(x, middle_, axes_);
   GaussianProcess::Prediction made{.force = (k.transpose() * weights_ + p.transpose() * linear_).transpose()};
   const VectorXd c = reproducing_ * p, through = system_ * c;
-  VectorXd other = other_ * (k - through);
-  lower_.triangularView<Eigen::Lower>().solveInPlace(other);
+  MatrixXd other = other_ * (k - through);
+  solve_lower(lower_, other);
   const double share = std::max(1e-15, c.dot(through) - 2 * c.dot(k) - other.squaredNorm());
   made.deviation = law_.amplitude * std::sqrt(share);
   return made;

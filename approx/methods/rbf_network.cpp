@@ -1,9 +1,10 @@
 #include "approx/methods/rbf_network.hpp"
 
-#include <Eigen/QR>
 #include <algorithm>
 #include <array>
 #include <numeric>
+
+#include "geometry/common/dense.hpp"
 
 namespace forefeel {
 namespace {
@@ -94,10 +95,7 @@ RbfNetwork::RbfNetwork(std::span<const State> states, std::size_t centres) {
   }
   // If the states do not determine the weights (as many centres as states, states in a plane), the smallest weights are
   // used, because they do not depend on the order in which columns are eliminated.
-  Eigen::CompleteOrthogonalDecomposition<Eigen::MatrixXd> factor;
-  factor.setThreshold(1e-10);
-  factor.compute(matrix);
-  weights_ = factor.solve(right);
+  weights_ = smallest_least_squares(matrix, right, 1e-10);
 }
 
 Vec3 RbfNetwork::force(const Vec3& x) const {

@@ -1,12 +1,12 @@
 // Shapes of the surface over the time of a run: those that it recorded, or else fitted to the displacements of its
 // states.
 
-#include <Eigen/Dense>
 #include <algorithm>
 #include <cmath>
 #include <utility>
 
 #include "apps/show/gather_run.hpp"
+#include "geometry/common/dense.hpp"
 #include "geometry/common/error.hpp"
 #include "geometry/mesh/vtu_series.hpp"
 
@@ -47,8 +47,7 @@ Eigen::VectorXd weights_at(const Vec3& x, const std::vector<const Known*>& near)
   }
   root /= root.maxCoeff();
   const Eigen::MatrixXd weighted = root.asDiagonal() * rows;
-  Eigen::VectorXd weights =
-      weighted.transpose().completeOrthogonalDecomposition().solve(Eigen::Vector4d(1, 0, 0, 0));
+  Eigen::VectorXd weights = smallest_least_squares(weighted.transpose(), Eigen::Vector4d(1, 0, 0, 0));
   weights = root.asDiagonal() * weights;
   if (std::abs(weights.sum() - 1) > 1e-6 || weights.cwiseAbs().sum() > 4)
     weights = root.cwiseAbs2() / root.squaredNorm();

@@ -5,6 +5,8 @@
 #include <span>
 #include <utility>
 
+#include "geometry/common/dense.hpp"
+
 namespace forefeel {
 namespace {
 
@@ -12,7 +14,7 @@ constexpr double least_cosine = 0.5;  // of two normals
 constexpr double space_kept = 0.25;   // of the reach
 
 Mat3 turn_between(const Vec3& from, const Vec3& to) {
-  return Eigen::Quaterniond::FromTwoVectors(from, to).toRotationMatrix();
+  return turn_between(from, to);
 }
 
 }  // namespace

@@ -2,13 +2,14 @@
 
 #include <fmt/format.h>
 
-#include <Eigen/QR>
 #include <algorithm>
 #include <array>
 #include <cmath>
 #include <limits>
 #include <optional>
 #include <vector>
+
+#include "geometry/common/dense.hpp"
 
 namespace forefeel {
 namespace {
@@ -43,7 +44,7 @@ struct Fit {
 
 // Correlation of the changes of force with those of the matrix that fits them best.
 double fitted_correlation(const Eigen::MatrixXd& moves, const Eigen::MatrixXd& changes) {
-  const Eigen::MatrixXd fitted = moves * moves.colPivHouseholderQr().solve(changes);
+  const Eigen::MatrixXd fitted = moves * least_squares(moves, changes);
   return (fitted.array() * changes.array()).sum() / std::max(fitted.norm() * changes.norm(), 1e-300);
 }
 

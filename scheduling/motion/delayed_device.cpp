@@ -2,13 +2,12 @@
 
 #include <fmt/format.h>
 
-#include <Eigen/Dense>
 #include <algorithm>
 #include <cmath>
-#include <unsupported/Eigen/MatrixFunctions>
 #include <utility>
 #include <vector>
 
+#include "geometry/common/dense.hpp"
 #include "geometry/common/error.hpp"
 
 namespace forefeel {
@@ -68,7 +67,7 @@ double growth(const Eigen::Matrix2d& free, double plant_stiffness, double stiffn
     map(2, 0) = -stiffness;
     for (Eigen::Index i = 3; i < n; ++i) map(i, i - 1) = 1;
   }
-  return map.eigenvalues().cwiseAbs().maxCoeff();
+  return spectral_radius_of(map);
 }
 
 }  // namespace
@@ -88,7 +87,7 @@ double delayed_limit(const LoopPlant& plant, double frame, std::size_t frames_la
   const double m = plant.mass, b = plant.damping, k = plant.stiffness;
   if (!(m > 0 && b >= 0 && k > 0)) return std::numeric_limits<double>::quiet_NaN();
   const Eigen::Matrix2d rates = (Eigen::Matrix2d() << 0, 1, -k / m, -b / m).finished();
-  const Eigen::Matrix2d free = (rates * frame).exp();
+  const Eigen::Matrix2d free = exponential_of(rates * frame);
   double stable = 0, unstable = std::max(1.0, 4 * sampled_limit(plant, frame));
   if (growth(free, k, unstable, frames_late) <= 1) return unstable;
   for (int i = 0; i < 60; ++i) {

@@ -1,11 +1,10 @@
 // register_device() and make_device() of device.hpp. They have their own file because the built-in devices
 // include that header.
 
+#include "geometry/common/dense.hpp"
 #include "scheduling/motion/device.hpp"
 
 #include <fmt/format.h>
-
-#include <Eigen/Geometry>
 
 #include "scheduling/common/registry.hpp"
 #include "scheduling/motion/drawn_hand.hpp"
@@ -27,7 +26,7 @@ void place_on_surface(const Vec3& wanted, const Vec3& offset, const FactoryConte
   if (context.surface == nullptr)
     throw InputError("device", "register needs a surface, expected it with contact.anywhere only");
   const SurfacePoint place = context.surface->nearest(wanted);
-  const Mat3 turn = Eigen::Quaterniond::FromTwoVectors(Vec3::UnitZ(), place.normal).toRotationMatrix();
+  const Mat3 turn = turn_between(Vec3::UnitZ(), place.normal);
   const Vec3 first = trace.positions.front();
   for (Vec3& p : trace.positions) p = place.at + turn * (p - first + offset);
 }

@@ -1,9 +1,9 @@
 #include "scheduling/placement/placement_energy.hpp"
 
-#include <Eigen/LU>
-#include <Eigen/QR>
 #include <algorithm>
 #include <cmath>
+
+#include "geometry/common/dense.hpp"
 
 namespace forefeel {
 namespace {
@@ -124,10 +124,8 @@ std::shared_ptr<const EnergyInterpolant> EnergyInterpolant::fit(std::span<const 
     }
   }
   matrix.bottomLeftCorner(terms, rows) = matrix.topRightCorner(rows, terms).transpose();
-  Eigen::ColPivHouseholderQR<Eigen::MatrixXd> rank(matrix.topRightCorner(rows, terms));
-  rank.setThreshold(1e-7);
-  if (rank.rank() < terms) return nullptr;
-  const Eigen::VectorXd solution = matrix.partialPivLu().solve(right);
+  if (rank_of(matrix.topRightCorner(rows, terms), 1e-7) < terms) return nullptr;
+  const Eigen::VectorXd solution = solved(matrix, right);
   if (!solution.allFinite()) return nullptr;
   e.weights_ = Eigen::Map<const Eigen::MatrixXd>(solution.data(), functionals, n);
   e.polynomial_ = solution.tail(terms);

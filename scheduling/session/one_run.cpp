@@ -2,7 +2,6 @@
 
 #include <fmt/format.h>
 
-#include <Eigen/Eigenvalues>
 #include <algorithm>
 #include <chrono>
 #include <cmath>
@@ -10,6 +9,7 @@
 #include <optional>
 #include <utility>
 
+#include "geometry/common/dense.hpp"
 #include "geometry/index/lattice_room.hpp"
 #include "scheduling/render/input_log.hpp"
 #include "scheduling/session/real_run.hpp"
@@ -28,7 +28,7 @@ void note_stiffness(const DeviceLimits& limits, const std::string& device, Sessi
   double stiffest = 0;
   for (const State& state : result.states)
     if (state.usable() && state.stiffness.allFinite())
-      stiffest = std::max(stiffest, state.stiffness.selfadjointView<Eigen::Lower>().eigenvalues().maxCoeff());
+      stiffest = std::max(stiffest, modes_of(state.stiffness).values[2]);
   if (stiffest > limits.stiffness)
     result.notes.push_back(fmt::format("the body is as stiff as {:.0f} N/m, device {} renders {:.0f} N/m",
                                        stiffest, device, limits.stiffness));

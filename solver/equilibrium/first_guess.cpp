@@ -2,8 +2,9 @@
 
 #include <fmt/format.h>
 
-#include <Eigen/Dense>
+#include <Eigen/Cholesky>
 
+#include "geometry/common/dense.hpp"
 #include "geometry/states/state.hpp"
 #include "solver/body/contact_stiffness.hpp"
 #include "solver/body/refined_body.hpp"
@@ -18,7 +19,7 @@ double softness_of(const Mat3& stiffness, const Mat3& disc) {
   const Eigen::LLT<Mat3> root(stiffness);
   if (root.info() != Eigen::Success || disc.isZero(0)) return unknown;
   const Mat3 whitened = root.matrixL().solve(root.matrixL().solve(disc).transpose());
-  return Eigen::SelfAdjointEigenSolver<Mat3>(whitened, Eigen::EigenvaluesOnly).eigenvalues()[2];
+  return modes_of(whitened).values[2];
 }
 
 }  // namespace

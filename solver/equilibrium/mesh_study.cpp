@@ -1,12 +1,12 @@
 #include "solver/equilibrium/mesh_study.hpp"
 
-#include <Eigen/Dense>
 #include <algorithm>
 #include <array>
 #include <cmath>
 #include <iterator>
 #include <limits>
 
+#include "geometry/common/dense.hpp"
 #include "solver/equilibrium/solver.hpp"
 #include "solver/system/discretisation.hpp"
 #include "solver/system/factorisation.hpp"
@@ -46,7 +46,7 @@ Fit fit(const std::vector<MeshStudyRow>& rows, const Rates& rates, const std::ar
         weight * std::pow(h, rates[kind(rows[i])]);
     right[at] = weight * rows[i].force;
   }
-  const Eigen::VectorXd found = left.colPivHouseholderQr().solve(right);
+  const Eigen::VectorXd found = least_squares(left, right);
   return {.force = found[0], .residual = (left * found - right).squaredNorm()};
 }
 

@@ -1,8 +1,9 @@
 #include "solver/jet/path_directions.hpp"
 
-#include <Eigen/Dense>
 #include <algorithm>
 #include <cmath>
+
+#include "geometry/common/dense.hpp"
 
 namespace forefeel {
 namespace {
@@ -48,7 +49,7 @@ double condition_of(int degree) {
   Matrix m = monomials(degree);
   for (Eigen::Index k = 0; k < m.rows(); ++k)
     m.row(k) /= std::pow(path_lengths()[static_cast<std::size_t>(k)], degree);
-  const Eigen::VectorXd s = m.bdcSvd().singularValues();
+  const Eigen::VectorXd s = singular_values_of(m);
   return s[0] / s[s.size() - 1];
 }
 
@@ -74,12 +75,12 @@ std::array<double, 6> pair_products(const double* d) {
 }
 
 void set_fourth(std::span<const double, path_direction_count> values, EnergyJet& jet) {
-  static const Matrix inverse = monomials(4).completeOrthogonalDecomposition().pseudoInverse();
+  static const Matrix inverse = pseudo_inverse(monomials(4));
   set(inverse, values, jet.coefficients.data() + 10);
 }
 
 void set_fifth(std::span<const double, path_direction_count> values, EnergyJet& jet) {
-  static const Matrix inverse = monomials(5).fullPivLu().inverse();
+  static const Matrix inverse = inverse_of(monomials(5));
   set(inverse, values, jet.coefficients.data() + 25);
 }
 

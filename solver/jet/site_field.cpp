@@ -2,10 +2,11 @@
 
 #include <omp.h>
 
-#include <Eigen/Dense>
+#include <Eigen/LU>
 #include <algorithm>
 #include <cmath>
 
+#include "geometry/common/dense.hpp"
 #include "solver/jet/site_cover.hpp"
 #include "solver/jet/site_turns.hpp"
 
@@ -20,7 +21,7 @@ double scale_of(const Mat3& stiffness, double theta) {
 }
 
 Mat3 root_of(const Mat3& stiffness, double theta) {
-  return Eigen::SelfAdjointEigenSolver<Mat3>(stiffness).operatorSqrt() / scale_of(stiffness, theta);
+  return square_root_of(stiffness) / scale_of(stiffness, theta);
 }
 
 Mat3 axes_across(const Vec3& normal) {
@@ -43,9 +44,9 @@ Basis basis_at(double p, double q) {
 
 // B, c^2 and their derivatives: S = K^(1/2) has S S_k + S_k S = K_k.
 void SiteModel::set_root(double theta) {
-  const Eigen::SelfAdjointEigenSolver<Mat3> own(rest_.stiffness);
-  const Vec3 sigma = own.eigenvalues().cwiseMax(1e-300).cwiseSqrt();
-  const Mat3& v = own.eigenvectors();
+  const Modes3 own = modes_of(rest_.stiffness);
+  const Vec3 sigma = own.values.cwiseMax(1e-300).cwiseSqrt();
+  const Mat3& v = own.vectors;
   const Mat3 root = v * sigma.asDiagonal() * v.transpose();
   const double c = scale_of(rest_.stiffness, theta);
   root_ = root / c;
@@ -259,7 +260,7 @@ void SiteField::follow_neighbours(std::size_t i) {
   Eigen::MatrixXd stacked(rows + terms, terms), values = Eigen::MatrixXd::Zero(rows + terms, b.cols());
   stacked << a, ridge * Eigen::MatrixXd::Identity(terms, terms);
   values.topRows(rows) = b;
-  site.slopes.leftCols(terms) = stacked.colPivHouseholderQr().solve(values).transpose();
+  site.slopes.leftCols(terms) = least_squares(stacked, values).transpose();
 }
 
 void SiteField::add_parts(const SurfacePlace& place, const SiteRest& rest, SiteModel& model) const {

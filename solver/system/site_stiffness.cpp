@@ -1,10 +1,10 @@
 #include "solver/system/site_stiffness.hpp"
 
-#include <Eigen/LU>
 #include <algorithm>
 #include <unordered_map>
 #include <vector>
 
+#include "geometry/common/dense.hpp"
 #include "geometry/common/error.hpp"
 #include "solver/system/factorisation.hpp"
 
@@ -124,7 +124,7 @@ Mat3 SiteStiffness::at(const Vec3& site) {
                                                                          9 * impl_->place(to));
   }
   const Eigen::MatrixXd system = Eigen::MatrixXd::Identity(size, size) + m * compliance;
-  const Mat3 k = total * Mat3::Identity() - pull.transpose() * compliance * system.partialPivLu().solve(pull);
+  const Mat3 k = total * Mat3::Identity() - pull.transpose() * compliance * solved(system, pull);
   return 0.5 * (k + k.transpose());
 }
 
