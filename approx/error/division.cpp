@@ -58,7 +58,7 @@ double nearer(std::span<const Vec3> held, std::span<const Vec3> wanted) {
 }
 
 double turned(std::span<const Vec3> held, std::span<const Vec3> wanted) {
-  const Modes3 axes = modes_of(second_moment(wanted));
+  const Modes3 axes = axes_of(second_moment(wanted));
   const Mat3 moment = second_moment(held);
   double sum = 0;
   for (int k = 0; k < 3; ++k) {

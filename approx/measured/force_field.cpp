@@ -177,7 +177,7 @@ ForceField::Foot ForceField::foot_of(const Vec3& x) const {
     const Vec3 off = (*known_)[ids[i]].at - x - middle;
     spread += off * off.transpose() / count;
   }
-  const Modes3 axes = modes_of(spread);
+  const Modes3 axes = axes_of(spread);
   std::vector<Vec3> near;  // from x, along the axes: the rows extend least along the first
   for (std::size_t i = 0; i < ids.size(); i += stride)
     near.push_back(axes.vectors.transpose() * ((*known_)[ids[i]].at - x));

@@ -26,7 +26,7 @@ Mat3 likely_stretch(const MeasuredRows& rows, const FieldLaw& law, std::optional
   for (const Vec3& x : rows.at) middle += x / count;
   Mat3 spread = Mat3::Zero();
   for (const Vec3& x : rows.at) spread += (x - middle) * (x - middle).transpose() / count;
-  const Modes3 axes = modes_of(spread);
+  const Modes3 axes = axes_of(spread);
   const Mat3& directions = axes.vectors;
   const auto stretch_of = [&](const Vec3& by) -> Mat3 {
     return directions * (by / std::cbrt(by.prod())).asDiagonal() * directions.transpose();

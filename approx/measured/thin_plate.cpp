@@ -37,7 +37,7 @@ Frame frame_of(const std::vector<Vec3>& at) {
   Mat3 moment = Mat3::Zero();
   for (const Vec3& x : at) moment += (x - frame.middle) * (x - frame.middle).transpose() / double(at.size());
   frame.radius = std::sqrt(moment.trace());
-  const Modes3 axes = modes_of(moment);
+  const Modes3 axes = axes_of(moment);
   std::vector<Vec3> kept;
   const double least = least_extent * least_extent * axes.values[2];
   for (int k = 0; k < 3; ++k)

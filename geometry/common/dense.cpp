@@ -66,7 +66,7 @@ Modes modes_of(const MatrixXd& a) {
   return {.values = solver.eigenvalues(), .vectors = solver.eigenvectors()};
 }
 
-Modes3 modes_of(const Mat3& a) {
+Modes3 axes_of(const Mat3& a) {
   const Eigen::SelfAdjointEigenSolver<Mat3> solver(a);
   return {.values = solver.eigenvalues(), .vectors = solver.eigenvectors()};
 }

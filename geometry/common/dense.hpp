@@ -50,7 +50,7 @@ struct Modes3 {
   Vec3 values;
   Mat3 vectors;
 };
-Modes3 modes_of(const Mat3& a);
+Modes3 axes_of(const Mat3& a);
 Mat3 square_root_of(const Mat3& a);  // of a symmetric, positive definite A
 
 Eigen::VectorXd singular_values_of(const Eigen::MatrixXd& a);  // descending

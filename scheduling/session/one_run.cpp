@@ -28,7 +28,7 @@ void note_stiffness(const DeviceLimits& limits, const std::string& device, Sessi
   double stiffest = 0;
   for (const State& state : result.states)
     if (state.usable() && state.stiffness.allFinite())
-      stiffest = std::max(stiffest, modes_of(state.stiffness).values[2]);
+      stiffest = std::max(stiffest, axes_of(state.stiffness).values[2]);
   if (stiffest > limits.stiffness)
     result.notes.push_back(fmt::format("the body is as stiff as {:.0f} N/m, device {} renders {:.0f} N/m",
                                        stiffest, device, limits.stiffness));

@@ -19,7 +19,7 @@ double softness_of(const Mat3& stiffness, const Mat3& disc) {
   const Eigen::LLT<Mat3> root(stiffness);
   if (root.info() != Eigen::Success || disc.isZero(0)) return unknown;
   const Mat3 whitened = root.matrixL().solve(root.matrixL().solve(disc).transpose());
-  return modes_of(whitened).values[2];
+  return axes_of(whitened).values[2];
 }
 
 }  // namespace

@@ -44,7 +44,7 @@ Basis basis_at(double p, double q) {
 
 // B, c^2 and their derivatives: S = K^(1/2) has S S_k + S_k S = K_k.
 void SiteModel::set_root(double theta) {
-  const Modes3 own = modes_of(rest_.stiffness);
+  const Modes3 own = axes_of(rest_.stiffness);
   const Vec3 sigma = own.values.cwiseMax(1e-300).cwiseSqrt();
   const Mat3& v = own.vectors;
   const Mat3 root = v * sigma.asDiagonal() * v.transpose();
