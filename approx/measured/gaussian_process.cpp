@@ -15,10 +15,10 @@ using Eigen::MatrixXd;
 using Eigen::VectorXd;
 using Forces = Eigen::Matrix<double, Eigen::Dynamic, 3>;
 
-constexpr double infinite = std::numeric_limits<double>::infinity();
-constexpr double almost_exact = 1e-9;                    // noise of exact forces, in their root mean square
-constexpr double least_ratio = 1e-12, most_ratio = 1e3;  // (sigma / a)^2
-constexpr int most_steps = 45;                           // of the simplex
+constexpr double unlikely = std::numeric_limits<double>::infinity();
+constexpr double almost_exact = 1e-9;  // noise of exact forces, in their root mean squared_of
+constexpr double least_noise_ratio = 1e-12, most_ratio = 1e3;  // (sigma / a)^2
+constexpr int most_steps = 45;                                 // of the simplex
 
 double correlation(double t, Smoothness smoothness) {
   if (smoothness == Smoothness::gaussian) return std::exp(-0.5 * t * t);
@@ -66,12 +66,12 @@ class Likelihood {
   }
 
   struct Found {
-    double value = infinite;
+    double value = unlikely;
     FieldLaw law = {};
   };
   Found at(double log_length, double log_ratio) const {
     const double length = std::exp(log_length);
-    const double ratio = std::clamp(std::exp(log_ratio), least_ratio, most_ratio);
+    const double ratio = std::clamp(std::exp(log_ratio), least_noise_ratio, most_ratio);
     const Eigen::LLT<MatrixXd> factor(system_of(squared_, weight_, smoothness_, length, ratio));
     if (factor.info() != Eigen::Success) return {};
     const auto diagonal = factor.matrixLLT().diagonal().array();
@@ -151,7 +151,7 @@ double radius_of(const std::vector<Vec3>& at) {
   return std::sqrt(squared);
 }
 
-double square(double x) {
+double squared_of(double x) {
   return x * x;
 }
 
@@ -162,7 +162,7 @@ class Range {
       : shortest_(std::log(1e-3 * radius)), longest_(std::log(longest * radius)) {}
   double longest() const { return longest_; }
   bool holds(const Place& p) const {
-    return p[0] >= shortest_ && p[0] <= longest_ && p[1] >= std::log(least_ratio) - 1e-9 &&
+    return p[0] >= shortest_ && p[0] <= longest_ && p[1] >= std::log(least_noise_ratio) - 1e-9 &&
            p[1] <= std::log(most_ratio);
   }
 
@@ -176,7 +176,7 @@ std::optional<LikelyLaw> searched(const Corner& start, double size, int steps_wa
   Place best = start.at;
   if (steps_wanted > 0) {
     const auto value_at = [&](const Place& p) {
-      return range.holds(p) ? likelihood.at(p[0], p[1]).value : infinite;
+      return range.holds(p) ? likelihood.at(p[0], p[1]).value : unlikely;
     };
     std::array<Corner, 3> simplex{start, start, start};
     simplex[1].at[0] += 0.7 * size;
@@ -187,7 +187,7 @@ std::optional<LikelyLaw> searched(const Corner& start, double size, int steps_wa
     best = least(simplex, steps_wanted, value_at);
   }
   const Likelihood::Found found = likelihood.at(best[0], best[1]);
-  if (!(found.value < infinite)) return {};
+  if (!(found.value < unlikely)) return {};
   return LikelyLaw{found.law, found.value};
 }
 
@@ -224,15 +224,15 @@ std::optional<LikelyLaw> likely_law(const MeasuredRows& rows, Smoothness smoothn
   const Likelihood likelihood(rows, smoothness, noise);
   const Range range(radius);
   const auto value_at = [&](const Place& p) {
-    return range.holds(p) ? likelihood.at(p[0], p[1]).value : infinite;
+    return range.holds(p) ? likelihood.at(p[0], p[1]).value : unlikely;
   };
-  Corner start{.at = {}, .value = infinite};
+  Corner start{.at = {}, .value = unlikely};
   for (const double length : {0.15, 0.5, 1.5, 5.0})
     for (const double ratio : {1e-10, 1e-6, 1e-3, 1e-1}) {
       const Place at{std::log(length * radius), std::log(ratio)};
       if (const double value = value_at(at); value < start.value) start = {at, value};
     }
-  if (!(start.value < infinite)) return {};
+  if (!(start.value < unlikely)) return {};
   return searched(start, 1, most_steps, range, likelihood);
 }
 
@@ -243,13 +243,13 @@ std::optional<LikelyLaw> improved_law(const MeasuredRows& rows, const FieldLaw& 
   const Likelihood likelihood(rows, law.smoothness, search.noise);
   const Range range(radius, search.longest);
   const Place at{std::min(std::log(law.length), range.longest()),
-                 std::log(std::max(least_ratio, square(law.noise / law.amplitude)))};
+                 std::log(std::max(least_noise_ratio, squared_of(law.noise / law.amplitude)))};
   return searched({at, likelihood.at(at[0], at[1]).value}, 0.5, search.steps, range, likelihood);
 }
 
 std::vector<std::vector<double>> left_out_scores(const MeasuredRows& rows, const FieldLaw& law,
                                                  std::span<const Grouping> groupings) {
-  const double ratio = std::clamp(square(law.noise / law.amplitude), least_ratio, most_ratio);
+  const double ratio = std::clamp(squared_of(law.noise / law.amplitude), least_noise_ratio, most_ratio);
   const Eigen::LLT<MatrixXd> factor(
       system_of(squared_distances(rows.at), rows.weight, law.smoothness, law.length, ratio));
   if (factor.info() != Eigen::Success) return {};
@@ -259,7 +259,8 @@ std::vector<std::vector<double>> left_out_scores(const MeasuredRows& rows, const
   const Forces weights = precision * forces_of(rows);
   std::vector<std::vector<double>> scores;
   for (const Grouping& grouping : groupings)
-    scores.push_back(scores_of(precision / square(law.amplitude), weights / square(law.amplitude), grouping));
+    scores.push_back(
+        scores_of(precision / squared_of(law.amplitude), weights / squared_of(law.amplitude), grouping));
   if (std::ranges::any_of(scores, &std::vector<double>::empty)) return {};
   return scores;
 }
@@ -267,7 +268,7 @@ std::vector<std::vector<double>> left_out_scores(const MeasuredRows& rows, const
 GaussianProcess::GaussianProcess(MeasuredRows rows, const FieldLaw& law) : rows_(std::move(rows)), law_(law) {
   const MatrixXd squared = squared_distances(rows_.at);
   double ratio =
-      std::max(least_ratio, law.noise * law.noise / std::max(law.amplitude * law.amplitude, 1e-300));
+      std::max(least_noise_ratio, law.noise * law.noise / std::max(law.amplitude * law.amplitude, 1e-300));
   for (;; ratio *= 10) {  // rounding may leave the matrix indefinite
     const Eigen::LLT<MatrixXd> factor(system_of(squared, rows_.weight, law_.smoothness, law_.length, ratio));
     if (factor.info() != Eigen::Success && ratio < most_ratio) continue;

@@ -14,7 +14,7 @@ using Eigen::Index;
 using Eigen::MatrixXd;
 using Eigen::VectorXd;
 using Forces = Eigen::Matrix<double, Eigen::Dynamic, 3>;
-using Axes = Eigen::Matrix<double, 3, Eigen::Dynamic>;
+using PlateAxes = Eigen::Matrix<double, 3, Eigen::Dynamic>;
 
 constexpr double least_extent = 0.01;  // of a direction of p, in the largest
 constexpr double smallest_ratio = 1e-12, largest_ratio = 1e3, ratio_step = 1.25;
@@ -28,7 +28,7 @@ double plate(double r) {
 struct Frame {
   Vec3 middle = Vec3::Zero();
   double radius = 0;  // root mean square distance from the middle [m]
-  Axes axes;          // principal directions over `radius`
+  PlateAxes axes;     // principal directions over `radius`
 };
 
 Frame frame_of(const std::vector<Vec3>& at) {
@@ -48,13 +48,13 @@ Frame frame_of(const std::vector<Vec3>& at) {
   return frame;
 }
 
-VectorXd polynomial(const Vec3& x, const Vec3& middle, const Axes& axes) {
+VectorXd polynomial(const Vec3& x, const Vec3& middle, const PlateAxes& axes) {
   VectorXd p(1 + axes.cols());
   p << 1, axes.transpose() * (x - middle);
   return p;
 }
 
-MatrixXd polynomials(const MeasuredRows& rows, const Vec3& middle, const Axes& axes) {
+MatrixXd polynomials(const MeasuredRows& rows, const Vec3& middle, const PlateAxes& axes) {
   MatrixXd p(Index(rows.size()), 1 + axes.cols());
   for (std::size_t i = 0; i < rows.size(); ++i)
     p.row(Index(i)) = polynomial(rows.at[i], middle, axes).transpose();

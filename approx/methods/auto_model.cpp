@@ -23,8 +23,8 @@ constexpr std::size_t most_for_all = 1000;  // states for a model of all
 constexpr std::size_t first_positions = 60, most_positions = 300;
 constexpr std::size_t first_trials = 3;
 constexpr std::size_t finalists = 3;
-constexpr std::size_t enough_groups = 20;  // that tell a process from its blend with a spline
-constexpr double ridge_gain = 1.02;        // a ridge is used if the error without it is larger by this factor
+constexpr std::size_t enough_groups_to_choose = 20;  // that tell a process from its blend with a spline
+constexpr double ridge_gain = 1.02;  // a ridge is used if the error without it is larger by this factor
 
 struct Candidate {
   ModelOptions model;
@@ -305,7 +305,7 @@ std::size_t best_of(const std::vector<Candidate>& candidates, const std::vector<
   for (const Misses& of : errors) scores.push_back(score(of, seen, outside));
   const auto best = static_cast<std::size_t>(std::ranges::min_element(scores) - scores.begin());
   const auto safer = [&](std::size_t c) {
-    return groups < enough_groups && candidates[c].field->spline.amplitude > 0;
+    return groups < enough_groups_to_choose && candidates[c].field->spline.amplitude > 0;
   };
   std::size_t process = candidates.size();
   for (std::size_t c = 0; c < candidates.size(); ++c) {

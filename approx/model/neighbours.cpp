@@ -16,7 +16,7 @@ namespace {
 constexpr double loyalty = 0.95;  // of the distance of a member of the last set
 constexpr std::size_t most_candidates = 8192;
 constexpr std::size_t few = 256;  // up to this number of states, all are candidates
-constexpr double infinite = std::numeric_limits<double>::infinity();
+constexpr double beyond_all = std::numeric_limits<double>::infinity();
 
 // In spacings:
 constexpr double shell =
@@ -127,7 +127,7 @@ double NeighbourSelector::gather(const Vec3& hip, std::size_t least, double radi
                            .towards = distance > 0 ? Vec3(away / distance) : Vec3(Vec3::Zero()),
                            .distance = distance});
   }
-  if (space_.size() <= least) return infinite;
+  if (space_.size() <= least) return beyond_all;
   return by_number ? candidates_.back().distance : radius;
 }
 
@@ -153,7 +153,7 @@ void NeighbourSelector::take_nearest(const Vec3& hip) {
 void NeighbourSelector::look_round() {
   const std::size_t n = candidates_.size(), padded = (n + lanes - 1) / lanes * lanes;
   double *x = look_.arrays.data(), *y = x + look_.room, *z = y + look_.room, *distance = z + look_.room;
-  std::ranges::fill(look_.before, infinite);
+  std::ranges::fill(look_.before, beyond_all);
   for (std::size_t i = 0; i < n; ++i) {
     Candidate& c = candidates_[i];
     const double sharp = c.distance / (c.distance + at_hip * widths_.spacing);
@@ -236,12 +236,12 @@ double NeighbourSelector::two_sided() const {
 }
 
 // The key of a real rank, between those of the two ranks around it; `last`: the second of these, which may be
-// infinite.
+// beyond_all.
 double NeighbourSelector::key_of(double rank, double& last) {
   const auto first = static_cast<std::ptrdiff_t>(rank) - 1;
   const double part = rank - std::floor(rank);
-  last = infinite;
-  if (first >= std::ssize(keys_)) return infinite;
+  last = beyond_all;
+  if (first >= std::ssize(keys_)) return beyond_all;
   const auto at = keys_.begin() + first;
   std::nth_element(keys_.begin(), at, keys_.end());
   if (part == 0) return last = *at;
@@ -255,12 +255,12 @@ double NeighbourSelector::key_of(double rank, double& last) {
 double NeighbourSelector::find_keys(const Vec3& hip, double pulled, double rank) {
   keys_.clear();
   for (Candidate& c : candidates_) {
-    c.key = infinite;
+    c.key = beyond_all;
     c.looked = false;
   }
   double limit = first_end * half_ball(sizes_.rank) * widths_.spacing;
   for (bool all = false;;) {
-    double next = infinite;
+    double next = beyond_all;
     for (Candidate& c : candidates_) {
       if (c.looked) continue;
       const double hidden = c.distance - std::max(0.0, look_.before[c.cell] * (1 + 1e-9) - pulled) -
@@ -279,11 +279,11 @@ double NeighbourSelector::find_keys(const Vec3& hip, double pulled, double rank)
       c.key = (space_[c.id].at - from).norm() / c.narrow;
       keys_.push_back(c.key);
     }
-    double last = infinite;
+    double last = beyond_all;
     const double end = key_of(rank, last);
     limit = std::max(beyond * end, last);
     if (limit <= next) return end;
-    all = limit == infinite;
+    all = limit == beyond_all;
   }
 }
 
@@ -294,7 +294,7 @@ double NeighbourSelector::extent(double end) {
   for (const Candidate& c : candidates_) {
     if (!(c.key < beyond * end)) continue;
     const double inside =
-        end < infinite ? std::min(1.0, 2 * (beyond * end - c.key) / ((beyond - 1) * end)) : 1;
+        end < beyond_all ? std::min(1.0, 2 * (beyond * end - c.key) / ((beyond - 1) * end)) : 1;
     const double whole = std::min(1.0, c.narrow / full_narrow);  // cubed: c_i is a cube root
     most = std::max(most, inside * whole * whole * whole * c.key * c.narrow);
   }

@@ -14,7 +14,7 @@
 namespace forefeel {
 namespace {
 
-constexpr int most_degree = 4, most_places = 15;
+constexpr int most_patch_degree = 4, most_places = 15;
 constexpr int quantities = 6 + 3 + static_cast<int>(jet_size);  // K, the normal, degrees 3 to 5
 
 using Quantities = Eigen::Matrix<double, quantities, 1>;
@@ -26,7 +26,7 @@ struct Shape {
   std::array<Vec3, most_places> slope{};
 };
 Shape shape_at(const Vec3& b, int degree) {
-  std::array<std::array<double, most_degree + 1>, 3> part{}, by{};
+  std::array<std::array<double, most_patch_degree + 1>, 3> part{}, by{};
   for (std::size_t i = 0; i < 3; ++i) {
     const double t = degree * b[static_cast<int>(i)];
     part[i][0] = 1;

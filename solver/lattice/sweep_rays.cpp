@@ -16,7 +16,7 @@ namespace {
 
 constexpr double between_tolerance = 1e-4;  // tolerance before the last step
 constexpr double arrival_tolerance = 1e-7;
-constexpr int most_iterations = 60;
+constexpr int most_ray_iterations = 60;
 constexpr double other_branch = 1e-4;    // values on two branches differ by more than this share
 constexpr double sheet_thickness = 0.2;  // [h] largest distance of an anchor from its prediction
 constexpr double smooth_move = 0.08;     // [h] largest distance of a node from the end of a smooth step
@@ -161,7 +161,7 @@ void SweepWorker::walk(const std::vector<SweepNode*>& nodes) {
       path_.begin_at_rest();
     const double step = x.norm() / anchor.steps;
     settle(*nodes[i],
-           path_.advance(x, step, arrival_tolerance, most_iterations, options_.stop, between_tolerance));
+           path_.advance(x, step, arrival_tolerance, most_ray_iterations, options_.stop, between_tolerance));
     if (path_.kink() > snap) nodes[i]->state.solve.multivalued = true;
   }
 }

@@ -11,7 +11,7 @@
 namespace forefeel {
 namespace {
 
-Body without_contact(Body body) {
+Body freed_of_contact(Body body) {
   body.pad.reset();
   body.contact.clear();
   body.fine.reset();
@@ -44,7 +44,7 @@ struct SiteStiffness::Impl {
   std::unordered_map<std::int32_t, std::vector<double>> columns;  // local node -> surface nodes x 3 x 3 [m/N]
   std::vector<double> lanes;
 
-  explicit Impl(Body given) : body(std::move(given)), d(discretise(without_contact(body))), factor(d) {
+  explicit Impl(Body given) : body(std::move(given)), d(discretise(freed_of_contact(body))), factor(d) {
     surface = surface_nodes(body, d);
     lanes.resize(static_cast<std::size_t>(d.local_size()) * lane_count);
     std::vector<double> blocks(9 * static_cast<std::size_t>(d.pattern.size() + 1), 0.0);
