@@ -13,10 +13,6 @@ namespace {
 constexpr double least_cosine = 0.5;  // of two normals
 constexpr double space_kept = 0.25;   // of the reach
 
-Mat3 turn_between(const Vec3& from, const Vec3& to) {
-  return turn_between(from, to);
-}
-
 }  // namespace
 
 SitedLabels::SitedLabels(std::vector<SitedState> states, StateSpaceOptions spaces, double depth, double reach)
