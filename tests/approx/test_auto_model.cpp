@@ -143,7 +143,7 @@ TEST_CASE("the chosen model is no worse than the best of SciPy's kernels, and it
 }
 
 TEST_CASE("the expected error is that of unseen places: scattered, clustered, noisy and along probes",
-          "[auto]") {
+          "[auto]" SLOW("chooses a model of many sets")) {
   const std::vector<std::pair<std::string, std::function<Case(unsigned)>>> kinds{
       {"scattered", [](unsigned seed) { return scattered(seed, 200, 0); }},
       {"scattered, noisy", [](unsigned seed) { return measured(scattered(seed, 200, 0.02), seed, 0.02); }},
@@ -225,7 +225,8 @@ TEST_CASE("the choice is the same each time, keeps what is given, and few states
   for (const Vec3& force : few.made.forces) CHECK(force.allFinite());
 }
 
-TEST_CASE("of many states some patches are left out, and the error is as expected", "[auto]") {
+TEST_CASE("of many states some patches are left out, and the error is as expected",
+          "[auto]" SLOW("chooses a model of thousands of states")) {
   const Case given = scattered(6, 4000, 0.01);
   const AutoModel chosen =
       choose_model(given.known, {.model = {.kernel = Kernel::cubic, .neighbours = 40}, .spacing = 0.004}, {});

@@ -7,6 +7,7 @@
 #include "approx/measured/force_field.hpp"
 #include "geometry/common/quantiles.hpp"
 #include "tests/approx/measured_cases.hpp"
+#include "tests/support/slow.hpp"
 
 using namespace forefeel;
 using namespace forefeel::testing;
@@ -186,7 +187,7 @@ TEST_CASE("Beside a curve, which bends, the bars hold as beside a line", "[measu
 }
 
 TEST_CASE("Between the dense lines of a raster the error is that of a smooth field, as expected",
-          "[measured]") {
+          "[measured]" SLOW("fits fields of hundreds of rows for every group left out")) {
   for (const Variant& v : ten_variants()) {
     const MeasuredCase given = raster(v);
     const Evaluation found =
@@ -231,7 +232,7 @@ TEST_CASE("A mean of rows is of rows of one line", "[measured]") {
 }
 
 TEST_CASE("Rows are averaged where the field is flat among them, not where they are far apart",
-          "[measured]") {
+          "[measured]" SLOW("fits fields of hundreds of rows for every group left out")) {
   std::mt19937 random(3);
   std::normal_distribution<double> normal;
   std::uniform_real_distribution<double> uniform(-0.01, 0.01);
@@ -258,7 +259,8 @@ TEST_CASE("Rows are averaged where the field is flat among them, not where they 
 }
 
 // Against processes of the remaining rows alone.
-TEST_CASE("Laws are compared by rows that were left out", "[measured]") {
+TEST_CASE("Laws are compared by rows that were left out",
+          "[measured]" SLOW("fits fields of hundreds of rows for every group left out")) {
   std::mt19937 random(8);
   std::uniform_real_distribution<double> uniform(-0.01, 0.01);
   const FieldLaw law{.smoothness = Smoothness::matern52, .length = 0.007, .amplitude = 0.8, .noise = 0.05};
@@ -293,7 +295,8 @@ TEST_CASE("Laws are compared by rows that were left out", "[measured]") {
 
 // A stiff wall in a linear field: a Gaussian law with noise is the likeliest of all rows. It smooths the kink by a
 // multiple of the noise and is sure of it.
-TEST_CASE("A force with a kink is followed by a law of each place", "[measured]") {
+TEST_CASE("A force with a kink is followed by a law of each place",
+          "[measured]" SLOW("fits fields of hundreds of rows for every group left out")) {
   MeasuredCase made;
   std::mt19937 random(5);
   std::normal_distribution<double> normal;
@@ -330,7 +333,8 @@ TEST_CASE("A force with a kink is followed by a law of each place", "[measured]"
 }
 
 // A model of so many rows would take 1.4 GB. The process averages neighbouring ones.
-TEST_CASE("A long stroke is judged as a short one is", "[measured]") {
+TEST_CASE("A long stroke is judged as a short one is",
+          "[measured]" SLOW("fits fields of thousands of rows")) {
   MeasuredCase made;
   std::mt19937 random(2);
   std::normal_distribution<double> normal;

@@ -7,6 +7,7 @@
 #include "geometry/common/quantiles.hpp"
 #include "geometry/states/repeated_states.hpp"
 #include "tests/approx/measured_cases.hpp"
+#include "tests/support/slow.hpp"
 
 using namespace forefeel;
 using namespace forefeel::testing;
@@ -36,7 +37,8 @@ MeasuredCase stroke(const Variant& v) {
 
 }  // namespace
 
-TEST_CASE("Rounded forces leave an error that bars hold, and it is told", "[measured]") {
+TEST_CASE("Rounded forces leave an error that bars hold, and it is told",
+          "[measured]" SLOW("fits fields of hundreds of rows for every group left out")) {
   for (const Variant& v : ten_variants()) {
     MeasuredCase given = stroke(v);
     const double step = std::array{0.2, 0.05, 0.01}[v.seed % 3] * v.newtons;
@@ -65,7 +67,7 @@ TEST_CASE("Forces that are not rounded, or noisier than their steps, share no su
 }
 
 TEST_CASE("Between loading and unloading bars hold both; repeats that differ by chance are averaged",
-          "[measured]") {
+          "[measured]" SLOW("fits fields of hundreds of rows for every group left out")) {
   double mean_held = 0;
   for (const Variant& v : ten_variants()) {
     std::mt19937 random(v.seed);
@@ -102,7 +104,8 @@ TEST_CASE("Between loading and unloading bars hold both; repeats that differ by 
 }
 
 // 15 times stiffer across than along.
-TEST_CASE("Across a stroke the expected error is that of the stiffness, found or given", "[measured]") {
+TEST_CASE("Across a stroke the expected error is that of the stiffness, found or given",
+          "[measured]" SLOW("fits fields of hundreds of rows for every group left out")) {
   for (const Variant& v : ten_variants()) {
     MeasuredCase given;
     std::mt19937 random(v.seed);
@@ -138,7 +141,8 @@ TEST_CASE("Across a stroke the expected error is that of the stiffness, found or
 
 // Two slides at depths of 2 and 10 mm through tissue that stiffens with depth: along them the force is smooth, between
 // them nothing was measured. SciPy errs as much; the bars know it.
-TEST_CASE("Between two strokes a bar knows that the force changes more across than along", "[measured]") {
+TEST_CASE("Between two strokes a bar knows that the force changes more across than along",
+          "[measured]" SLOW("fits fields of hundreds of rows for every group left out")) {
   for (const Variant& v : ten_variants()) {
     MeasuredCase given;
     std::mt19937 random(v.seed);
@@ -186,7 +190,8 @@ TEST_CASE("A twin of a row within a millionth of the extent is the same row", "[
 }
 
 // A lump between the lines: 47 rows a line, lines 4 and 6.7 mm apart. The rows nearest to a place are of one or two.
-TEST_CASE("Whole lines of a raster are left out, and a place has rows of several", "[measured]") {
+TEST_CASE("Whole lines of a raster are left out, and a place has rows of several",
+          "[measured]" SLOW("fits fields of hundreds of rows for every group left out")) {
   for (const std::size_t each : {std::size_t{47}, std::size_t{270}}) {
     MeasuredCase given;
     std::mt19937 random(5);

@@ -8,6 +8,7 @@
 #include "approx/model/updater.hpp"
 #include "tests/approx/jumps.hpp"
 #include "tests/approx/sets.hpp"
+#include "tests/support/slow.hpp"
 
 using namespace forefeel;
 using namespace forefeel::testing;
@@ -131,7 +132,8 @@ TEST_CASE("By label: a gap has both sides in balance, and crossing it shows no j
 }
 
 // Jump = |M_i(x_i) - M_{i-1}(x_i)| over steps of 0.1 mm, M_i the model that belongs to x_i.
-TEST_CASE("By label: however wide a gap is, crossing it shows no jump above the JND, forwards as backwards") {
+TEST_CASE("By label: however wide a gap is, crossing it shows no jump above the JND, forwards as backwards",
+          SLOW("crosses gaps millimetre by millimetre")) {
   for (const int half_gap : {5, 7, 10})
     for (const ModelOptions& options : models)
       for (const double offset : {0.0, 0.013}) {
@@ -165,7 +167,8 @@ TEST_CASE("By label: however wide a gap is, crossing it shows no jump above the 
 
 // Two blocks of 5 x 7 x 7 states. Beside the gap, above its edges and on slanted paths, no coordinate axis separates
 // the sides, and few neighbours without stiffness do not always determine the polynomial.
-TEST_CASE("By label: nothing jumps anywhere in, beside or above a gap, with however few neighbours") {
+TEST_CASE("By label: nothing jumps anywhere in, beside or above a gap, with however few neighbours",
+          SLOW("crosses gaps millimetre by millimetre")) {
   const std::vector<std::pair<Vec3, Vec3>> ways = {{{0.001, 0, 0.002}, {0.001, 0.06, 0.002}},
                                                    {{0, 0, 0.002}, {0, 0.06, 0.002}},
                                                    {{0.001, 0, 0.002}, {0.001, 0.05, 0.045}},
@@ -199,7 +202,8 @@ TEST_CASE("By label: nothing jumps anywhere in, beside or above a gap, with howe
   }
 }
 
-TEST_CASE("By label: of however few neighbours, moving before a flat face shows no jump above the JND") {
+TEST_CASE("By label: of however few neighbours, moving before a flat face shows no jump above the JND",
+          SLOW("crosses gaps millimetre by millimetre")) {
   const StateSpace space = slab({{-10, -4}}, 8);
   for (ModelOptions options : models)
     for (const std::size_t n : {4, 8, 13}) {

@@ -9,6 +9,7 @@
 #include "scheduling/study/calibration.hpp"
 #include "tests/support/executable.hpp"
 #include "tests/support/paths.hpp"
+#include "tests/support/slow.hpp"
 
 using namespace forefeel;
 using test::beam_scene;
@@ -28,7 +29,8 @@ State field_state(const Vec3& x) {
 
 }  // namespace
 
-TEST_CASE("labels are calibrated on a field that is known", "[laboratory]") {
+TEST_CASE("labels are calibrated on a field that is known",
+          "[laboratory]" SLOW("evaluates every model at thousands of places")) {
   CalibrationOptions options;
   options.space.spacing = 0.006;
   options.space.box = {Vec3::Constant(-0.03), Vec3::Constant(0.03)};
@@ -67,7 +69,7 @@ TEST_CASE("labels are calibrated on a field that is known", "[laboratory]") {
   }
 }
 
-TEST_CASE("calibration as a command", "[laboratory]") {
+TEST_CASE("calibration as a command", "[laboratory]" SLOW("evaluates every model at thousands of places")) {
   const Workshop shop;
   shop.write("beam.toml", beam_scene());
   const Workshop::Outcome outcome = shop.forefeel(
@@ -94,7 +96,8 @@ TEST_CASE("the share that positions bound", "[laboratory]") {
   CHECK(share_bound(7, 7, 0.95) == 1);
 }
 
-TEST_CASE("spacing = auto makes safe mean an error below the tolerance", "[laboratory]") {
+TEST_CASE("spacing = auto makes safe mean an error below the tolerance",
+          "[laboratory]" SLOW("solves lattices of several spacings")) {
   const Workshop shop;
   const std::string scene = R"([body]
 phantom = "beam"

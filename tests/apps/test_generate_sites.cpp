@@ -6,6 +6,7 @@
 #include "geometry/states/energy_jet.hpp"
 #include "geometry/states/state_file.hpp"
 #include "tests/support/executable.hpp"
+#include "tests/support/slow.hpp"
 
 using namespace forefeel;
 using test::check_refused;
@@ -22,7 +23,8 @@ std::string beam(const std::string& law) {
 
 }  // namespace
 
-TEST_CASE("generate makes the field and measures it; of a linear body it is exact") {
+TEST_CASE("generate makes the field and measures it; of a linear body it is exact",
+          SLOW("makes jets at sites over whole surfaces")) {
   const Workshop shop;
   for (const std::string law : {"linear", "neo-hookean"}) {
     shop.write(law + ".toml", beam(law));
@@ -94,7 +96,8 @@ TEST_CASE("evaluate answers at sites; export and import keep them") {
   check_refused(shop, "generate beam.toml -o d.states --where 0.0/0.01/0.01/0.001", {"--where", "no part"});
 }
 
-TEST_CASE("generate --error adds jets and states where the field is not enough; a rerun resumes") {
+TEST_CASE("generate --error adds jets and states where the field is not enough; a rerun resumes",
+          SLOW("makes jets at sites over whole surfaces")) {
   const Workshop shop;
   shop.write("beam.toml", beam("neo-hookean"));
   const std::string deep = " --where 0.1/0.01/0.01/0.015 --set state_space.depth=0.006";  // the free end

@@ -12,6 +12,7 @@
 #include "solver/equilibrium/solver.hpp"
 #include "tests/support/error_of.hpp"
 #include "tests/support/executable.hpp"
+#include "tests/support/slow.hpp"
 
 using namespace forefeel;
 using Catch::Contains;
@@ -38,7 +39,8 @@ Scene load(const Workshop& shop, const std::string& body, const std::vector<std:
 
 }  // namespace
 
-TEST_CASE("the least costly body that meets body.accuracy is taken, and its error is true", "[scene]") {
+TEST_CASE("the least costly body that meets body.accuracy is taken, and its error is true",
+          "[scene]" SLOW("solves bodies of up to 6,000 quadratic elements")) {
   const Workshop shop;
   const std::string ball = "phantom = \"ball\"\nelements = 400\n";
   const Scene coarse = load(shop, ball + "accuracy = 0.2\n"), fine = load(shop, ball + "accuracy = 0.03\n");
@@ -59,7 +61,7 @@ TEST_CASE("the least costly body that meets body.accuracy is taken, and its erro
 }
 
 TEST_CASE("the first of the trials that meets the wanted error is taken, and dearer ones are not tried",
-          "[scene]") {
+          "[scene]" SLOW("makes and solves a body for each trial")) {
   const Workshop shop;
   const std::vector<AccuracyTrial> trials{
       {Element::linear, 200, 0}, {Element::quadratic, 200, 0}, {Element::quadratic, 600, 0}};
@@ -84,7 +86,8 @@ TEST_CASE("the first of the trials that meets the wanted error is taken, and dea
   CHECK(better.taken.elements == trials[static_cast<std::size_t>(made) - 2].elements);
 }
 
-TEST_CASE("the choice of body.accuracy is kept, and keys beside it win", "[scene]") {
+TEST_CASE("the choice of body.accuracy is kept, and keys beside it win",
+          "[scene]" SLOW("makes and solves a body for each trial")) {
   const Workshop shop;
   const std::string ball = "phantom = \"ball\"\naccuracy = 0.1\nelements = 400\n";
   const Scene first = load(shop, ball), again = load(shop, ball);

@@ -11,6 +11,7 @@
 #include "geometry/meshing/surface.hpp"
 #include "tests/support/error_of.hpp"
 #include "tests/support/mesh_samples.hpp"
+#include "tests/support/slow.hpp"
 
 using namespace forefeel;
 using test::error_of;
@@ -40,7 +41,8 @@ double area_of_group(const TetMesh& mesh, const std::vector<NodeIndex>& group) {
 
 }  // namespace
 
-TEST_CASE("a graded phantom has the wanted number, edges near the wanted ones, and good shapes") {
+TEST_CASE("a graded phantom has the wanted number, edges near the wanted ones, and good shapes",
+          SLOW("makes graded meshes of all phantoms")) {
   for (const auto& [name, radius] :
        {std::pair("liver", 0.02), std::pair("ball", 0.02), std::pair("slab", 0.02), std::pair("beam", 0.008)})
     for (const std::size_t elements : {1800ul, 6000ul}) {

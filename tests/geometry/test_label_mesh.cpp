@@ -10,6 +10,7 @@
 #include "geometry/segmentation/label_domain.hpp"
 #include "geometry/segmentation/label_mesh.hpp"
 #include "tests/support/label_samples.hpp"
+#include "tests/support/slow.hpp"
 
 namespace forefeel {
 namespace {
@@ -49,7 +50,8 @@ TetMesh spheres(std::array<std::int64_t, 3> size, const Vec3& spacing, LabelMesh
 
 }  // namespace
 
-TEST_CASE("nested spheres keep their volumes within 1 %, with an interface that both share") {
+TEST_CASE("nested spheres keep their volumes within 1 %, with an interface that both share",
+          SLOW("makes fine meshes of label volumes")) {
   const auto [size, spacing] = GENERATE(std::pair(std::array<std::int64_t, 3>{64, 64, 64}, Vec3(1, 1, 1)),
                                         std::pair(std::array<std::int64_t, 3>{64, 64, 32}, Vec3(1, 1, 2)));
   LabelMeshReport report;
@@ -125,7 +127,8 @@ TEST_CASE("two labels of an atlas with hundreds of them; without a choice it is 
 }
 
 // A sheet of two voxels, waved: it is found everywhere, at sizes below and above its thickness.
-TEST_CASE("a thin sheet gets the number of elements that is asked for") {
+TEST_CASE("a thin sheet gets the number of elements that is asked for",
+          SLOW("makes fine meshes of label volumes")) {
   LabelVolume volume;
   volume.size = {64, 64, 32};
   volume.axes = 1e-3 * Mat3::Identity();

@@ -9,6 +9,7 @@
 #include "geometry/meshing/phantom.hpp"
 #include "solver/body/law.hpp"
 #include "solver/equilibrium/solver.hpp"
+#include "tests/support/slow.hpp"
 
 using namespace forefeel;
 
@@ -39,7 +40,8 @@ void check_solved(const std::shared_ptr<const Body>& body, const Vec3& x, double
 
 TEST_CASE(
     "a liver pressed, pulled and sheared by centimetres, up to nu = 0.499: where the mesh allows, an "
-    "equilibrium") {
+    "equilibrium",
+    SLOW("solves far into the range where steps are small")) {
   for (const double poisson : {0.3, 0.45, 0.49, 0.499}) {
     const auto body = phantom_body("liver", 600);
     body->material.poisson = poisson;
@@ -51,7 +53,8 @@ TEST_CASE(
   }
 }
 
-TEST_CASE("slivers of a degree, a beam a fifth as thick, a tip beside the clamp: an equilibrium") {
+TEST_CASE("slivers of a degree, a beam a fifth as thick, a tip beside the clamp: an equilibrium",
+          SLOW("solves far into the range where steps are small")) {
   const auto flat = phantom_body("liver", 600);
   for (int times = 0; mesh_quality(flat->mesh).min_dihedral_deg > 1 && times < 30; ++times)
     for (Vec3& node : flat->mesh.nodes) node[2] *= 0.8;

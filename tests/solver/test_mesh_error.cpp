@@ -11,6 +11,7 @@
 #include "solver/body/refined_body.hpp"
 #include "solver/equilibrium/mesh_error.hpp"
 #include "solver/system/discretisation.hpp"
+#include "tests/support/slow.hpp"
 
 using namespace forefeel;
 
@@ -56,7 +57,8 @@ TEST_CASE("an even stretch has no discretisation error") {
   CHECK(found.error < 1e-8);
 }
 
-TEST_CASE("the estimate is near the error against a mesh that is refined twice, and below it") {
+TEST_CASE("the estimate is near the error against a mesh that is refined twice, and below it",
+          SLOW("solves meshes that are refined twice")) {
   for (const double poisson : {0.3, 0.45}) {
     const auto body = end_moved(Law::neo_hookean, poisson, 2);
     const std::array at{Vec3(0, 0.006, 0)};
@@ -72,7 +74,8 @@ TEST_CASE("the estimate is near the error against a mesh that is refined twice, 
   }
 }
 
-TEST_CASE("refinement shrinks the error, and quadratic elements have less of it") {
+TEST_CASE("refinement shrinks the error, and quadratic elements have less of it",
+          SLOW("solves meshes that are refined")) {
   const std::array at{Vec3(0, 0.004, 0.002)};
   const auto error = [&](int refine, Element element) {
     return mesh_error(end_moved(Law::linear, 0.3, refine, element), at, {.spacing = 0.01}).error;

@@ -12,6 +12,7 @@
 #include "pad_body.hpp"
 #include "solver/body/contact_stiffness.hpp"
 #include "solver/jet/rest_jet.hpp"
+#include "tests/support/slow.hpp"
 
 namespace forefeel {
 namespace {
@@ -195,7 +196,8 @@ TEST_CASE("Along a smooth surface the stiffness at rest changes smoothly with th
 
 // The force of degree 2 of linear elements changes by 2.2 to 2.8 % (3 to 8 cells), of quadratic ones by 3.2 to 3.8 %
 // (3 and 4 cells). It turns quickly there, but has no jump: at half the step the second differences are less than half.
-TEST_CASE("Across an edge of 90 degrees stiffness and force of degree 2 have no jump") {
+TEST_CASE("Across an edge of 90 degrees stiffness and force of degree 2 have no jump",
+          SLOW("makes jets at hundreds of sites")) {
   for (const Element element : {Element::linear, Element::quadratic}) {
     const int cells = element == Element::linear ? 5 : 3;
     Body body;
@@ -224,7 +226,8 @@ TEST_CASE("Across an edge of 90 degrees stiffness and force of degree 2 have no 
 // A quadratic body's force of degree 2 is a third as large, a hundredth of its whole force, and the mesh shows in it
 // as much as in a linear body's: at 600 and 1500 elements of the ball its second differences reach 0.51 and 0.41 %, on
 // facets of 14 mm of a block 1.6 %, and less on finer ones.
-TEST_CASE("Along a smooth surface the force of degree 2 changes smoothly with the site") {
+TEST_CASE("Along a smooth surface the force of degree 2 changes smoothly with the site",
+          SLOW("makes jets at hundreds of sites")) {
   const auto ball = padded_phantom("ball", 1500, phantom_tip("ball"));
   const Box box = bounding_box(ball->mesh);
   const Vec3 start = box.centre() + 0.5 * box.size().maxCoeff() * Vec3(0.9, 0, 0.45);
