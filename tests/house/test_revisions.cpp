@@ -48,7 +48,9 @@ TEST_CASE("a digest changes with each file that it covers, and covers at least o
   const std::string before = digest_of(shop);
   CHECK(before.size() == 64);
   CHECK(digest_of(shop) == before);
-  shop.write("rooms/two/b.hpp", "int c;");
+  shop.write("rooms/two/b.hpp", "int b;  // a comment; of two words");
+  CHECK(digest_of(shop) == before);
+  shop.write("rooms/two/b.hpp", "int c;  // a comment");
   CHECK(digest_of(shop) != before);
   write_project(shop, "rooms/*.cpp");
   const Workshop::Outcome refused = shop.shell("cmake -S . -B build");
