@@ -11,7 +11,7 @@ using namespace forefeel::testing;
 
 namespace {
 
-int power_of(Kernel kernel) {
+int kernel_power(Kernel kernel) {
   return kernel == Kernel::linear ? 1 : kernel == Kernel::cubic ? 3 : 5;
 }
 int degree_of(Kernel kernel) {
@@ -34,7 +34,7 @@ TEST_CASE("A model interpolates its states and equals the saddle system solved i
     const auto states = states_at(random_points(40, 0.03, 7));
     const Model model = fit_model(states, {.kernel = kernel, .data = data}, Vec3::Zero());
     CHECK(model.kernel() == kernel);
-    const Judge judge(states, power_of(kernel), degree_of(kernel), data == Data::force_and_stiffness);
+    const Judge judge(states, kernel_power(kernel), degree_of(kernel), data == Data::force_and_stiffness);
     for (const auto& s : states) CHECK((model.force(s.at) - s.force).norm() < 1e-10 * 3);
     for (const auto& x : random_points(50, 0.028, 8)) CHECK((model.force(x) - judge.force(x)).norm() < 1e-9);
     if (data == Data::force_and_stiffness)

@@ -110,7 +110,7 @@ void read_arguments(std::string_view input) {
   std::size_t count = 0;
   std::vector<std::string> list;
   bool flag = false;
-  CommandLine line("A command line", [] { return std::string("1"); });
+  CommandLine line("program", "A command line", [] { return std::string("1"); });
   Command command = line.add("test", "All kinds of options");
   command.runs([](const Globals&) { return 0; });
   command.option("FILE", text, "A word");

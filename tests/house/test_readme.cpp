@@ -154,7 +154,8 @@ TEST_CASE("the command of the README that builds the example builds it, and the 
           "[readme]") {
   std::smatch named;
   const std::string text = readme();
-  REQUIRE(std::regex_search(text, named, std::regex("`cmake --build --preset release --target (forefeel_example)`")));
+  REQUIRE(std::regex_search(text, named,
+                            std::regex("`cmake --build --preset release --target (forefeel_example)`")));
   const Workshop shop;
   const fs::path example = build_folder() / "apps" / named[1].str();
   // The preset names the folder build/release; this build may have another.
