@@ -1,6 +1,6 @@
 #pragma once
-// The baseline of an evaluation: the sum of paper Eq. 1 (r^3, linear p; or r^5 with stiffness), centre by centre at -O2,
-// without vectors. Compiled once per instruction set and chosen like the loops of the models.
+// The baseline of an evaluation: the sum of paper Eq. 1 (r^3, linear p; or r^5 with stiffness), centre by centre at
+// -O2, without vectors. Compiled once per instruction set and chosen like the loops of the models.
 
 #include <cstddef>
 

@@ -1,6 +1,6 @@
 #pragma once
-// The command line: `forefeel <command> …` and `forefeel-bench <command> …`. A command has a name, options and a function to run. Each command is in a
-// file command_NAME.cpp of its room in apps. Only command.cpp includes the parser, CLI11.
+// The command line: `forefeel <command> …` and `forefeel-bench <command> …`. A command has a name, options and a
+// function to run. Each is in a file command_NAME.cpp of its room in apps. Only command.cpp includes the parser, CLI11.
 //
 //   Command solve = line.add("solve", "Tight solves …");
 //   solve.option("SCENE", arguments->scene, "Scene (TOML)").required();

@@ -36,6 +36,7 @@
 #include "apps/session/report.hpp"
 #include "apps/session/session_arguments.hpp"
 #include "apps/session/session_folder.hpp"
+#include "apps/session/session_screen.hpp"
 #include "apps/session/session_shapes.hpp"
 #include "apps/session/session_states.hpp"
 #include "apps/session/touch_command.hpp"
@@ -61,71 +62,6 @@ std::string text_for(const SessionProgress& p) {
     return fmt::format("{} {:.0f} of {:.0f}", phase_in_words(p), p.t, p.seconds);
   return fmt::format("{:.1f} of {:.1f} s  {} states known, {} solved  {}", p.t, p.seconds, p.known, p.solved,
                      name(p.label));
-}
-
-std::string share(double value) {
-  return std::isfinite(value) ? fmt::format("{:.1f} %", 100 * value) : "unknown";
-}
-
-// One of the figures that a reader looks for: what it is, its value, its meaning.
-void tell_figure(const Globals& globals, const char* what, const std::string& value,
-                 const std::string& meaning) {
-  say(globals, fmt::format("  {:<9} {:>8}  {}", what, value, meaning));
-}
-
-void tell_figures(const Globals& globals, const SessionSummary& s) {
-  const SessionSummary::Errors &error = s.error.samples, &visits = s.error.first_visit;
-  tell_figure(
-      globals, "error", share(error.p95),
-      fmt::format("of the force, for 95 % of the samples (median {}); below what a hand feels: {} samples, "
-                  "{} first visits",
-                  share(error.p50), share_of_samples(error.within_jnd, error.samples),
-                  share_of_samples(visits.within_jnd, visits.samples)));
-  const SessionSummary::Bars& bars = s.error.bars.all;
-  if (bars.samples > 0)
-    tell_figure(
-        globals, "bars", share(bars.inside[1]),
-        fmt::format("of {} true forces lay inside the 95 % error bars, of half-width {:.2g} N (median)",
-                    bars.samples, bars.width_p50));
-  tell_figure(
-      globals, "safe", share(s.time_in[Label::safe]),
-      fmt::format("of the time among densely known states; sparse {}, gap {}, blank {}; outside the box {}",
-                  share(s.time_in[Label::sparse]), share(s.time_in[Label::gap]),
-                  share(s.time_in[Label::blank]), share(s.motion.outside)));
-  tell_figure(
-      globals, "felt", std::to_string(s.switching.frames_over_jnd),
-      fmt::format("frames in which one of {} changes of model moved the force by more than its bound; "
-                  "clamped {}, slewed {} of the frames",
-                  s.switching.count, share(s.safety.clamped_share), share(s.safety.slewed_share)));
-}
-
-std::string in_words(const SessionSummary::Mesh& mesh) {
-  if (!std::isfinite(mesh.error))
-    return fmt::format("The error of the mesh itself is not known: {}", mesh.how);
-  const std::string range =
-      std::isfinite(mesh.high) ? fmt::format(" ({} to {})", share(mesh.low), share(mesh.high)) : "";
-  return fmt::format("The mesh itself errs by {}{}, not part of these errors; a hand feels {} ({})",
-                     share(mesh.error), range, share(felt_share), mesh.how);
-}
-
-void tell(const Globals& globals, const SessionSummary& s, const std::optional<std::string>& shapes,
-          const fs::path& run) {
-  for (const std::string& line : attention(s)) say(globals, "attention: " + line);
-  say(globals,
-      fmt::format(
-          "{:.3g} s rendered: {} frames ({} clock), {} missed deadlines; {} states known at the start, {} "
-          "solved{}, {} used",
-          s.run.seconds, s.run.frames, s.settings.clock == Clock::real ? "real" : "virtual",
-          s.deadline.missed, s.states.start, s.states.solved,
-          s.states.inverted > 0 ? fmt::format(", {} with inverted elements", s.states.inverted) : "",
-          s.states.used));
-  tell_figures(globals, s);
-  say(globals, in_words(s.error.mesh));
-  if (shapes) say(globals, *shapes);
-  for (const std::string& note : shortened_notes(s.run.notes)) say(globals, note);
-  if (std::error_code problem; fs::exists(run / "report.html", problem))
-    say(globals, fmt::format("report: {}", (run / "report.html").string()));
-  say(globals, look_at_it(globals, run));
 }
 
 // The slices and the state file are made on separate threads while the errors are computed.
@@ -244,7 +180,7 @@ struct RunDocuments {
 
   void show(const std::optional<std::string>& shapes, const fs::path& run) const {
     if (globals.json) return print_json(document);
-    tell(globals, summary, shapes, run);
+    tell_session(globals, summary, shapes, run);
     if (tolerance) say(globals, tolerance_in_words(tolerance_share(result, *tolerance), *tolerance));
   }
 };

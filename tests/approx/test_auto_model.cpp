@@ -269,7 +269,8 @@ TEST_CASE(
 }
 
 // A recording of a winding path: no state lies as far from the rest as such a place does from all.
-TEST_CASE("States are left out however far the wanted places are", "[auto]") {
+TEST_CASE("States are left out however far the wanted places are",
+          "[auto]" SLOW("chooses a model of many sets")) {
   std::vector<Vec3> at, forces;
   for (int i = 0; i < 3000; ++i) {
     const double t = 0.01 * i;

@@ -206,7 +206,8 @@ TEST_CASE("Between the dense lines of a raster the error is that of a smooth fie
 }
 
 // 35 lines of 40 rows at five depths, 4 mm apart: a mean of two depths would be off by 0.07 N.
-TEST_CASE("A mean of rows is of rows of one line", "[measured]") {
+TEST_CASE("A mean of rows is of rows of one line",
+          "[measured]" SLOW("fits fields of hundreds of rows for every group left out")) {
   std::mt19937 random(11);
   std::normal_distribution<double> normal;
   const auto force = [](const Vec3& x) {
@@ -378,7 +379,8 @@ TEST_CASE("Between the few levels of a lattice the bars hold", "[measured]") {
   }
 }
 
-TEST_CASE("A row given twice counts once", "[measured]") {
+TEST_CASE("A row given twice counts once",
+          "[measured]" SLOW("fits fields of hundreds of rows for every group left out")) {
   for (const Variant& v : ten_variants()) {
     const MeasuredCase given = scattered(v);
     std::vector<State> once = given.states(), twice = once;

@@ -11,6 +11,7 @@
 #include "approx/error/offline_bar.hpp"
 #include "approx/methods/evaluate.hpp"
 #include "geometry/common/quantiles.hpp"
+#include "tests/support/slow.hpp"
 
 using namespace forefeel;
 
@@ -104,7 +105,8 @@ TEST_CASE("Bars from check solves hold the true force as often as they say, and 
   }
 }
 
-TEST_CASE("Bars of drawn places hold the true force about as often as they say") {
+TEST_CASE("Bars of drawn places hold the true force about as often as they say",
+          SLOW("judges bars at hundreds of places")) {
   std::array<double, 3> mean{};
   constexpr int sets = 6;
   for (unsigned seed = 0; seed < sets; ++seed) {

@@ -172,7 +172,8 @@ TEST_CASE("Between two strokes a bar knows that the force changes more across th
 }
 
 // The same rows twice, the second time a nanometre beside.
-TEST_CASE("A twin of a row within a millionth of the extent is the same row", "[measured]") {
+TEST_CASE("A twin of a row within a millionth of the extent is the same row",
+          "[measured]" SLOW("fits fields of hundreds of rows for every group left out")) {
   for (const Variant& v : ten_variants()) {
     MeasuredCase given = stroke(v);
     const Evaluation once = evaluate(given.states(), given.points, {.bars = true});

@@ -8,6 +8,7 @@
 #include "approx/model/updater.hpp"
 #include "tests/approx/jumps.hpp"
 #include "tests/approx/sets.hpp"
+#include "tests/support/slow.hpp"
 
 using namespace forefeel;
 using namespace forefeel::testing;
@@ -90,7 +91,8 @@ const std::vector<ModelOptions> models = {
 
 }  // namespace
 
-TEST_CASE("By label: the force is continuous beside planes, lines and lone states") {
+TEST_CASE("By label: the force is continuous beside planes, lines and lone states",
+          SLOW("walks past thin sets micrometre by micrometre")) {
   std::mt19937 random(7);
   std::uniform_real_distribution<double> unit(-1, 1);
   const auto anywhere = [&] { return Vec3(0.08 * unit(random), 0.05 * unit(random), 0.05 * unit(random)); };

@@ -192,14 +192,13 @@ TEST_CASE("a run becomes a series over time that grows with its states", "[class
 TEST_CASE("a series carries forces of states and HIP, and its end is what the run's states give",
           "[classify]") {
   const Workshop shop;
-  REQUIRE(shop.forefeel("session " + source_folder().string() +
-                        "/apps/scenes/liver.toml --clock virtual --cost constant:0.02 --seconds 1 "
-                        "--set state_space.spacing=0.012 --quiet -o run")
+  shop.write("beam.toml", test::beam_scene());
+  REQUIRE(shop.forefeel("session beam.toml --clock virtual --cost constant:0.02 --seconds 1 --quiet -o run")
               .code == 0);
   const auto outcome = shop.forefeel("classify run --snapshots 3 --json");
   REQUIRE(outcome.code == 0);
   const json report = outcome.json();
-  CHECK(report["spacing"] == 0.012);
+  CHECK(report["spacing"] == 0.004);
   const json once = shop.forefeel("classify run/session.states --json --box " +
                                   [&] {
                                     const json box =
@@ -268,7 +267,8 @@ TEST_CASE("the agreement is that of both regions, and nothing is worst where not
 
 TEST_CASE("states of another body, or of another spacing, are not compared silently", "[classify]") {
   const Workshop shop;
-  const std::string scene = test::source_folder() / "apps/scenes/liver.toml";
+  shop.write("beam.toml", test::beam_scene());
+  const std::string scene = "beam.toml";
   REQUIRE(
       shop.forefeel("session " + scene + " --clock virtual --cost constant:0.02 --seconds 0.3 --quiet -o run")
           .code == 0);
@@ -278,7 +278,7 @@ TEST_CASE("states of another body, or of another spacing, are not compared silen
   refused(shop, "run --scene " + scene + " --set material.young=6000", {"run", "another body", "material"});
   CHECK(shop.forefeel("session " + scene +
                       " --clock virtual --cost constant:0.02 --seconds 0.3 --quiet -o wide --set "
-                      "state_space.spacing=0.012")
+                      "state_space.spacing=0.002")
             .code == 0);
   refused(shop, "--diff run/session.states wide/session.states", {"--diff", "--spacing"});
   refused(shop, "run --known wide/session.states", {"--known", "--spacing"});

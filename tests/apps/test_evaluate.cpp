@@ -137,7 +137,7 @@ TEST_CASE("hostile sets of states: every force is finite and below its bound", "
   }
 }
 
-TEST_CASE("states and options that evaluate refuses", "[evaluate]") {
+TEST_CASE("states and options that evaluate refuses", "[evaluate]" SLOW("runs the command fifty times")) {
   const Workshop shop;
   shop.write("points.csv", "x,y,z\n0,0,0\n");
   shop.write("states.csv", "x,y,z,fx,fy,fz\n0,0,0,0,0,0\n0.006,0,0,-1,0,0\n");
@@ -214,7 +214,7 @@ TEST_CASE("evaluate, import and info say that states contradict each other, and 
 
 TEST_CASE(
     "evaluate --method auto says what it chose and the error to expect; it is the default of forces alone",
-    "[evaluate]") {
+    "[evaluate]" SLOW("chooses a model several times")) {
   const Workshop shop;
   std::string states = "x,y,z,fx,fy,fz\n", stiff = "x,y,z,fx,fy,fz,k11,k12,k13,k21,k22,k23,k31,k32,k33\n";
   for (int i = 0; i < 125; ++i) {

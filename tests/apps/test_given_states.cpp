@@ -16,6 +16,7 @@
 #include "geometry/common/types.hpp"
 #include "tests/support/executable.hpp"
 #include "tests/support/skip.hpp"
+#include "tests/support/slow.hpp"
 
 using namespace forefeel::test;
 using nlohmann::json;
@@ -206,7 +207,7 @@ TEST_CASE("a foreign session renders the given states alone: nothing is solved, 
 // 25 presses of 20 rows with noise of 0.02 N and 1 um. A model through the rows takes the noise across a press for a
 // slope of 20,000 N/m.
 TEST_CASE("a session on measured forces renders their field, and its bars are those of the field",
-          "[states]") {
+          "[states]" SLOW("fits fields of hundreds of rows")) {
   const Workshop shop;
   shop.write("beam.toml", beam_scene());
   std::mt19937 random(5);
@@ -248,7 +249,7 @@ TEST_CASE("a session on measured forces renders their field, and its bars are th
 
 // A new user's stroke: f = -100 x along 2 cm, asked along it and 5 mm beside it.
 TEST_CASE("the report of a session on a measured stroke begins with the distance of the hand and its cost",
-          "[states]") {
+          "[states]" SLOW("fits fields of hundreds of rows")) {
   const Workshop shop;
   shop.write("beam.toml", beam_scene());
   std::string rows = "pos_x,pos_y,pos_z,force_x,force_y,force_z\n", on = "t,x,y,z\n", beside = on;

@@ -14,6 +14,7 @@
 #include "scheduling/study/calibration.hpp"
 #include "tests/support/executable.hpp"
 #include "tests/support/paths.hpp"
+#include "tests/support/slow.hpp"
 
 using namespace forefeel;
 using test::beam_scene;
@@ -30,7 +31,8 @@ std::string read(const std::filesystem::path& file) {
 
 }  // namespace
 
-TEST_CASE("the paper's experiments on a small beam", "[laboratory]") {
+TEST_CASE("the paper's experiments on a small beam",
+          "[laboratory]" SLOW("runs all experiments of the paper")) {
   const Workshop shop;
   shop.write("beam.toml", beam_scene());
   const Workshop::Outcome outcome = shop.forefeel(
@@ -138,7 +140,7 @@ TEST_CASE("the paper's experiments on a small beam", "[laboratory]") {
   CHECK(again.json()["experiments"]["extrapolation"] == found["experiments"]["extrapolation"]);
 }
 
-TEST_CASE("sustained speed on the built-in scene", "[laboratory]") {
+TEST_CASE("sustained speed on the built-in scene", "[laboratory]" SLOW("runs sessions at rising speeds")) {
   const Workshop shop;
   const Workshop::Outcome outcome = shop.forefeel(
       "reproduce speed --set body.elements=300 --travel 0.05 --workers 2 --seeds 2 --json --quiet -o out");

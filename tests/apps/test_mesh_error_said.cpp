@@ -64,18 +64,18 @@ TEST_CASE("every command that prints an error says the same of the mesh, measure
   CHECK(std::filesystem::last_write_time(kept(shop)[0]) == before);
 }
 
-TEST_CASE("where the mesh is further off than the error shown, that comes first") {
+TEST_CASE("where the mesh errs by more than a hand feels, that comes first") {
   const Workshop shop;
   shop.write("beam.toml", beam_scene());
   const Workshop::Outcome told = shop.forefeel("session beam.toml" + touch + "--cost constant:0.0001 -o run");
   REQUIRE(told.code == 0);
-  CHECK_THAT(told.out, Catch::StartsWith("attention: the mesh is too coarse for the errors shown") ||
-                           Catch::Contains("\nattention: the mesh is too coarse for the errors shown"));
+  CHECK_THAT(told.out, Catch::StartsWith("attention: the mesh itself errs by") ||
+                           Catch::Contains("\nattention: the mesh itself errs by"));
   const json summary = json::parse(text_of(shop.path() / "run" / "summary.json"));
   REQUIRE(summary["error"]["p95"].get<double>() < summary["discretisation_error"].get<double>());
-  CHECK_THAT(summary["attention"][0].get<std::string>(), Catch::StartsWith("the mesh is too coarse"));
+  CHECK_THAT(summary["attention"][0].get<std::string>(), Catch::StartsWith("the mesh itself errs by"));
   const std::string report = text_of(shop.path() / "run" / "report.html");
-  CHECK(report.find("the mesh is too coarse") < report.find("class=\"tiles\""));
+  CHECK(report.find("the mesh itself errs by") < report.find("class=\"tiles\""));
 }
 
 TEST_CASE("it is the difference that solve finds, and turning it off changes nothing but itself") {

@@ -4,6 +4,7 @@
 #include <string>
 
 #include "contract.hpp"
+#include "tests/support/slow.hpp"
 
 using forefeel::test::beam_scene;
 using forefeel::test::check_refused;
@@ -51,7 +52,8 @@ TEST_CASE("real and virtual runs replay to the same bits by the command", "[repl
   }
 }
 
-TEST_CASE("interrupted and killed runs replay as far as they came", "[replay]") {
+TEST_CASE("interrupted and killed runs replay as far as they came",
+          "[replay]" SLOW("runs sessions in real time")) {
   const Workshop shop;
   shop.write("beam.toml", beam_scene());
   const json cut = run_interrupted(shop, "session beam.toml --clock real --seconds 600 -o cut",

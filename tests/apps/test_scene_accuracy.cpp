@@ -106,7 +106,8 @@ TEST_CASE("the choice of body.accuracy is kept, and keys beside it win",
   CHECK_THAT(never.source.warnings.back(), Contains("body.accuracy") && Contains("0.01 % wanted"));
 }
 
-TEST_CASE("of a volume mesh body.accuracy chooses the fine body alone", "[scene]") {
+TEST_CASE("of a volume mesh body.accuracy chooses the fine body alone",
+          "[scene]" SLOW("makes and solves fine bodies")) {
   const Workshop shop;
   write_mesh(shop.path() / "ball.msh", phantom("ball", 300));
   const Scene scene =

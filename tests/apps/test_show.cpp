@@ -12,6 +12,7 @@
 #include "geometry/coverage/setups.hpp"
 #include "tests/apps/shown_page.hpp"
 #include "tests/apps/vtk_files.hpp"
+#include "tests/support/slow.hpp"
 
 using namespace forefeel::test;
 using nlohmann::json;
@@ -136,7 +137,8 @@ TEST_CASE("node reads the page's scripts, and they unpack the data", "[show]") {
   CHECK(outcome.json()["high"].get<double>() == Approx(1e3 * page.data["box"]["high"][0].get<double>()));
 }
 
-TEST_CASE("the labels of the cut planes are those that classify gives at the cells' centres", "[show]") {
+TEST_CASE("the labels of the cut planes are those that classify gives at the cells' centres",
+          "[show]" SLOW("labels tens of thousands of cells twice")) {
   const Workshop shop;
   if (!has_three(shop)) return;
   const ShownPage page(shop.path() / "try.html");

@@ -6,6 +6,7 @@
 #include "geometry/common/csv_table.hpp"
 #include "tests/support/executable.hpp"
 #include "tests/support/file_text.hpp"
+#include "tests/support/slow.hpp"
 
 using namespace forefeel;
 using test::check_refused;
@@ -116,7 +117,8 @@ TEST_CASE("what is for one place is refused, and what is for a surface elsewhere
 }
 
 TEST_CASE(
-    "states with sites in a table: classified, compared with the body at their sites, refused for another") {
+    "states with sites in a table: classified, compared with the body at their sites, refused for another",
+    SLOW("solves states at many sites")) {
   const Workshop shop;
   shop.write("any.toml", beam("neo-hookean"));
   shop.write("soft.toml", beam("neo-hookean") + "[session]\nseconds = 1\n");

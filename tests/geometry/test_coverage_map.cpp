@@ -11,6 +11,7 @@
 #include "geometry/coverage/coverage_map.hpp"
 #include "geometry/coverage/regions.hpp"
 #include "geometry/coverage/state_space.hpp"
+#include "tests/support/slow.hpp"
 
 using namespace forefeel;
 
@@ -158,7 +159,8 @@ TEST_CASE("a map has the regions of one triangulation of all states") {
 }
 
 // 90 thousand states fill several blocks; their labels are those of the states' own triangulation.
-TEST_CASE("blocks of a map meet without a seam, for any number of threads") {
+TEST_CASE("blocks of a map meet without a seam, for any number of threads",
+          SLOW("makes maps of a hundred thousand states")) {
   const double spacing = 0.0018;
   const std::vector<Vec3> states = scattered(90'000);
   const StateSpaceOptions options{.spacing = spacing, .box = box};

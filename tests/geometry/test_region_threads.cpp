@@ -8,6 +8,7 @@
 
 #include "geometry/coverage/regions.hpp"
 #include "geometry/coverage/state_space.hpp"
+#include "tests/support/slow.hpp"
 
 using namespace forefeel;
 
@@ -66,7 +67,8 @@ TEST_CASE("regions are the same to the last bit for any number of threads") {
   CHECK(same(alone, settled_by(7, seven)));
 }
 
-TEST_CASE("regions that threads settled notice every later state") {
+TEST_CASE("regions that threads settled notice every later state",
+          SLOW("makes regions of thousands of states for several numbers of threads")) {
   StateSpace grown = scattered(6000), fresh = scattered(6000);
   settled_by(3, grown);
   std::mt19937_64 random(8);

@@ -10,6 +10,7 @@
 #include "geometry/meshing/phantom.hpp"
 #include "geometry/meshing/remeshed_body.hpp"
 #include "tests/support/error_of.hpp"
+#include "tests/support/slow.hpp"
 
 using namespace forefeel;
 using test::error_of;
@@ -43,7 +44,8 @@ TEST_CASE("a mesh split in eight keeps volume, boundary and groups") {
   CHECK(sum == Approx(some).epsilon(1e-12));
 }
 
-TEST_CASE("a volume mesh made anew keeps its groups of surface nodes, graded or even") {
+TEST_CASE("a volume mesh made anew keeps its groups of surface nodes, graded or even",
+          SLOW("makes four meshes")) {
   for (const char* name : {"beam", "slab", "ball"}) {
     INFO(name);
     TetMesh mesh = phantom(name, 1500);

@@ -13,7 +13,7 @@ namespace forefeel::house {
 
 constexpr std::size_t least_subjects = 3, most_subjects = 30, most_lines = 400;
 constexpr std::ptrdiff_t most_columns = 120;  // of a comment
-constexpr std::size_t most_rooms = 50, most_arrows = 350;
+constexpr std::size_t most_rooms = 50, most_arrows = 330;
 
 struct SourceFile {
   std::string name;  // relative to the root

@@ -46,6 +46,21 @@ TEST_CASE("a session without a state says that its forces are none of the body")
   CHECK_THAT(lines(result)[0], Catch::StartsWith("no state was solved"));
 }
 
+TEST_CASE("the mesh's own error comes first only where a hand would feel it and where it is the larger one") {
+  SessionSummary summary = summarise(quiet_run(), small_input(), virtual_options(1));
+  summary.error.samples.p95 = 0.0031;
+  summary.error.mesh = {.error = 0.0043, .how = "a finer mesh"};
+  CHECK(attention(summary).empty());
+  summary.error.mesh.error = 0.12;
+  REQUIRE(attention(summary).size() == 1);
+  CHECK_THAT(attention(summary)[0],
+             Catch::StartsWith("the mesh itself errs by 12 % of the force (a finer mesh)"));
+  summary.error.samples.p95 = 0.2;
+  CHECK(attention(summary).empty());
+  summary.error.samples.p95 = unknown;
+  CHECK(attention(summary).size() == 1);
+}
+
 TEST_CASE("what passivity control changes of the force is said, as the errors do not hold it") {
   SessionSummary summary = summarise(quiet_run(), small_input(), virtual_options(1));
   summary.energy.control.added_p50 = 0.2;

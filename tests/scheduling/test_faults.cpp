@@ -27,6 +27,7 @@
 #include "sent_limits.hpp"
 #include "small_body.hpp"
 #include "tests/support/paths.hpp"
+#include "tests/support/slow.hpp"
 
 using namespace forefeel;
 using testing::check_sent;
@@ -124,7 +125,8 @@ SessionSummary check_whole(const SessionResult& result, const SessionInput& inpu
 }  // namespace
 
 TEST_CASE(
-    "a worker that dies is lost and counted, the others go on; without any the loop renders what is known") {
+    "a worker that dies is lost and counted, the others go on; without any the loop renders what is known",
+    SLOW("runs five sessions in real time")) {
   for (const std::size_t deaths : {1, 2}) {
     CAPTURE(deaths);
     SessionInput input = small_input();
@@ -151,7 +153,8 @@ TEST_CASE(
 }
 
 TEST_CASE(
-    "a planner that stands still for two seconds: the force fades out and comes back, and it is counted") {
+    "a planner that stands still for two seconds: the force fades out and comes back, and it is counted",
+    SLOW("waits for a planner that stands still")) {
   struct Sleeper final : Policy {
     std::string_view name() const override { return "sleeper"; }
     double priority(const Candidate& candidate, const PlannerView& view) const override {

@@ -79,7 +79,8 @@ TEST_CASE("slivers of a degree, a beam a fifth as thick, a tip beside the clamp:
   check_solved(beside, 0.9 * least * Vec3(0.6, 0.6, 0.53), 0.001);
 }
 
-TEST_CASE("linear tetrahedra lock as nu tends to 1/2, quadratic ones do not") {
+TEST_CASE("linear tetrahedra lock as nu tends to 1/2, quadratic ones do not",
+          SLOW("solves meshes that are refined three times")) {
   const auto over_truth = [](double poisson, Element element, int refine) {
     const auto force = [&](Element kind, int times) {
       return Solver(block_body(Law::neo_hookean, poisson, times, kind))

@@ -258,7 +258,7 @@ TEST_CASE("A pad's compliance is that of a disc of 0.6523 of its radius") {
   CHECK((1 / soft - 1e3) == Approx((1 - 0.3) / (4 * shear * share * pad_radius)).epsilon(1e-5));
 }
 
-TEST_CASE("A pad on a deep block is springs on a half-space") {
+TEST_CASE("A pad on a deep block is springs on a half-space", SLOW("solves a fine block")) {
   const double exact = 1 / springs_on_half_space(1000, pad_radius, 5000 / 2.6, 0.3);
   CHECK(compliance_of_half_space(7, 0.3, 1000) == Approx(exact).epsilon(0.01));
   // soft springs in series with the disc

@@ -1,0 +1,84 @@
+#include "apps/session/session_screen.hpp"
+
+#include <fmt/format.h>
+
+#include <cmath>
+#include <system_error>
+
+#include "apps/console/look_at_it.hpp"
+#include "scheduling/record/attention.hpp"
+#include "scheduling/record/notes.hpp"
+
+namespace forefeel {
+namespace {
+
+std::string share(double value) {
+  if (!std::isfinite(value)) return "unknown";
+  return value > 0 && value < 1e-3 ? fmt::format("{:.2g} %", 100 * value)
+                                   : fmt::format("{:.1f} %", 100 * value);
+}
+
+// One of the figures that a reader looks for: what it is, its value, its meaning.
+void tell_figure(const Globals& globals, const char* what, const std::string& value,
+                 const std::string& meaning) {
+  say(globals, fmt::format("  {:<9} {:>8}  {}", what, value, meaning));
+}
+
+void tell_figures(const Globals& globals, const SessionSummary& s) {
+  const SessionSummary::Errors &error = s.error.samples, &visits = s.error.first_visit;
+  tell_figure(
+      globals, "error", share(error.p95),
+      fmt::format("of the force, for 95 % of the samples (median {}); below what a hand feels: {} samples, "
+                  "{} first visits",
+                  share(error.p50), share_of_samples(error.within_jnd, error.samples),
+                  share_of_samples(visits.within_jnd, visits.samples)));
+  const SessionSummary::Bars& bars = s.error.bars.all;
+  if (bars.samples > 0)
+    tell_figure(
+        globals, "bars", share(bars.inside[1]),
+        fmt::format("of {} true forces lay inside the 95 % error bars, of half-width {:.2g} N (median)",
+                    bars.samples, bars.width_p50));
+  tell_figure(
+      globals, "safe", share(s.time_in[Label::safe]),
+      fmt::format("of the time among densely known states; sparse {}, gap {}, blank {}; outside the box {}",
+                  share(s.time_in[Label::sparse]), share(s.time_in[Label::gap]),
+                  share(s.time_in[Label::blank]), share(s.motion.outside)));
+  tell_figure(
+      globals, "felt", std::to_string(s.switching.frames_over_jnd),
+      fmt::format("frames in which one of {} changes of model moved the force by more than its bound; "
+                  "clamped {}, slewed {} of the frames",
+                  s.switching.count, share(s.safety.clamped_share), share(s.safety.slewed_share)));
+}
+
+std::string in_words(const SessionSummary::Mesh& mesh) {
+  if (!std::isfinite(mesh.error))
+    return fmt::format("The error of the mesh itself is not known: {}", mesh.how);
+  const std::string range =
+      std::isfinite(mesh.high) ? fmt::format(" ({} to {})", share(mesh.low), share(mesh.high)) : "";
+  return fmt::format("The mesh itself errs by {}{}, not part of these errors; a hand feels {} ({})",
+                     share(mesh.error), range, share(felt_share), mesh.how);
+}
+
+}  // namespace
+
+void tell_session(const Globals& globals, const SessionSummary& s, const std::optional<std::string>& shapes,
+                  const fs::path& run) {
+  for (const std::string& line : attention(s)) say(globals, "attention: " + line);
+  say(globals,
+      fmt::format(
+          "{:.3g} s rendered: {} frames ({} clock), {} missed deadlines; {} states known at the start, {} "
+          "solved{}, {} used",
+          s.run.seconds, s.run.frames, s.settings.clock == Clock::real ? "real" : "virtual",
+          s.deadline.missed, s.states.start, s.states.solved,
+          s.states.inverted > 0 ? fmt::format(", {} with inverted elements", s.states.inverted) : "",
+          s.states.used));
+  tell_figures(globals, s);
+  say(globals, in_words(s.error.mesh));
+  if (shapes) say(globals, *shapes);
+  for (const std::string& note : shortened_notes(s.run.notes)) say(globals, note);
+  if (std::error_code problem; fs::exists(run / "report.html", problem))
+    say(globals, fmt::format("report: {}", (run / "report.html").string()));
+  say(globals, look_at_it(globals, run));
+}
+
+}  // namespace forefeel
