@@ -87,7 +87,7 @@ TEST_CASE("at most 50 rooms, and at most 330 arrows between them", "[rooms]") {
     includes.push_back({room(from) + "/a.cpp", 1, room(to) + "/a.hpp", true});
   };
   for (std::size_t i = 0; i < 50; ++i)
-    for (std::size_t j = 1; j <= 7; ++j) arrow(i, (i + j) % 50);
+    for (std::size_t j = 1; j <= (i < 30 ? 7u : 6u); ++j) arrow(i, (i + j) % 50);
   arrow(0, 1);  // there already
   CHECK(too_many_rooms_or_arrows(includes).empty());
   arrow(0, 8);
