@@ -15,6 +15,7 @@ from concurrent.futures import ThreadPoolExecutor
 
 SOURCE = pathlib.Path(__file__).resolve().parent.parent
 BUILD = SOURCE / "build" / "develop"
+DOOR = {"forefeel/forefeel.hpp": "scheduling/forefeel.hpp", "forefeel/command.hpp": "apps/main/command_main.hpp"}
 STAMP = pathlib.Path(os.environ.get("XDG_CACHE_HOME") or pathlib.Path.home() / ".cache") / "forefeel" / "clang-green"
 
 
@@ -29,7 +30,8 @@ def changed():
     if difference is None or difference.returncode != 0:
         return None
     names = set(difference.stdout.split()) | set(git("ls-files", "--others", "--exclude-standard").stdout.split())
-    return None if any("CMake" in name or name.endswith(".cmake") for name in names) else names
+    generated = ("CMakeLists.txt", "CMakePresets.json", ".cmake", ".in", ".js", ".css", ".html")
+    return None if any(name.endswith(generated) for name in names) else names
 
 
 def includers(names):
@@ -38,8 +40,8 @@ def includers(names):
              if (SOURCE / name).exists()]
     by_name = {}   # "geometry/common/types.hpp" or "small_body.hpp" -> files that include it
     for file in files:
-        for included in re.findall(r'^#include "([^"]+)"', (SOURCE / file).read_text(), re.M):
-            by_name.setdefault(included, []).append(file)
+        for included in re.findall(r'^#include ["<]([^">]+)[">]', (SOURCE / file).read_text(), re.M):
+            by_name.setdefault(DOOR.get(included, included), []).append(file)
     found, open_ = set(names), list(names)
     while open_:
         name = open_.pop()

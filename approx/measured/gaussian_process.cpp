@@ -16,7 +16,7 @@ using Eigen::VectorXd;
 using Forces = Eigen::Matrix<double, Eigen::Dynamic, 3>;
 
 constexpr double unlikely = std::numeric_limits<double>::infinity();
-constexpr double almost_exact = 1e-9;  // noise of exact forces, in their root mean squared_of
+constexpr double almost_exact = 1e-9;  // noise of exact forces, in their root mean square
 constexpr double least_noise_ratio = 1e-12, most_ratio = 1e3;  // (sigma / a)^2
 constexpr int most_steps = 45;                                 // of the simplex
 

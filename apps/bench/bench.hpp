@@ -1,5 +1,5 @@
 #pragma once
-// The benches of `forefeel bench`. Each prints its rows and returns the exit code. An empty scene name
+// The benches of `forefeel-bench`. Each prints its rows and returns the exit code. An empty scene name
 // selects the built-in scene.
 
 #include <cstddef>

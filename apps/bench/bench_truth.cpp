@@ -95,7 +95,7 @@ class NothingKept {
     const char* const given = std::getenv("XDG_CACHE_HOME");
     if (given) before_ = given;
     if (folder_.path().empty())
-      throw InputError("bench truth", "found no room for its temporary files, expected a folder to write to");
+      throw InputError("truth", "found no room for its temporary files, expected a folder to write to");
     setenv("XDG_CACHE_HOME", folder_.path().c_str(), 1);
   }
   ~NothingKept() { before_ ? setenv("XDG_CACHE_HOME", before_->c_str(), 1) : unsetenv("XDG_CACHE_HOME"); }

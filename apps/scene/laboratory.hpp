@@ -1,5 +1,5 @@
 #pragma once
-// Shared by the commands that run experiments (`reproduce`, `bench switch`, the calibration of labels): a
+// Shared by the commands that run experiments (`reproduce`, `forefeel-bench switch`, the calibration of labels): a
 // scene, given or built in, and states cached on disk between runs.
 
 #include <functional>

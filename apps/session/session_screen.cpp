@@ -55,8 +55,8 @@ std::string in_words(const SessionSummary::Mesh& mesh) {
     return fmt::format("The error of the mesh itself is not known: {}", mesh.how);
   const std::string range =
       std::isfinite(mesh.high) ? fmt::format(" ({} to {})", share(mesh.low), share(mesh.high)) : "";
-  return fmt::format("The mesh itself errs by {}{}, not part of these errors; a hand feels {} ({})",
-                     share(mesh.error), range, share(felt_share), mesh.how);
+  return fmt::format("The mesh itself errs by {}{} ({}), not part of these errors; a hand feels {}",
+                     share(mesh.error), range, mesh.how, share(felt_share));
 }
 
 }  // namespace

@@ -67,11 +67,14 @@ void add_short_bars(const SessionSummary::ErrorBars& bars, std::vector<std::stri
 }
 
 std::string coarse(const SessionSummary::Mesh& mesh, double shown) {
-  return fmt::format(
-      "the mesh itself errs by {:.2g} % of the force ({}), and a hand feels {:.2g} %; the errors below do "
-      "not "
-      "contain it: the rendered force is within {:.2g} % of the force on this mesh (p95)",
-      100 * mesh.error, mesh.how, 100 * felt_share, 100 * shown);
+  std::string line = fmt::format(
+      "the mesh itself errs by {:.2g} % of the force ({}), and a hand feels {:.2g} %; the errors below leave "
+      "that out",
+      100 * mesh.error, mesh.how, 100 * felt_share);
+  if (std::isfinite(shown))
+    line +=
+        fmt::format(": the rendered force is within {:.2g} % of the force on this mesh (p95)", 100 * shown);
+  return line;
 }
 
 // "3 frames", "1 frame".

@@ -12,6 +12,7 @@
 #include "tests/support/executable.hpp"
 #include "tests/support/paths.hpp"
 #include "tests/support/skip.hpp"
+#include "tests/support/slow.hpp"
 
 using namespace forefeel;
 using namespace forefeel::test;
@@ -129,7 +130,8 @@ TEST_CASE("pictures hold three slices, four classes of their own hatching and a 
   CHECK(text_of(shop.path() / "out.png").starts_with("\x89PNG"));
 }
 
-TEST_CASE("--diff says from which label to which, in volumes and in a file", "[classify]") {
+TEST_CASE("--diff says from which label to which, in volumes and in a file",
+          "[classify]" SLOW("compares with VTK, which only run.sh all installs")) {
   const Workshop shop;
   shop.write("blank.csv", setup_csv("blank"));
   shop.write("gap.csv", setup_csv("gap"));
@@ -151,7 +153,8 @@ TEST_CASE("--diff says from which label to which, in volumes and in a file", "[c
   CHECK(seen[0]["cell_data"]["label_before"]["max"] == 3);
 }
 
-TEST_CASE("a run becomes a series over time that grows with its states", "[classify]") {
+TEST_CASE("a run becomes a series over time that grows with its states",
+          "[classify]" SLOW("compares with VTK, which only run.sh all installs")) {
   const Workshop shop;
   const Setup setup = make_setup("full", {.depth = 2, .half_width = 2, .width = 0.012});
   std::filesystem::create_directories(shop.path() / "run");
@@ -190,7 +193,7 @@ TEST_CASE("a run becomes a series over time that grows with its states", "[class
 }
 
 TEST_CASE("a series carries forces of states and HIP, and its end is what the run's states give",
-          "[classify]") {
+          "[classify]" SLOW("compares with VTK, which only run.sh all installs")) {
   const Workshop shop;
   shop.write("beam.toml", test::beam_scene());
   REQUIRE(shop.forefeel("session beam.toml --clock virtual --cost constant:0.02 --seconds 1 --quiet -o run")

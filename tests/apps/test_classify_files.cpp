@@ -7,6 +7,7 @@
 
 #include "geometry/coverage/setups.hpp"
 #include "tests/apps/vtk_files.hpp"
+#include "tests/support/slow.hpp"
 
 using namespace forefeel;
 using namespace forefeel::test;
@@ -39,7 +40,8 @@ std::vector<Vec3> strewn() {
 
 }  // namespace
 
-TEST_CASE("the files of classify open in VTK, with labels whose volumes are those reported", "[classify]") {
+TEST_CASE("the files of classify open in VTK, with labels whose volumes are those reported",
+          "[classify]" SLOW("compares with VTK, which only run.sh all installs")) {
   const Workshop shop;
   shop.write("gap.csv", setup_csv("gap"));
   const json report = shop.forefeel("classify gap.csv --spacing 0.006 -o out.vtu --json").json();
@@ -64,7 +66,7 @@ TEST_CASE("the files of classify open in VTK, with labels whose volumes are thos
 }
 
 TEST_CASE("in the .vtu of regions, what is connected over points are the components, and labels have names",
-          "[classify]") {
+          "[classify]" SLOW("compares with VTK, which only run.sh all installs")) {
   const Workshop shop;
   shop.write("gap.csv", setup_csv("gap"));
   shop.write("strewn.csv", csv(strewn()));
@@ -81,7 +83,8 @@ TEST_CASE("in the .vtu of regions, what is connected over points are the compone
   }
 }
 
-TEST_CASE("the .vtu of states holds no array of values that are not known", "[classify]") {
+TEST_CASE("the .vtu of states holds no array of values that are not known",
+          "[classify]" SLOW("compares with VTK, which only run.sh all installs")) {
   const Workshop shop;
   shop.write("four.csv", csv({{0, 0, 0}, {0.01, 0, 0}, {0, 0.01, 0}, {0, 0, 0.01}}));
   REQUIRE(shop.forefeel("classify four.csv --spacing 0.01 -o out.vtu").code == 0);

@@ -9,6 +9,7 @@
 #include "tests/apps/shown_page.hpp"
 #include "tests/apps/vtk_files.hpp"
 #include "tests/support/skip.hpp"
+#include "tests/support/slow.hpp"
 
 using namespace forefeel::test;
 using nlohmann::json;
@@ -25,7 +26,8 @@ json series(const Workshop& shop, const std::string& run) {
 
 }  // namespace
 
-TEST_CASE("a session with shapes: VTK opens the series, and the numbers are in the summary", "[shapes]") {
+TEST_CASE("a session with shapes: VTK opens the series, and the numbers are in the summary",
+          "[shapes]" SLOW("compares with VTK, which only run.sh all installs")) {
   const Workshop shop;
   shop.write("beam.toml", beam_scene());
   const json summary = run_json(shop, "session beam.toml --shape-rate 30 -o run" + press);
@@ -56,7 +58,8 @@ TEST_CASE("a session with shapes: VTK opens the series, and the numbers are in t
   REQUIRE(shop.forefeel("show beam.toml -o beam.vtu --quiet").code == 0);
 }
 
-TEST_CASE("the whole body: tetrahedra of all nodes, from the scene's own keys", "[shapes]") {
+TEST_CASE("the whole body: tetrahedra of all nodes, from the scene's own keys",
+          "[shapes]" SLOW("compares with VTK, which only run.sh all installs")) {
   const Workshop shop;
   shop.write("beam.toml",
              beam_scene("[session]\nshape_rate = 25\nshape_surface = false\nshape_checks = 2\n"));
@@ -120,7 +123,8 @@ TEST_CASE("somebody's own file named shape.csv is not replaced", "[shapes]") {
   CHECK(bytes_of(shop.path() / "run/shape.csv") == "mine\n");
 }
 
-TEST_CASE("show draws the recorded shapes over time", "[shapes]") {
+TEST_CASE("show draws the recorded shapes over time",
+          "[shapes]" SLOW("compares with VTK, which only run.sh all installs")) {
   const Workshop shop;
   shop.write("beam.toml", beam_scene());
   REQUIRE(shop.forefeel("session beam.toml --shape-rate 30 -o run" + press).code == 0);

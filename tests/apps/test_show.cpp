@@ -107,7 +107,8 @@ TEST_CASE("the page of a scene needs no other file, and holds body, clamp, conta
   CHECK(middle / n == Approx(0).margin(1e-6));
 }
 
-TEST_CASE("node reads the page's scripts, and they unpack the data", "[show]") {
+TEST_CASE("node reads the page's scripts, and they unpack the data",
+          "[show]" SLOW("runs node, which only run.sh all installs")) {
   const Workshop shop;
   if (!has_three(shop)) return;
   if (!has_command("node")) return skip("node is not installed");
@@ -261,7 +262,7 @@ TEST_CASE("the stills hold what the page holds, as SVG and as PNG", "[show]") {
 }
 
 TEST_CASE("the .vtu of show holds the body with clamp and contact, and labels, states and path beside it",
-          "[show]") {
+          "[show]" SLOW("compares with VTK, which only run.sh all installs")) {
   const Workshop shop;
   shop.write("beam.toml", beam_scene());
   REQUIRE(shop.forefeel("session beam.toml --clock virtual --seconds 0.3 --cost constant:0.02 --quiet -o run")

@@ -11,6 +11,7 @@
 #include "tests/apps/shown_page.hpp"
 #include "tests/apps/vtk_files.hpp"
 #include "tests/support/skip.hpp"
+#include "tests/support/slow.hpp"
 
 using namespace forefeel::test;
 using forefeel::Vec3;
@@ -139,7 +140,8 @@ TEST_CASE("across an edge the springs shown fall with the angle to the mean norm
   CHECK(on_side > 20);
 }
 
-TEST_CASE("in the page's scene the pad has its colours and follows the surface", "[show]") {
+TEST_CASE("in the page's scene the pad has its colours and follows the surface",
+          "[show]" SLOW("runs node, which only run.sh all installs")) {
   const Workshop shop;
   write_scene(shop, "pad.toml", 0.011);
   json report;
@@ -180,7 +182,8 @@ TEST_CASE("in the page's scene the pad has its colours and follows the surface",
     }
 }
 
-TEST_CASE("the still and the .vtu of a body under a pad show its springs", "[show]") {
+TEST_CASE("the still and the .vtu of a body under a pad show its springs",
+          "[show]" SLOW("compares with VTK, which only run.sh all installs")) {
   const Workshop shop;
   write_scene(shop, "pad.toml", 0.011);
   const json report = shop.forefeel("show pad.toml -o pad.svg --json").json();
