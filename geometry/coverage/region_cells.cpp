@@ -135,7 +135,7 @@ struct Facets {
 
 // Marks the cells of a component that must be cut for its parts (`set`) to be connected.
 void mark_part(const std::vector<Cell>& cells, const std::vector<std::uint32_t>& members,
-          const std::vector<std::uint32_t>& set, std::vector<unsigned>& cut) {
+               const std::vector<std::uint32_t>& set, std::vector<unsigned>& cut) {
   std::map<std::uint32_t, std::size_t> size;
   for (const std::uint32_t i : members) ++size[set[i]];
   if (size.size() < 2) return;

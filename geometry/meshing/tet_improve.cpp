@@ -275,8 +275,9 @@ class Improver {
     if (n < 3) return std::nullopt;
     double before = 1;
     for (const TetIndex t : tets) before = std::min(before, shape_of(mesh_.tets[t]));
-    if (before > 0.5) return std::nullopt;                                    // 30 degrees: good enough
-    const bool upward = volume_shape(at(nodes[0]), at(nodes[1]), at(p), at(q)) > 0;  // ring turns about p -> q
+    if (before > 0.5) return std::nullopt;  // 30 degrees: good enough
+    const bool upward =
+        volume_shape(at(nodes[0]), at(nodes[1]), at(p), at(q)) > 0;  // ring turns about p -> q
     const auto pair_of = [&](std::size_t i, std::size_t k, std::size_t j) {
       const NodeIndex a = nodes[i], b = nodes[k], c = nodes[j];
       return upward ? std::array<Tet, 2>{Tet{a, b, c, q}, Tet{a, c, b, p}}
