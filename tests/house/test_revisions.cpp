@@ -34,7 +34,7 @@ void write_project(const Workshop& shop, const std::string& patterns) {
 }
 
 std::string digest_of(const Workshop& shop) {
-  REQUIRE(shop.shell("cmake -S . -B build").code == 0);
+  REQUIRE(shop.shell("cmake -G Ninja -S . -B build").code == 0);
   return text_of(shop.path() / "digest.txt");
 }
 
@@ -53,7 +53,7 @@ TEST_CASE("a digest changes with each file that it covers, and covers at least o
   shop.write("rooms/two/b.hpp", "int c;  // a comment");
   CHECK(digest_of(shop) != before);
   write_project(shop, "rooms/*.cpp");
-  const Workshop::Outcome refused = shop.shell("cmake -S . -B build");
+  const Workshop::Outcome refused = shop.shell("cmake -G Ninja -S . -B build");
   CHECK(refused.code != 0);
   CHECK_THAT(refused.err, Catch::Contains("a revision covers no file"));
 }
