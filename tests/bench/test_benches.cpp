@@ -120,8 +120,9 @@ TEST_CASE("bench solver: a shrunk lattice and a single state, where all solvers 
   const json one = run_bench(shop, "solver beam.toml --states 1");
   REQUIRE(one["rows"].size() == 2);
   for (const json& row : one["rows"]) {
-    check_keys(row, {"name", "baseline", "ratio", "ours_us", "baseline_us", "error.max", "ours_bytes",
-                     "baseline_bytes"});
+    for (const char* key :
+         {"name", "baseline", "ratio", "ours_us", "baseline_us", "ours_bytes", "baseline_bytes"})
+      CHECK(row.contains(key));
     CHECK(row["error"]["max"] < 1e-5);
     CHECK(row["ours_bytes"] > 0);
   }
