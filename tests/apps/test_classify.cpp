@@ -222,7 +222,7 @@ TEST_CASE("a series carries forces of states and HIP, and its end is what the ru
 }
 
 TEST_CASE("built-in sets bring their boxes: blank is blank beyond its slab, holes may have blank middles",
-          "[classify]") {
+          "[classify]" SLOW("labels every built-in set")) {
   const Workshop shop;
   const json blank = shop.forefeel("classify setup:blank --json").json();
   CHECK(blank["volume"]["blank"].get<double>() > 4e-4);

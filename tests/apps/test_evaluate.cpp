@@ -258,7 +258,8 @@ TEST_CASE(
   CHECK(number_before(told, " comparisons with known forces") > 125);
 }
 
-TEST_CASE("the time of a fit is that of models that were made, and their number is told", "[evaluate]") {
+TEST_CASE("the time of a fit is that of models that were made, and their number is told",
+          "[evaluate]" SLOW("fits models at thousands of points")) {
   const Workshop shop;
   std::string states = "x,y,z,fx,fy,fz\n", points = "x,y,z\n";
   for (const int i : {0, 1, 2, 3, 4, 5})

@@ -12,6 +12,7 @@
 #include "tests/support/paths.hpp"
 #include "tests/support/sanitized.hpp"
 #include "tests/support/skip.hpp"
+#include "tests/support/slow.hpp"
 
 namespace forefeel::test {
 
@@ -256,7 +257,8 @@ TEST_CASE("a state file is not replaced by a table, nor a stranger's file set as
   CHECK(read_text_file(shop.path() / "own/session.states") == "mine");
 }
 
-TEST_CASE("a disk that fills during generate: what is kept is counted, and a rerun resumes", "[streams]") {
+TEST_CASE("a disk that fills during generate: what is kept is counted, and a rerun resumes",
+          "[streams]" SLOW("waits for a disk that fills")) {
   const Workshop shop;
   shop.write("beam.toml", beam_scene());
   struct Way {
