@@ -1,7 +1,7 @@
 #include "geometry/common/dense.hpp"
 
 #include <Eigen/Dense>
-#include <unsupported/Eigen/MatrixFunctions>
+#include <cmath>
 
 namespace forefeel {
 
@@ -9,10 +9,6 @@ using Eigen::MatrixXd;
 
 MatrixXd solved(const MatrixXd& a, const MatrixXd& b) {
   return a.partialPivLu().solve(b);
-}
-
-MatrixXd inverse_of(const MatrixXd& a) {
-  return a.fullPivLu().inverse();
 }
 
 MatrixXd least_squares(const MatrixXd& a, const MatrixXd& b) {
@@ -75,16 +71,15 @@ Mat3 square_root_of(const Mat3& a) {
   return Eigen::SelfAdjointEigenSolver<Mat3>(a).operatorSqrt();
 }
 
-Eigen::VectorXd singular_values_of(const MatrixXd& a) {
-  return a.bdcSvd().singularValues();
-}
-
-double spectral_radius_of(const MatrixXd& a) {
-  return a.eigenvalues().cwiseAbs().maxCoeff();
-}
-
-MatrixXd exponential_of(const MatrixXd& a) {
-  return a.exp();
+double spectral_radius_of(MatrixXd a) {
+  double logarithm = 0, share = 1;
+  for (int k = 0; k < 40; ++k, share /= 2) {
+    const double norm = a.norm();
+    if (!(norm > 0)) return 0;
+    logarithm += share * std::log(norm);
+    a = (a / norm) * (a / norm);
+  }
+  return std::exp(logarithm);
 }
 
 Mat3 turn_between(const Vec3& from, const Vec3& to) {

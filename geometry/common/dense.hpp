@@ -11,7 +11,6 @@ namespace forefeel {
 
 // X of A X = B, A square and regular (LU, partial pivoting).
 Eigen::MatrixXd solved(const Eigen::MatrixXd& a, const Eigen::MatrixXd& b);
-Eigen::MatrixXd inverse_of(const Eigen::MatrixXd& a);  // of a square, regular A (LU, full pivoting)
 // X of least |A X - B| (QR, column pivoting).
 Eigen::MatrixXd least_squares(const Eigen::MatrixXd& a, const Eigen::MatrixXd& b);
 // The same X with the least |X| if A does not determine it. threshold: pivots below it, relative to the largest, are 0;
@@ -53,9 +52,8 @@ struct Modes3 {
 Modes3 axes_of(const Mat3& a);
 Mat3 square_root_of(const Mat3& a);  // of a symmetric, positive definite A
 
-Eigen::VectorXd singular_values_of(const Eigen::MatrixXd& a);  // descending
-double spectral_radius_of(const Eigen::MatrixXd& a);           // largest modulus of an eigenvalue
-Eigen::MatrixXd exponential_of(const Eigen::MatrixXd& a);
+// Largest modulus of an eigenvalue, to about 1e-9 of it: lim |A^n|^(1/n), by 40 squarings.
+double spectral_radius_of(Eigen::MatrixXd a);
 Mat3 turn_between(const Vec3& from,
                   const Vec3& to);  // the least rotation that takes one direction to the other
 

@@ -54,6 +54,16 @@ class DelayedDevice final : public Device {
   std::size_t next_ = 0;
 };
 
+// e^(A T), A = (0 1; -k/m -b/m): (x, v) of a free mass, damper and spring after the time T. With s = b / 2m, B = A + s
+// and w^2 = k/m - s^2 it is e^(-sT) (cos wT + B sin(wT) / w), since B^2 = -w^2.
+Eigen::Matrix2d swung(double m, double b, double k, double time) {
+  const double s = b / (2 * m), square = k / m - s * s, turn = std::sqrt(std::abs(square)) * time;
+  const double even = square > 0 ? std::cos(turn) : std::cosh(turn);
+  const double odd = turn > 1e-9 ? time * (square > 0 ? std::sin(turn) : std::sinh(turn)) / turn : time;
+  const Eigen::Matrix2d shifted = (Eigen::Matrix2d() << s, 1, -k / m, -b / m + s).finished();
+  return std::exp(-s * time) * (even * Eigen::Matrix2d::Identity() + odd * shifted);
+}
+
 // Largest modulus of the eigenvalues of one frame of (x, v, F_{k-1}, ..., F_{k-n}) under F_k = -K x_k.
 double growth(const Eigen::Matrix2d& free, double plant_stiffness, double stiffness, std::size_t late) {
   const auto n = static_cast<Eigen::Index>(late) + 2;
@@ -86,8 +96,7 @@ double delayed_limit(const LoopPlant& plant, double frame, std::size_t frames_la
   if (frames_late == 0) return sampled_limit(plant, frame);
   const double m = plant.mass, b = plant.damping, k = plant.stiffness;
   if (!(m > 0 && b >= 0 && k > 0)) return std::numeric_limits<double>::quiet_NaN();
-  const Eigen::Matrix2d rates = (Eigen::Matrix2d() << 0, 1, -k / m, -b / m).finished();
-  const Eigen::Matrix2d free = exponential_of(rates * frame);
+  const Eigen::Matrix2d free = swung(m, b, k, frame);
   double stable = 0, unstable = std::max(1.0, 4 * sampled_limit(plant, frame));
   if (growth(free, k, unstable, frames_late) <= 1) return unstable;
   for (int i = 0; i < 60; ++i) {

@@ -49,8 +49,8 @@ double condition_of(int degree) {
   Matrix m = monomials(degree);
   for (Eigen::Index k = 0; k < m.rows(); ++k)
     m.row(k) /= std::pow(path_lengths()[static_cast<std::size_t>(k)], degree);
-  const Eigen::VectorXd s = singular_values_of(m);
-  return s[0] / s[s.size() - 1];
+  const Eigen::VectorXd squares = modes_of(m.transpose() * m).values;  // of the singular values, ascending
+  return std::sqrt(squares[squares.size() - 1] / squares[0]);
 }
 
 }  // namespace
@@ -80,7 +80,8 @@ void set_fourth(std::span<const double, path_direction_count> values, EnergyJet&
 }
 
 void set_fifth(std::span<const double, path_direction_count> values, EnergyJet& jet) {
-  static const Matrix inverse = inverse_of(monomials(5));
+  constexpr auto count = static_cast<Eigen::Index>(path_direction_count);
+  static const Matrix inverse = solved(monomials(5), Matrix::Identity(count, count));
   set(inverse, values, jet.coefficients.data() + 25);
 }
 
