@@ -146,7 +146,9 @@ TEST_CASE("forefeel-bench refuses what a bench does not take",
           "[bench]" SLOW("runs forefeel-bench, which only run.sh all builds")) {
   const Workshop shop;
   shop.write("beam.toml", beam_scene());
-  shop.write("anywhere.toml", beam_scene("[contact]\nanywhere = true\nradius = 0.008\npad = 1000.0\n"));
+  shop.write("anywhere.toml",
+             "[body]\nphantom = \"beam\"\nelements = 240\n[material]\nlaw = \"neo-hookean\"\nyoung = 5000.0\n"
+             "poisson = 0.3\n[contact]\nanywhere = true\npad = 400.0\nradius = 0.012\n");
   shop.write("taken.csv", "x\n");
   check_bench_refused(shop, "solvr", {"'solvr'", "did you mean 'solver'", "approx, solver, coverage"});
   check_bench_refused(shop, "", {"none given", "approx"});
