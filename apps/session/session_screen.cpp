@@ -3,6 +3,7 @@
 #include <fmt/format.h>
 
 #include <cmath>
+#include <filesystem>
 #include <system_error>
 
 #include "apps/console/look_at_it.hpp"
@@ -11,6 +12,8 @@
 
 namespace forefeel {
 namespace {
+
+namespace fs = std::filesystem;
 
 std::string share(double value) {
   if (!std::isfinite(value)) return "unknown";
