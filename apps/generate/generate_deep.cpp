@@ -7,10 +7,10 @@
 namespace forefeel {
 namespace {
 
-constexpr std::size_t checked = 100;        // fresh places of a round;
+constexpr std::size_t fresh_places = 100;  // of a round;
 constexpr std::size_t checked_again = 400;  // these and more, where they are within the error: they decide
 constexpr std::size_t looked_at = 1000;     // places of a round among which the worst are found
-constexpr std::size_t states_a_round = 50;  // beside the checked ones
+constexpr std::size_t states_a_round = 50;  // beside the fresh ones
 constexpr double sites_a_round = 0.25;      // of the field's
 constexpr int most_rounds = 200, patience = 10;  // rounds over which p95 must have become better
 constexpr unsigned first_seed = 7, others = 1000;
@@ -46,18 +46,18 @@ DeepRounds refine_to(const DeepWork& work) {
     const auto seed = static_cast<unsigned>(round);
     std::vector<SitedPlace> fresh;
     std::vector<State> solved, measured;
-    for (const std::size_t count : {checked, checked_again}) {
+    for (const std::size_t count : {fresh_places, checked_again}) {
       fresh = work.places(count, first_seed + seed);  // those before, and more
       solved = work.solve(fresh);
       if (work.stop.stop_requested()) return result;
       measured = counting(fresh, solved);
       result.error = field_errors(*result.known, measured, work.floor);
       work.tell(round, result.error.p95);
-      if (count == checked) p95.push_back(result.error.p95);
+      if (count == fresh_places) p95.push_back(result.error.p95);
       if (!(result.error.p95 <= work.error)) break;
     }
     if (result.error.states == 0 || round == most_rounds) return result;
-    if (fresh.size() > checked && result.error.surely_within(work.error)) return result;
+    if (fresh.size() > fresh_places && result.error.surely_within(work.error)) return result;
     if (helps_no_longer(p95)) return result;
 
     ++result.rounds;

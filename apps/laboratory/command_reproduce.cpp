@@ -82,7 +82,7 @@ std::string page(const Laboratory& laboratory, const std::string& sections) {
 }
 
 // Checks made before anything is written.
-ReproduceOptions checked(const ReproduceArguments& arguments) {
+ReproduceOptions checked_options(const ReproduceArguments& arguments) {
   ReproduceOptions options = arguments.options;
   if (!std::isfinite(options.interval))
     throw InputError("--interval", fmt::format("is {}, expected 0.05 to 3600 s", options.interval));
@@ -120,7 +120,7 @@ void refuse_unused(const std::string& what, const Command& sub) {
 int run_reproduce(const Globals& globals, const ReproduceArguments& arguments, const Command& sub) {
   const std::vector<Experiment> wanted = chosen(arguments.what);
   refuse_unused(arguments.what, sub);
-  const ReproduceOptions options = checked(arguments);
+  const ReproduceOptions options = checked_options(arguments);
   if (wanted.back().name == "speed") check_speed_overrides(globals);
   Laboratory laboratory(globals, arguments.scene);
   const fs::path folder = arguments.output;

@@ -100,7 +100,7 @@ Rows solved(const std::vector<Candidate>& meshes, const Vec3& x, Progress& progr
   return rows;
 }
 
-struct Findings {
+struct MeshStudyFindings {
   Rows rows;
   MeshLimit limit;
   std::optional<std::size_t> best;
@@ -113,7 +113,7 @@ nlohmann::ordered_json row_json(const MeshStudyRow& row) {
           {"seconds", number(row.seconds)}, {"remeshed", row.remeshed}};
 }
 
-nlohmann::ordered_json to_json(const Findings& found, double error) {
+nlohmann::ordered_json to_json(const MeshStudyFindings& found, double error) {
   nlohmann::ordered_json document{{"rows", nlohmann::ordered_json::array()}};
   for (const MeshStudyRow& row : found.rows) document["rows"].push_back(row_json(row));
   document["at"] = vector3(found.at);
@@ -154,7 +154,7 @@ std::string csv_of(const Rows& rows) {
   return text;
 }
 
-std::string script_of(const Findings& found, double error) {
+std::string script_of(const MeshStudyFindings& found, double error) {
   std::string blocks[2];
   for (const MeshStudyRow& row : found.rows)
     if (row.error > 0)
@@ -168,7 +168,7 @@ std::string script_of(const Findings& found, double error) {
              ink("undamped"), ink("reference"), 100 * error, ink("limit"));
 }
 
-void tell(const Globals& globals, const Findings& found, double error) {
+void tell(const Globals& globals, const MeshStudyFindings& found, double error) {
   say(globals, "| tetrahedra | elements | nodes | force [N] | error | ms |");
   say(globals, "|---|---|---|---|---|---|");
   for (const MeshStudyRow& row : found.rows)
@@ -201,7 +201,7 @@ int study_meshes(const Globals& globals, const MeshStudyArguments& arguments) {
   claim_folder(folder, {"mesh_study.csv", "mesh_study.svg", "summary.json"});
   std::optional<Progress> progress(std::in_place, globals, "mesh study");
   const double spacing = scene.space.spacing;
-  Findings found;
+  MeshStudyFindings found;
   found.at = mesh_error_positions(scene.space.box, scene.inward, spacing).front();
   found.rows = solved(meshes_of(globals, scene, arguments.scene, *progress), found.at, *progress);
   progress.reset();

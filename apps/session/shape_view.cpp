@@ -16,17 +16,17 @@
 namespace forefeel {
 namespace {
 
-constexpr std::size_t most_shapes = 60, most_values = 150'000;  // of all shapes: some 400 kB of text
+constexpr std::size_t drawn_shapes = 60, drawn_values = 150'000;  // of all shapes: some 400 kB of text
 
-struct Surface {
+struct ShownSurface {
   std::vector<std::size_t> place;  // of each node of the surface among the log's nodes
   std::vector<std::uint32_t> corners;
   std::vector<double> rest;  // about the middle of the body [m]
   double size = 0;           // diameter of what is shown [m]
 };
 
-Surface surface_of(const ShapeLog& log) {
-  Surface s;
+ShownSurface surface_of(const ShapeLog& log) {
+  ShownSurface s;
   const TetMesh& mesh = log.body().mesh;
   const Box box = bounding_box(mesh);
   const std::vector<NodeIndex> nodes = surface_nodes(mesh);
@@ -53,11 +53,11 @@ std::pair<double, double> view_of(const ShapeLog& log) {
 }
 
 std::size_t shown_of(const ShapeLog& log) {
-  return std::min({log.records().size(), most_shapes, most_values / (3 * log.nodes().size()) + 2});
+  return std::min({log.records().size(), drawn_shapes, drawn_values / (3 * log.nodes().size()) + 2});
 }
 
 std::string data_of(const ShapeLog& log) {
-  const Surface surface = surface_of(log);
+  const ShownSurface surface = surface_of(log);
   const std::size_t shapes = log.records().size();
   const std::size_t count = shown_of(log);
   std::vector<double> moved;

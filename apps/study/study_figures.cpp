@@ -67,7 +67,7 @@ std::string level_points(const Study& study, const std::vector<StudyCellResult>&
   const StudyMetric metric = primary_metric(study);
   std::string lines;
   for (std::size_t v = 0; v < x.size(); ++v) {
-    const Ranking ranking =
+    const LevelRanking ranking =
         rank(observations(study, cells, 0, metric, {{axis, v}}), study.axes.front().values.size(),
              metric.larger_is_better, {.shares = metric.share});
     for (const Ranked& r : ranking.ranked) {

@@ -11,8 +11,8 @@
 namespace forefeel {
 namespace {
 
-constexpr double tolerance = 1e-9;       // on cosines
-constexpr double beyond = 1e-11;         // a direction lies beyond a facet when it is farther by this
+constexpr double cone_tolerance = 1e-9;       // on cosines
+constexpr double beyond_cone = 1e-11;         // a direction lies beyond a facet when it is farther by this
 constexpr double flat_direction = 1e-7;  // height below which directions count as coplanar
 
 FOREFEEL_INLINE double largest_product(const double* __restrict x, const double* __restrict y,
@@ -124,7 +124,7 @@ void ConeSolver::add(const Directions& directions, std::uint32_t corner) {
     }
   };
   for (const ConeFacet& facet : facets_) {
-    if (facet.normal.dot(p) <= facet.offset + beyond) {
+    if (facet.normal.dot(p) <= facet.offset + beyond_cone) {
       kept_.push_back(facet);
       continue;
     }
@@ -147,7 +147,7 @@ ConeSolver::Stop ConeSolver::grow(const Directions& directions, double cos_thres
     if (facets_[lowest].offset >= cos_threshold) return Stop::bounded;
     double value = 0;
     const std::size_t corner = directions.farthest(facets_[lowest].normal, value);
-    if (value <= facets_[lowest].offset + 4 * beyond) return Stop::open;
+    if (value <= facets_[lowest].offset + 4 * beyond_cone) return Stop::open;
     add(directions, static_cast<std::uint32_t>(corner));
   }
   return Stop::open;
@@ -155,11 +155,11 @@ ConeSolver::Stop ConeSolver::grow(const Directions& directions, double cos_thres
 
 bool ConeSolver::at_most(const Directions& directions, double cos_threshold, Vec3* witness) {
   std::size_t lowest = 0;
-  const Stop stop = grow(directions, cos_threshold - tolerance, lowest);
+  const Stop stop = grow(directions, cos_threshold - cone_tolerance, lowest);
   if (stop == Stop::bounded) return true;
   if (!witness) return false;
   const EmptyCone cone = finish(directions, stop, lowest);
-  const bool wider = cone.cos_half < cos_threshold - tolerance;
+  const bool wider = cone.cos_half < cos_threshold - cone_tolerance;
   *witness = wider ? cone.axis : Vec3::Constant(std::numeric_limits<double>::quiet_NaN());
   return false;
 }

@@ -13,7 +13,7 @@
 namespace forefeel {
 namespace {
 
-constexpr double longest = 0.1;  // [s]
+constexpr double longest_delay = 0.1;  // [s]
 
 class DelayedDevice final : public Device {
  public:
@@ -84,9 +84,9 @@ double growth(const Eigen::Matrix2d& free, double plant_stiffness, double stiffn
 
 std::unique_ptr<Device> make_delayed_device(std::unique_ptr<Device> device, double delay, double frame) {
   const double frames = delay / frame;
-  if (!(delay >= 0) || delay > longest || std::abs(frames - std::round(frames)) > 1e-6)
+  if (!(delay >= 0) || delay > longest_delay || std::abs(frames - std::round(frames)) > 1e-6)
     throw InputError("delay", fmt::format("is {:g} s, expected whole frames of {:g} s, at most {:g} s", delay,
-                                          frame, longest));
+                                          frame, longest_delay));
   const auto late = static_cast<std::size_t>(std::llround(frames));
   if (late == 0) return device;
   return std::make_unique<DelayedDevice>(std::move(device), frame, late);

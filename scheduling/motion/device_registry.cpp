@@ -16,7 +16,7 @@
 namespace forefeel {
 namespace {
 
-Registry<DeviceFactory>& registry() {
+Registry<DeviceFactory>& devices() {
   static Registry<DeviceFactory> devices("device", {}, {"path", "trace", "hand", "replay"});
   return devices;
 }
@@ -51,7 +51,7 @@ std::unique_ptr<Device> make(const HandMotion& motion, const FactoryContext& con
 }
 
 std::unique_ptr<Device> make(const Registered& device, const FactoryContext& context) {
-  const auto factory = registry().find(device.name);
+  const auto factory = devices().find(device.name);
   if (!factory)
     throw InputError({.key = "device", .value = to_text(device)},
                      fmt::format("unknown kind '{}', expected {}", device.name, device_kinds()));
@@ -61,11 +61,11 @@ std::unique_ptr<Device> make(const Registered& device, const FactoryContext& con
 }  // namespace
 
 void register_device(const std::string& name, DeviceFactory factory) {
-  registry().add(name, std::move(factory));
+  devices().add(name, std::move(factory));
 }
 
 std::vector<std::string> registered_devices() {
-  return registry().names();
+  return devices().names();
 }
 
 std::string device_kinds() {

@@ -13,7 +13,7 @@ namespace {
 
 // Distance from rest to the border of the box along a direction [m]. If rest is outside the box: a quarter of
 // the box's largest side.
-double reach(const Box& box, const Vec3& direction) {
+double reach_along(const Box& box, const Vec3& direction) {
   double distance = std::numeric_limits<double>::infinity();
   for (int i = 0; i < 3; ++i) {
     if (direction[i] > 1e-12) distance = std::min(distance, box.high[i] / direction[i]);
@@ -44,11 +44,11 @@ Frame frame_of(const FactoryContext& context) {
   f.w.cwiseAbs().minCoeff(&axis);
   f.u = (Vec3::Unit(axis) - f.w[axis] * f.w).normalized();
   f.v = f.w.cross(f.u);
-  f.depth = reach(context.box, f.w);
-  f.u_low = reach(context.box, -f.u);
-  f.u_high = reach(context.box, f.u);
-  f.v_low = reach(context.box, -f.v);
-  f.v_high = reach(context.box, f.v);
+  f.depth = reach_along(context.box, f.w);
+  f.u_low = reach_along(context.box, -f.u);
+  f.u_high = reach_along(context.box, f.u);
+  f.v_low = reach_along(context.box, -f.v);
+  f.v_high = reach_along(context.box, f.v);
   f.seed = context.seed;
   return f;
 }

@@ -21,7 +21,7 @@ namespace forefeel {
 namespace {
 
 constexpr std::size_t nowhere = static_cast<std::size_t>(-1);  // place of a column that the file lacks: "-"
-constexpr double unknown = std::numeric_limits<double>::quiet_NaN();
+constexpr double absent = std::numeric_limits<double>::quiet_NaN();
 using Cells = TraceCells;
 using Row = TraceRow;
 
@@ -322,7 +322,7 @@ class Reader {
             {.file = name_, .line = row.line},
             fmt::format("the position is '{}', expected a number, or nothing where it is missing",
                         row.cells[at]));
-      x[static_cast<int>(axis)] = given ? value * format_.metre : unknown;
+      x[static_cast<int>(axis)] = given ? value * format_.metre : absent;
     }
     return x;
   }

@@ -18,7 +18,7 @@ namespace forefeel {
 
 constexpr double rest_radius = 1e-4;  // [m]
 constexpr double rest_seconds = 1;    // [s]
-constexpr double pressed_in = 5e-4;   // a motion that starts farther from rest starts pressed in [m]
+constexpr double pressed_in_from = 5e-4;   // a motion that starts farther from rest starts pressed in [m]
 constexpr double long_gap = 0.1;      // above it trace_warnings() mentions gaps [s]
 constexpr double outside_much =
     0.05;  // share of rows outside the box above which trace_warnings() mentions it
@@ -47,7 +47,7 @@ struct TraceCheck {
   Rests rests = {};
   // Share of the rows outside the scene's box, and when the first one comes [s]; unset: no scene.
   std::optional<double> outside = {}, outside_from = {};
-  bool starts_pressed_in() const { return start > pressed_in; }
+  bool starts_pressed_in() const { return start > pressed_in_from; }
 };
 
 // rows: at least one. space: the scene's box of states.

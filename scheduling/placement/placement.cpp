@@ -90,9 +90,9 @@ EstimateOptions estimate_of(const PlacementOptions& options, std::size_t known) 
   return estimate;
 }
 
-class Placement {
+class AdaptivePlacement {
  public:
-  Placement(std::shared_ptr<const Body> body, const PlacementOptions& options, std::span<const State> known,
+  AdaptivePlacement(std::shared_ptr<const Body> body, const PlacementOptions& options, std::span<const State> known,
             const std::function<void(State)>& sink,
             const std::function<void(const PlacementProgress&)>& progress)
       : body_(std::move(body)),
@@ -390,7 +390,7 @@ PlacementReport place_states(std::shared_ptr<const Body> body, const PlacementOp
                              const std::function<void(const PlacementProgress&)>& progress) {
   PlacementOptions whole = options;
   if (options.estimate.model.data == Data::jet && options.jet < 2) whole.jet = most_jet_order;
-  return Placement(std::move(body), whole, known, sink, progress).run();
+  return AdaptivePlacement(std::move(body), whole, known, sink, progress).run();
 }
 
 }  // namespace forefeel

@@ -9,7 +9,7 @@
 namespace forefeel {
 namespace {
 
-Registry<PolicyFactory>& registry() {
+Registry<PolicyFactory>& policies() {
   static Registry<PolicyFactory> policies(
       "policy",
       {{"coverage", make_coverage, "places that the hand may reach soon and that are blank, gap or sparse"},
@@ -50,19 +50,19 @@ void Policy::prioritise(std::span<const Candidate> candidates, const PlannerView
 }
 
 void register_policy(const std::string& name, PolicyFactory factory) {
-  registry().add(name, std::move(factory));
+  policies().add(name, std::move(factory));
 }
 
 std::vector<std::string> policy_names() {
-  return registry().names();
+  return policies().names();
 }
 
 std::vector<Declared> declared_policies() {
-  return registry().declared();
+  return policies().declared();
 }
 
 std::unique_ptr<Policy> make_policy(const PolicySpec& policy, const FactoryContext& context) {
-  return make_registered(registry().at(policy.name), "policy", policy, context);
+  return make_registered(policies().at(policy.name), "policy", policy, context);
 }
 
 double time_to_reach(const Vec3& at, const PlannerView& view) {

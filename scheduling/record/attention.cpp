@@ -10,7 +10,7 @@ namespace {
 
 constexpr double coupled_often = 0.01;  // share of the frames
 
-std::string pressed_in(const SessionSummary::Motion& motion) {
+std::string starts_pressed_in(const SessionSummary::Motion& motion) {
   const std::string end =
       std::isfinite(motion.start_within_jnd)
           ? fmt::format("the first sample within the JND came after {:.2g} s", motion.start_within_jnd)
@@ -135,7 +135,7 @@ std::vector<std::string> attention(const SessionSummary& summary) {
   if (error.mesh.is_felt(error.samples.p95)) lines.push_back(coarse(error.mesh, error.samples.p95));
   if (safety.clamped_share > clamped_too_often) lines.push_back(clamped(safety));
   if (summary.energy.control.added_p95 > added_too_much) lines.push_back(controlled(summary.energy.control));
-  if (motion.starts_wrong) lines.push_back(pressed_in(motion));
+  if (motion.starts_wrong) lines.push_back(starts_pressed_in(motion));
   if (motion.outside > outside_too_often)
     lines.push_back(
         fmt::format("{:.3g} % of the time was outside the box of states: forces there are extrapolated",

@@ -20,7 +20,7 @@
 namespace forefeel {
 namespace {
 
-constexpr double farthest = 1e3;  // [m]
+constexpr double farthest_state = 1e3;  // [m]
 
 bool same_bits(const Vec3& a, const Vec3& b) {
   return std::memcmp(a.data(), b.data(), 3 * sizeof(double)) == 0;
@@ -38,9 +38,9 @@ RealTime real_time(const InputHeader& header, const double& now) {
   return {.now = [&now] { return now; }, .spare = header.spare};
 }
 
-class Replay {
+class Replayer {
  public:
-  explicit Replay(const InputReader& reader)
+  explicit Replayer(const InputReader& reader)
       : reader_(reader),
         space_(reader.header().space),
         updater_(space_, reader.header().model),
@@ -67,7 +67,7 @@ class Replay {
   void insert(const InputRecord& record, Unpacker& content, ReplayReport& report) {
     const State state = unpack_state(content);
     content.expect_end();
-    if (!(state.at.norm() < farthest)) reader_.refuse(record, "a state far from any body");
+    if (!(state.at.norm() < farthest_state)) reader_.refuse(record, "a state far from any body");
     try {
       if (!space_.insert(state).is_new) reader_.refuse(record, "a state that is known already");
     } catch (const InputError& problem) {
@@ -165,7 +165,7 @@ ReplayReport replay_inputs(const std::filesystem::path& file, const std::string&
                            const std::function<void(double)>& progress) {
   InputReader reader(file);
   ReplayReport report{.made_by = reader.header().made_by, .replayed_by = inputs_made_by(program)};
-  Replay replay(reader);
+  Replayer replay(reader);
   while (const std::optional<InputRecord> record = reader.next()) {
     replay.take(*record, report);
     if (progress && record->kind == InputKind::frame && report.frames % 1000 == 0) progress(report.seconds);

@@ -26,7 +26,7 @@ namespace forefeel {
 namespace {
 
 // Upper bound of the distance from rest of any state of the body [m].
-double farthest(const Body& body) {
+double farthest_place(const Body& body) {
   return 2 * bounding_box(body.mesh).size().maxCoeff();
 }
 
@@ -50,7 +50,7 @@ void check_known(const std::vector<State>& known) {
 // Refuses motions that go too far from rest, usually because their unit is not metres; their references would take
 // forever. The error names the farthest position, because it shows the unit best.
 void check_motion(const SessionPlan& plan) {
-  const double most = farthest(*plan.input.touched.body);
+  const double most = farthest_place(*plan.input.touched.body);
   const InputPlace place{.key = "device",
                          .value = plan.input.parts.device ? "object" : to_text(plan.options.motion.device)};
   double greatest = 0;
@@ -79,7 +79,7 @@ void note_motion(SessionPlan& plan) {
 }
 
 void take_replay(SessionPlan& plan) {
-  Replay replay = read_replay(*plan.options.motion.replay, farthest(*plan.input.touched.body));
+  Replay replay = read_replay(*plan.options.motion.replay, farthest_place(*plan.input.touched.body));
   plan.device = make_trace_device(std::move(replay.motion));
   plan.arrivals.list = std::move(replay.arrivals);
   plan.arrivals.of_replay = replay.of_arrivals;
@@ -96,7 +96,7 @@ void take_device(SessionPlan& plan) {
                     ? plan.input.parts.device
                     : make_device(options.motion.device, factory_context(plan.input, options.seed));
   if (!options.planning.arrivals) return;
-  plan.arrivals.list = read_arrivals(*options.planning.arrivals, farthest(*touched.body));
+  plan.arrivals.list = read_arrivals(*options.planning.arrivals, farthest_place(*touched.body));
   plan.arrivals.given = true;
 }
 

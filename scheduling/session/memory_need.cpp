@@ -20,7 +20,7 @@ namespace {
 // which is made in memory.
 constexpr double bytes_per_frame = sizeof(FrameRecord) + 160 + 400;
 constexpr double bytes_per_thread = 256e3;  // stack as far as it is used, buffers of the allocator
-constexpr int few = 8;                      // up to this number of solvers, no memory check is made
+constexpr int unchecked = 8;                      // up to this number of solvers, no memory check is made
 constexpr int most_threads = 4096;
 constexpr int others = 8;  // threads of a session that do not solve: loop, planner, writers
 
@@ -40,7 +40,7 @@ void check_threads(int workers) {
 MemoryNeed memory_need(const MemoryRequest& asked) {
   MemoryNeed need{.frames = static_cast<double>(asked.frames) * bytes_per_frame};
   const int workers = asked.workers, threads = reference_threads(asked.threads);
-  if (std::max(workers, threads) <= few) return need;
+  if (std::max(workers, threads) <= unchecked) return need;
   double solver = 0;
   if (!is_linear(*asked.body))
     solver = static_cast<double>(SolverBasis(asked.body).bytes_per_solver(asked.jet));

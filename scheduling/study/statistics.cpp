@@ -151,10 +151,10 @@ Comparison compare(const GroupedValues& differences, const BootstrapOptions& opt
   return result;
 }
 
-Ranking rank(std::span<const Observation> observations, std::size_t levels, bool larger_is_better,
+LevelRanking rank(std::span<const Observation> observations, std::size_t levels, bool larger_is_better,
              const BootstrapOptions& options) {
   std::map<std::size_t, Block> blocks = by_block(observations);
-  Ranking ranking;
+  LevelRanking ranking;
   ranking.dropped =
       std::erase_if(blocks, [&](const auto& entry) { return entry.second.values.size() < levels; });
   ranking.blocks = blocks.size();

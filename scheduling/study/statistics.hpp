@@ -73,13 +73,13 @@ struct Ranked {
   bool tied = false;   // its difference to the best is not significant
 };
 
-struct Ranking {
+struct LevelRanking {
   std::vector<Ranked> ranked;  // best first
   std::size_t blocks = 0;      // used
   std::size_t dropped = 0;     // blocks where a level is missing or NaN: not used for any level
 };
 
-Ranking rank(std::span<const Observation> observations, std::size_t levels, bool larger_is_better,
+LevelRanking rank(std::span<const Observation> observations, std::size_t levels, bool larger_is_better,
              const BootstrapOptions& options = {});
 // Compares a - b over the blocks that hold both.
 Comparison compare_levels(std::span<const Observation> observations, std::size_t a, std::size_t b,

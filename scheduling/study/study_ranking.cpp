@@ -144,7 +144,7 @@ std::vector<Contrast> contrasts(const Study& study, const std::vector<StudyCellR
   }
   std::size_t reference = study.baseline.value_or(0);
   if (!study.baseline) {
-    const Ranking ranking = rank(whole, levels, metric.larger_is_better);
+    const LevelRanking ranking = rank(whole, levels, metric.larger_is_better);
     if (!ranking.ranked.empty()) reference = ranking.ranked.front().level;
   }
   const auto add = [&](std::optional<StudySlice> slice) {

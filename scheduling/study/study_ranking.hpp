@@ -40,7 +40,7 @@ std::vector<Observation> observations(const Study& study, const std::vector<Stud
 struct AxisRanking {
   std::size_t axis = 0;
   StudyMetric metric;
-  Ranking ranking;
+  LevelRanking ranking;
 };
 // The ranking of each axis with at least two values.
 std::vector<AxisRanking> rankings(const Study& study, const std::vector<StudyCellResult>& cells);

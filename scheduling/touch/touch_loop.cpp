@@ -12,7 +12,7 @@ std::string_view name(TouchKind kind) {
 
 namespace {
 
-std::size_t spare_frames(const RenderOptions& render) {
+std::size_t spare_of(const RenderOptions& render) {
   const double needed = render.safety.force_limit / (render.safety.slew_limit * render.frame);
   return static_cast<std::size_t>(std::min(std::ceil(1.25 * needed), 1e3));
 }
@@ -32,8 +32,8 @@ TouchLoop::TouchLoop(Device& device, FieldOfSites& field, TouchLink& link, const
                         : std::optional<RelaxationFilter>(options.render.viscosity)),
       filter_(fresh_filter_),
       output_(options.render, std::move(now)),
-      ramp_(std::min(spare_frames(options.render), frames)),
-      log_(frames + 2 * spare_frames(options.render)) {
+      ramp_(std::min(spare_of(options.render), frames)),
+      log_(frames + 2 * spare_of(options.render)) {
   if (output_.controlled()) uncontrolled_.resize(log_.size());
 }
 

@@ -12,7 +12,7 @@
 namespace forefeel {
 
 namespace {
-constexpr double longest = 1e6;   // of a solve [s]
+constexpr double longest_solve = 1e6;   // of a solve [s]
 constexpr double iterations = 4;  // that a state takes; see cost.hpp
 }  // namespace
 
@@ -23,16 +23,16 @@ double CostModel::rest_seconds() const {
 namespace {
 
 double checked(double seconds, const std::string& of) {
-  if (seconds >= 0 && seconds <= longest) return seconds;
+  if (seconds >= 0 && seconds <= longest_solve) return seconds;
   throw InputError("cost", fmt::format("the cost model charges {} s for {}, expected a time from 0 to {:g} s",
-                                       seconds, of, longest));
+                                       seconds, of, longest_solve));
 }
 
 }  // namespace
 
 double checked_seconds(const CostModel& cost, const Vec3& at) {
   const double seconds = cost.seconds(at);
-  if (seconds >= 0 && seconds <= longest) return seconds;  // the text below is made only for an error
+  if (seconds >= 0 && seconds <= longest_solve) return seconds;  // the text below is made only for an error
   return checked(seconds, fmt::format("a state at {:.4g}, {:.4g}, {:.4g} m", at.x(), at.y(), at.z()));
 }
 

@@ -107,7 +107,7 @@ TEST_CASE("a ranking of shares has such intervals, and plain ones of the differe
     seen.push_back({.level = 0, .block = block, .group = block, .value = value});
     seen.push_back({.level = 1, .block = block, .group = block, .value = value - (block == 0 ? 0.9 : 0.0)});
   }
-  const Ranking ranking = rank(seen, 2, true, {.shares = true}), plain = rank(seen, 2, true);
+  const LevelRanking ranking = rank(seen, 2, true, {.shares = true}), plain = rank(seen, 2, true);
   REQUIRE(ranking.ranked.size() == 2);
   CHECK(plain.ranked[0].value.student.high > 1);
   CHECK(plain.ranked[1].value.student.high > 1);
@@ -198,7 +198,7 @@ TEST_CASE("ranking pairs blocks, so that a hard trace does not hide a small diff
     seen.push_back({.level = 1, .block = block, .group = trace, .value = hardness + 0.5 + noise});
     seen.push_back({.level = 2, .block = block, .group = trace, .value = hardness + 0.5 - noise});
   }
-  const Ranking up = rank(seen, 3, true);
+  const LevelRanking up = rank(seen, 3, true);
   REQUIRE(up.ranked.size() == 3);
   CHECK(up.blocks == 12);
   CHECK(up.ranked.back().level == 0);
@@ -224,7 +224,7 @@ TEST_CASE("a block that lacks a contender is used for none, and counted") {
                         .block = block,
                         .group = block,
                         .value = block == 2 && level == 0 ? nan_value : 1.0});
-  const Ranking ranking = rank(seen, 2, true);
+  const LevelRanking ranking = rank(seen, 2, true);
   CHECK(ranking.blocks == 2);
   CHECK(ranking.dropped == 2);
   CHECK(rank({}, 2, true).ranked.empty());
