@@ -47,14 +47,14 @@ Json floats(const Items& items, Value&& value) {
 }
 
 template <class Items, class Value>
-Json bytes(const Items& items, Value&& value) {
+Json packed_bytes(const Items& items, Value&& value) {
   std::vector<std::uint8_t> all;
   for (const auto& item : items) all.push_back(static_cast<std::uint8_t>(value(item)));
   return packed("u8", all);
 }
 
 template <class Items, class Value>
-Json counts(const Items& items, Value&& value) {
+Json packed_counts(const Items& items, Value&& value) {
   std::vector<std::uint32_t> all;
   for (const auto& item : items) all.push_back(static_cast<std::uint32_t>(value(item)));
   return packed("u32", all);
@@ -85,8 +85,8 @@ Json body_json(const ShownBody& body) {
   Json out;
   out["nodes"] = floats(body.nodes, [](const Vec3& p) { return p; });
   out["triangles"] = corners_of(body.triangles);
-  out["role"] = bytes(body.role, [](Role role) { return role; });
-  out["node"] = counts(body.node, [](NodeIndex node) { return node; });
+  out["role"] = packed_bytes(body.role, [](Role role) { return role; });
+  out["node"] = packed_counts(body.node, [](NodeIndex node) { return node; });
   out["groups"] = Json::array();
   for (const ShownGroup& group : body.groups)
     out["groups"].push_back({{"name", group.name}, {"nodes", packed("u32", group.nodes)}});
@@ -97,10 +97,10 @@ Json body_json(const ShownBody& body) {
                               {"volume", body.regions.all[i].volume},
                               {"colour", colour_of(palette_in_use(), i)}});
   out["rest_words"] = body.regions.rest_words;
-  out["region"] = bytes(body.regions.of_triangle, [](std::uint8_t region) { return region; });
+  out["region"] = packed_bytes(body.regions.of_triangle, [](std::uint8_t region) { return region; });
   out["inside"] = {{"nodes", floats(body.regions.inside.nodes, [](const Vec3& p) { return p; })},
                    {"triangles", corners_of(body.regions.inside.triangles)},
-                   {"region", bytes(body.regions.inside.region, [](std::uint8_t region) { return region; })}};
+                   {"region", packed_bytes(body.regions.inside.region, [](std::uint8_t region) { return region; })}};
   out["pad"] = body.pad ? pad_json(*body.pad) : Json();
   out["rest"] = vector3(body.rest);
   out["elements"] = body.mesh.tets.size();
@@ -125,8 +125,8 @@ Json states_json(const ShownStates& states) {
   Json out;
   out["at"] = floats(states.all, [](const ShownState& s) { return s.state.at; });
   out["force"] = floats(states.all, [](const ShownState& s) { return s.state.force; });
-  out["label"] = bytes(states.all, [](const ShownState& s) { return s.label; });
-  out["outcome"] = bytes(states.all, [](const ShownState& s) { return outcome(s.state); });
+  out["label"] = packed_bytes(states.all, [](const ShownState& s) { return s.label; });
+  out["outcome"] = packed_bytes(states.all, [](const ShownState& s) { return outcome(s.state); });
   out["known"] = floats(states.all, [](const ShownState& s) { return s.known; });
   for (const SolveStatus status : {SolveStatus::converged, SolveStatus::diverged, SolveStatus::stalled,
                                    SolveStatus::inverted, SolveStatus::cancelled, SolveStatus::measured})
@@ -154,11 +154,11 @@ Json run_json(const ShownRun& run) {
   out["t"] = floats(run.path, [](const ShownFrame& f) { return f.t; });
   out["at"] = floats(run.path, [](const ShownFrame& f) { return f.at; });
   out["sent"] = floats(run.path, [](const ShownFrame& f) { return f.sent; });
-  out["label"] = bytes(run.path, [](const ShownFrame& f) { return f.label; });
+  out["label"] = packed_bytes(run.path, [](const ShownFrame& f) { return f.label; });
   out["error"] = floats(run.path, [](const ShownFrame& f) { return f.error; });
   if (std::ranges::any_of(run.path, &ShownFrame::trusted))  // else the models are not of jets
-    out["trusted"] = bytes(run.path, [](const ShownFrame& f) { return f.trusted; });
-  out["known"] = counts(run.path, [](const ShownFrame& f) { return f.known; });
+    out["trusted"] = packed_bytes(run.path, [](const ShownFrame& f) { return f.trusted; });
+  out["known"] = packed_counts(run.path, [](const ShownFrame& f) { return f.known; });
   out["frames"] = run.frames;
   out["shapes"] = run.shapes.empty() ? Json() : shapes_json(run.shapes);
   return out;
