@@ -10,7 +10,6 @@ namespace forefeel {
 
 DeclaredTable solve_output();                // solve --json
 DeclaredTable mesh_output();                 // mesh --json
-DeclaredTable mesh_study_output();           // mesh_study.csv
 DeclaredTable generate_output();             // generate --json
 DeclaredTable generate_sites_output();       // generate --json with contact.anywhere
 DeclaredTable placement_output();            // generate --error --json

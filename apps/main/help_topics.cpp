@@ -70,7 +70,6 @@ HelpTopic outputs_topic() {
         placement_output(), evaluate_output(), evaluate_sites_output(), sited_forces_output(),
         classify_sites_output(), labelled_sites_output(), classify_output()})
     topic.tables.push_back(table);
-  topic.tables.push_back(mesh_study_output());
   return topic;
 }
 

@@ -16,7 +16,6 @@
 #include "apps/console/values.hpp"
 #include "apps/mesh/extent.hpp"
 #include "apps/mesh/mesh_labels.hpp"
-#include "apps/mesh/mesh_study_table.hpp"
 #include "apps/mesh/mesh_toward.hpp"
 #include "apps/mesh/repair_keys.hpp"
 #include "geometry/common/error.hpp"
@@ -39,8 +38,6 @@ struct MeshArguments {
   std::string input, output, phantom, labels, unit, toward;
   std::optional<long long> elements;
   std::optional<double> length, time_limit;
-  bool study = false;
-  std::optional<double> error;  // wanted of the study
 };
 
 struct MadeMesh {
@@ -313,20 +310,9 @@ void warn_of_size(MadeMesh& made, const Box& box, const MeshArguments& arguments
     made.warnings.push_back(fmt::format("{}: {}; --unit or --length scales it", arguments.input, size));
 }
 
-int run_study(const Globals& globals, const MeshArguments& arguments) {
-  if (arguments.elements || arguments.length || !arguments.phantom.empty() || !arguments.labels.empty() ||
-      !arguments.unit.empty() || !arguments.toward.empty())
-    throw InputError("--study",
-                     "takes its body from a scene, expected SCENE.toml, -o DIR/ and --error alone");
-  if (arguments.input.empty()) throw InputError("mesh", "no scene given, expected SCENE.toml with --study");
-  return study_meshes(globals, {arguments.input, arguments.output, arguments.error.value_or(0.02)});
-}
-
 int run_mesh(const Globals& globals, const MeshArguments& arguments) {
-  if (arguments.study) return run_study(globals, arguments);
-  if (arguments.error) throw InputError("--error", "is that of a study, expected it with --study");
   if (!globals.set.empty())
-    throw InputError("--set", "is about keys of a scene, but mesh reads none, expected no --set, or --study");
+    throw InputError("--set", "is about keys of a scene, but mesh reads none, expected no --set");
   check_arguments(arguments);
   MadeMesh made = make(globals, arguments);
   check_made(made, arguments);
@@ -353,10 +339,10 @@ void add_mesh(CommandLine& line) {
   sub.runs([arguments](const Globals& globals) { return run_mesh(globals, *arguments); });
   sub.option("SURFACE", arguments->input,
              "Surface (.obj .off .stl .ply .vtp .vtk), label volume (.nii .nii.gz .mha .nrrd .vti) or mesh "
-             "(.msh .vtk .vtu .mesh); with --study a scene")
+             "(.msh .vtk .vtu .mesh)")
       .shows("SURFACE");
   sub.option("-o,--output", arguments->output,
-             "Mesh to write: Gmsh 2.2 (.msh) or VTK (.vtu); with --study a folder")
+             "Mesh to write: Gmsh 2.2 (.msh) or VTK (.vtu)")
       .required()
       .shows("OUT.msh");
   sub.option("--elements", arguments->elements, "Number of tetrahedra, met within 5 % [label volume: 20000]")
@@ -377,12 +363,6 @@ void add_mesh(CommandLine& line) {
          "Small elements at a contact: its place, taken to the surface, and its radius [m], in the axes of "
          "the mesh made [even elements]")
       .shows("X,Y,Z,R");
-  sub.flag("--study", arguments->study,
-           "Force against number of elements, linear and quadratic, and the cheapest body below --error: "
-           "forefeel mesh SCENE.toml --study -o DIR/");
-  sub.option("--error", arguments->error, "With --study: error of the force that is allowed [0.02]")
-      .check(above_zero)
-      .shows("E");
   sub.option("--phantom", arguments->phantom, "Built-in body: liver, beam, ball or slab").shows("NAME");
 }
 

@@ -1,4 +1,4 @@
-// forefeel show: an interactive 3-D picture of a body, states or a run; or a still picture; or files for ParaView.
+// forefeel show: an interactive 3-D picture of a body, states or a run; or files for ParaView.
 
 #include <fmt/format.h>
 
@@ -19,7 +19,6 @@
 #include "apps/show/gather.hpp"
 #include "apps/show/show_page.hpp"
 #include "apps/show/show_vtu.hpp"
-#include "apps/show/still.hpp"
 #include "geometry/common/error.hpp"
 #include "geometry/common/output_file.hpp"
 #include "geometry/common/scanner.hpp"
@@ -43,10 +42,10 @@ struct ShowResult {
 
 void check_arguments(const Globals& globals, const ShowArguments& arguments) {
   const std::string extension = lower_case(fs::path(arguments.output).extension().string());
-  constexpr std::array<std::string_view, 4> known{".html", ".svg", ".png", ".vtu"};
+  constexpr std::array<std::string_view, 2> known{".html", ".vtu"};
   if (std::ranges::find(known, extension) == known.end())
     throw InputError(arguments.output,
-                     fmt::format("has the ending '{}', expected {}", extension, fmt::join(known, ", ")));
+                     fmt::format("has the ending '{}', expected {}", extension, fmt::join(known, " or ")));
   if (arguments.request.foreign && arguments.request.scene.empty())
     throw InputError("--foreign", "is about states beside a scene, expected it with --scene");
   if (arguments.request.trust && !(*arguments.request.trust < 1))
@@ -62,16 +61,6 @@ void check_arguments(const Globals& globals, const ShowArguments& arguments) {
     check_writable(arguments.output, {arguments.request.what, arguments.request.scene});
 }
 
-std::string still_bytes(const ShowContent& content, const std::string& output, const std::string& extension) {
-  const FlatPicture picture = still_picture(content);
-  if (extension == ".svg") return picture.svg(content.title);
-  const std::optional<std::string> png = picture.png();
-  if (!png)
-    throw InputError({.file = output},
-                     "a PNG needs gnuplot with pngcairo, which is missing or failed; expected .svg or .html");
-  return *png;
-}
-
 ShowResult make(const Globals& globals, const ShowArguments& arguments) {
   const auto begin = std::chrono::steady_clock::now();
   ShowResult result;
@@ -80,9 +69,7 @@ ShowResult make(const Globals& globals, const ShowArguments& arguments) {
   if (extension == ".vtu") {
     result.files = write_show_vtu(arguments.output, result.content);
   } else {
-    const std::string bytes = extension == ".html" ? show_page(result.content, arguments.output)
-                                                   : still_bytes(result.content, arguments.output, extension);
-    write_whole(arguments.output, bytes);
+    write_whole(arguments.output, show_page(result.content, arguments.output));
     result.files = {arguments.output};
   }
   for (const fs::path& file : result.files) {
@@ -161,8 +148,7 @@ void add_show(CommandLine& line) {
       .shows("SCENE|MESH|STATES|RUN/");
   sub.option(
          "-o,--output", arguments->output,
-         "One page for a browser, which needs no network (.html); a still picture (.svg .png); or files for "
-         "ParaView (.vtu)")
+         "One page for a browser, which needs no network (.html), or files for ParaView (.vtu)")
       .required()
       .shows("OUT");
   sub.option(

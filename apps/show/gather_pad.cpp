@@ -1,6 +1,5 @@
 #include "apps/show/gather_pad.hpp"
 
-#include <fmt/format.h>
 
 #include <Eigen/Geometry>
 #include <algorithm>
@@ -76,14 +75,6 @@ class Splitter {
 };
 
 }  // namespace
-
-std::string in_words(const ShownPad& pad) {
-  if (pad.shade == PadShade::stiffness)
-    return fmt::format("body at rest, {:.0f} to {:.0f} N/m", pad.least, pad.peak);
-  if (pad.shade == PadShade::error)
-    return fmt::format("error at {:.3g} mm, to {:.2g} %", 1e3 * pad.depth, 100 * pad.peak);
-  return fmt::format("pad, up to {:.3g} kPa/mm", 1e-6 * pad.peak);
-}
 
 std::optional<ShownPad> shown_pad(const Body& body, const ShownBody& shown) {
   if (!body.pad) return {};

@@ -64,8 +64,6 @@ struct ShownPad {
   std::vector<Triangle> triangles;   // of points, outward; those without springs are left out
 };
 
-std::string in_words(const ShownPad& pad);  // for a legend, with its range
-
 // The surface of a body at rest.
 struct ShownBody {
   std::vector<Vec3> nodes;          // #V [m]

@@ -199,7 +199,7 @@ std::string library(std::string_view embedded, const char* installed, const std:
     throw InputError(
         {.file = file},
         "needs three.js, which this forefeel was built without and which is not installed; expected "
-        "the package libjs-three (apt-get install libjs-three), or an output .svg, .png or .vtu");
+        "the package libjs-three (apt-get install libjs-three), or an output .vtu");
   return text.str();
 }
 

@@ -59,12 +59,6 @@ bool has_three(const Workshop& shop) {
   return false;
 }
 
-std::size_t count_of(const std::string& text, const std::string& part) {
-  std::size_t n = 0;
-  for (std::size_t at = 0; (at = text.find(part, at)) != std::string::npos; at += part.size()) ++n;
-  return n;
-}
-
 }  // namespace
 
 TEST_CASE("the page of a scene needs no other file, and holds body, clamp, contact and box", "[show]") {
@@ -234,33 +228,6 @@ TEST_CASE("the page of a run holds its path, when states became known, and shape
   }
 }
 
-TEST_CASE("the stills hold what the page holds, as SVG and as PNG", "[show]") {
-  const Workshop shop;
-  shop.write("beam.toml", beam_scene());
-  const json scene = shop.forefeel("show beam.toml -o beam.svg --json").json();
-  const std::string beam = bytes_of(shop.path() / "beam.svg");
-  CHECK(beam.find("clamp (held)") != std::string::npos);
-  const std::size_t faces = count_of(beam, "<path"), triangles = scene["body"]["triangles"];
-  CHECK(faces > triangles / 4);  // those that face the eye, and clamp, contact, box and axes
-  CHECK(faces < triangles + 600);
-  write_gap(shop);
-  REQUIRE(shop.forefeel("show gap.csv -o gap.svg").code == 0);
-  const std::string gap = bytes_of(shop.path() / "gap.svg");
-  for (const char* colour : {"#0b4f7d", "#57a7d6", "#f2b632"}) CHECK(count_of(gap, colour) > 20);
-  const auto parsed = shop.shell(
-      "/usr/bin/python3 -c 'import sys, xml.dom.minidom as d; [d.parse(f) for f in sys.argv[1:]]' beam.svg "
-      "gap.svg");
-  INFO(parsed.err);
-  CHECK((parsed.code == 0 || parsed.code == 127));
-  const auto png = shop.forefeel("show beam.toml -o beam.png");
-  if (!has_command("gnuplot")) {
-    CHECK(png.code == 2);
-    return skip("gnuplot is not installed");
-  }
-  REQUIRE(png.code == 0);
-  CHECK(bytes_of(shop.path() / "beam.png").starts_with("\x89PNG"));
-}
-
 TEST_CASE("the .vtu of show holds the body with clamp and contact, and labels, states and path beside it",
           "[show]" SLOW("compares with VTK, which only run.sh all installs")) {
   const Workshop shop;
@@ -300,7 +267,7 @@ TEST_CASE("generate and mesh name the command that shows what they made, and it 
   }
   // The state file names its scene.
   CHECK(shop.forefeel("generate 'my beam.toml' -o own.states --quiet").code == 0);
-  const json own = shop.forefeel("show own.states -o own.svg --json").json();
+  const json own = shop.forefeel("show own.states -o own.vtu --json").json();
   CHECK(own["states"] == 27);
   CHECK(own["body"]["contact"] > 0);
 }
@@ -314,16 +281,16 @@ TEST_CASE("what cannot be shown is refused in one line", "[show]") {
   shop.write("broken/frames.csv", "t,x,y,z\n1,2\n");
   REQUIRE(shop.forefeel("generate beam.toml -o s.states --quiet").code == 0);
   REQUIRE(shop.forefeel("mesh --phantom ball --elements 300 -o ball.msh --quiet").code == 0);
-  check_refused(shop, "show beam.toml -o beam.pdf", {"beam.pdf", ".html, .svg, .png, .vtu"});
+  check_refused(shop, "show beam.toml -o beam.pdf", {"beam.pdf", ".html or .vtu"});
   check_refused(shop, "show nothing.states -o out.html", {"nothing.states"});
-  check_refused(shop, "show words.txt -o out.svg", {"words.txt", "expected a scene"});
-  check_refused(shop, "show . -o out.svg", {"frames.csv"});
-  check_refused(shop, "show broken -o out.svg", {"frames.csv:2"});
-  check_refused(shop, "show s.states --scene other.toml -o out.svg", {"another body", "clamp", "--foreign"});
-  check_refused(shop, "show ball.msh --scene beam.toml -o out.svg", {"--scene"});
-  check_refused(shop, "show ball.msh --set model.neighbours=5 -o out.svg", {"--set"});
-  check_refused(shop, "show ball.msh --foreign -o out.svg", {"--foreign"});
-  check_refused(shop, "show s.states -o no/such/folder/out.svg", {"no/such/folder"});
+  check_refused(shop, "show words.txt -o out.vtu", {"words.txt", "expected a scene"});
+  check_refused(shop, "show . -o out.vtu", {"frames.csv"});
+  check_refused(shop, "show broken -o out.vtu", {"frames.csv:2"});
+  check_refused(shop, "show s.states --scene other.toml -o out.vtu", {"another body", "clamp", "--foreign"});
+  check_refused(shop, "show ball.msh --scene beam.toml -o out.vtu", {"--scene"});
+  check_refused(shop, "show ball.msh --set model.neighbours=5 -o out.vtu", {"--set"});
+  check_refused(shop, "show ball.msh --foreign -o out.vtu", {"--foreign"});
+  check_refused(shop, "show s.states -o no/such/folder/out.vtu", {"no/such/folder"});
   check_refused(shop, "show beam.toml", {"--output"});
-  CHECK(shop.forefeel("show s.states --scene other.toml --foreign -o out.svg").code == 0);
+  CHECK(shop.forefeel("show s.states --scene other.toml --foreign -o out.vtu").code == 0);
 }

@@ -182,17 +182,10 @@ TEST_CASE("in the page's scene the pad has its colours and follows the surface",
     }
 }
 
-TEST_CASE("the still and the .vtu of a body under a pad show its springs",
+TEST_CASE("the .vtu of a body under a pad show its springs",
           "[show]" SLOW("compares with VTK, which only run.sh all installs")) {
   const Workshop shop;
   write_scene(shop, "pad.toml", 0.011);
-  const json report = shop.forefeel("show pad.toml -o pad.svg --json").json();
-  const std::string picture = bytes_of(shop.path() / "pad.svg");
-  CHECK(picture.find("pad, up to 10.4 kPa/mm") != std::string::npos);
-  CHECK(picture.find("contact (moves") == std::string::npos);
-  std::size_t faces = 0;
-  for (std::size_t at = 0; (at = picture.find("<path", at)) != std::string::npos; ++at) ++faces;
-  CHECK(faces > report["body"]["triangles"].get<std::size_t>() / 4 + 60);  // the pad's own
   REQUIRE(shop.forefeel("show pad.toml -o pad.vtu").code == 0);
   const json seen = read_by_vtk(shop, "pad.vtu");
   if (seen.is_null()) return;

@@ -29,7 +29,7 @@ def read(file: Any) -> Any:
     .vtu                     dict: points, cells, types, point_data, cell_data
     .pvd                     list of (time, file)
     a folder with frames.csv, or cells.csv   read_run(), read_study()
-    another folder (of mesh --study, classify --calibrate, forefeel-bench, reproduce)   dict of its .csv and .json files by name
+    another folder (of classify --calibrate, forefeel-bench, reproduce)   dict of its .csv and .json files by name
 
     Pictures and pages (.svg .png .pdf .html) are for people, and are not read.
     """
