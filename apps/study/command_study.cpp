@@ -10,6 +10,8 @@
 #include <memory>
 #include <nlohmann/json.hpp>
 #include <set>
+#include <string>
+#include <vector>
 
 #include "apps/console/commands.hpp"
 #include "apps/console/console.hpp"
@@ -21,7 +23,6 @@
 #include "apps/console/summary_json.hpp"
 #include "apps/console/values.hpp"
 #include "apps/picture/figure_files.hpp"
-#include "apps/scene/mpi_run.hpp"
 #include "apps/scene/scene_mesh_error.hpp"
 #include "apps/session/report.hpp"
 #include "apps/study/study_figures.hpp"
@@ -33,9 +34,7 @@
 #include "geometry/common/error.hpp"
 #include "geometry/common/output_file.hpp"
 #include "geometry/common/result_folder.hpp"
-#include "geometry/common/sha256.hpp"
 #include "scheduling/record/run_files.hpp"
-#include "scheduling/study/study_ranks.hpp"
 
 namespace forefeel {
 namespace {
@@ -46,7 +45,8 @@ struct StudyArguments {
   std::string study, output;
   std::size_t gantt = 0;  // row of cells.csv, from 1; 0: none
   FigureArguments figures;
-  MpiArguments mpi;
+  std::string part;                // K/N; empty: all cells
+  std::vector<std::string> merged;  // folders of other parts
 };
 
 nlohmann::ordered_json manifest(const PlannedStudy& planned) {
@@ -194,13 +194,6 @@ nlohmann::ordered_json document_of(const Findings& found) {
           {"devices", devices_json(found.devices)}};
 }
 
-// The identity that all ranks must share: of build, study, scenes and traces.
-std::string identity_of(const StudyPlan& plan) {
-  Sha256 hash;
-  for (const StudyCell& cell : plan.cells) hash.add(cell.key + "\n");
-  return rank_identity(hash.hex());
-}
-
 // Claims the folder of the results, and writes study.json.
 void begin_folder(const Globals& globals, const PlannedStudy& planned, const StudyArguments& arguments) {
   const fs::path folder = arguments.output;
@@ -213,11 +206,31 @@ void begin_folder(const Globals& globals, const PlannedStudy& planned, const Stu
   write_whole(folder / "study.json", json_text(manifest(planned), 1) + "\n");
 }
 
-// Files are written only when all cells are done.
-void tell_interrupted(const Globals& globals, const PlannedStudy& planned, const StudyResult& result) {
+// K/N in words of StudyPart. All cells if it is empty.
+StudyPart part_of(const std::string& text) {
+  if (text.empty()) return {};
+  StudyPart part{.number = 0, .of = 0};
+  const char* const end = text.data() + text.size();
+  const auto number = std::from_chars(text.data(), end, part.number);
+  if (number.ec == std::errc() && number.ptr != end && *number.ptr == '/') {
+    const auto of = std::from_chars(number.ptr + 1, end, part.of);
+    if (of.ec == std::errc() && of.ptr == end && part.number >= 1 && part.number <= part.of) return part;
+  }
+  throw InputError("--part", fmt::format("is '{}', expected K/N with 1 <= K <= N, as 2/8", text));
+}
+
+// Tables and report are written only when all cells are done.
+void tell_incomplete(const Globals& globals, const PlannedStudy& planned, const StudyResult& result,
+                     const StudyArguments& arguments) {
   const std::size_t done = result.resumed + result.ran, all = planned.plan.cells.size();
-  warn(globals, fmt::format("interrupted after {} of {} cells, {} left; the same command resumes", done, all,
-                            all - done));
+  if (result.interrupted)
+    warn(globals, fmt::format("interrupted after {} of {} cells, {} left; the same command resumes", done, all,
+                              all - done));
+  else
+    say(globals,
+        fmt::format("{}: {} of {} cells, {} run in {:.1f} s; when the other parts are done, forefeel study {} -o DIR "
+                    "--merge {} --merge … compares them",
+                    arguments.output, done, all, result.ran, result.seconds, arguments.study, arguments.output));
   if (!globals.json) return;
   nlohmann::ordered_json document = counts(planned.plan, result);
   document["files"] = nlohmann::ordered_json::array();
@@ -225,10 +238,11 @@ void tell_interrupted(const Globals& globals, const PlannedStudy& planned, const
   print_json(document);
 }
 
-int run_command(const Globals& globals, const StudyArguments& arguments, RankPool* ranks) {
+int run_command(const Globals& globals, const StudyArguments& arguments) {
   if (globals.seed != 0) throw InputError("--seed", "a study lists its seeds, expected them in the file");
   if (arguments.output.empty()) throw InputError("--output", "is empty, expected a folder");
   take_figures(arguments.figures);
+  const StudyPart part = part_of(arguments.part);
   const PlannedStudy planned = plan_study(read_study(arguments.study, globals.set));
   const StudyPlan& plan = planned.plan;
   for (const std::string& warning : planned.warnings) warn(globals, warning);
@@ -236,12 +250,12 @@ int run_command(const Globals& globals, const StudyArguments& arguments, RankPoo
   if (arguments.gantt > 0) return run_gantt(globals, planned, arguments);
 
   const fs::path folder = arguments.output;
+  check_parts(arguments.merged, plan);
   begin_folder(globals, planned, arguments);
-  if (ranks) ranks->begin(identity_of(plan));
-  StudyResult result = run_study_in(folder, plan, globals, ranks);
-  if (result.interrupted) {
-    tell_interrupted(globals, planned, result);
-    return 1;
+  StudyResult result = run_study_in({folder, arguments.merged}, part, plan, globals);
+  if (result.interrupted || result.of_other_parts > 0) {
+    tell_incomplete(globals, planned, result, arguments);
+    return result.interrupted ? 1 : 0;
   }
   if (const auto missed = loads_missed(plan, result.cells)) warn(globals, *missed);
   add_regret(plan.study, result.cells);
@@ -280,25 +294,6 @@ int run_command(const Globals& globals, const StudyArguments& arguments, RankPoo
   return drawn ? 0 : 1;
 }
 
-int run_with_mpi(const Globals& globals, const StudyArguments& arguments) {
-  const auto lead = [&](RankPool& ranks) {
-    if (arguments.gantt > 0)
-      throw InputError("--mpi", "has no use with --gantt, which runs one cell; expected one of the two");
-    if (globals.threads > 1)
-      throw InputError("--threads",
-                       fmt::format("is {}, but with --mpi each rank runs one cell at a time, expected "
-                                   "more ranks instead",
-                                   globals.threads));
-    return run_command(globals, arguments, &ranks);
-  };
-  const auto load = [&](const RankContext& rank) {
-    auto planned = std::make_shared<const PlannedStudy>(plan_study(read_study(arguments.study, globals.set)));
-    const std::string identity = identity_of(planned->plan);
-    return LoadedWorker{.worker = make_cell_worker({planned, &planned->plan}, rank), .identity = identity};
-  };
-  return run_ranked(globals, arguments.mpi, {.lead = lead, .load = load});
-}
-
 }  // namespace
 
 void add_study(CommandLine& line) {
@@ -306,9 +301,7 @@ void add_study(CommandLine& line) {
   Command sub = line.add(
       "study",
       "Run every combination of policies, devices, models …, and compare them: table, ranking, report");
-  sub.runs([arguments](const Globals& globals) {
-    return arguments->mpi.on ? run_with_mpi(globals, *arguments) : run_command(globals, *arguments, nullptr);
-  });
+  sub.runs([arguments](const Globals& globals) { return run_command(globals, *arguments); });
   sub.option(
          "STUDY", arguments->study,
          "Study (TOML). target_load = [L, …] in [vary] chooses the cost of a solve: the motion then needs L "
@@ -324,9 +317,13 @@ void add_study(CommandLine& line) {
       .check(above_zero)
       .shows("CELL");
   add_figures(sub, arguments->figures, "DIR/figures");
-  add_mpi_options(
-      sub, arguments->mpi,
-      "All ranks of mpirun -n N forefeel study --mpi … run cells, with the same results; rank 0 writes");
+  sub.option("--part", arguments->part,
+             "Only run every N-th cell from the K-th on, into a folder of its own: parts of a study on many machines")
+      .shows("K/N");
+  sub.option("--merge", arguments->merged,
+             "First copy the finished cells of another folder of this study, as of a part; may be given often")
+      .shows("DIR/")
+      .takes_one();
 }
 
 }  // namespace forefeel

@@ -6,6 +6,7 @@
 #include <sys/file.h>
 #include <unistd.h>
 
+#include <algorithm>
 #include <fstream>
 #include <nlohmann/json.hpp>
 
@@ -13,7 +14,6 @@
 #include "apps/console/summary_json.hpp"
 #include "geometry/common/error.hpp"
 #include "geometry/common/output_file.hpp"
-#include "scheduling/study/study_ranks.hpp"
 
 namespace forefeel {
 namespace {
@@ -80,46 +80,48 @@ std::string in_words(const StudyProgress& p) {
   return fmt::format("{} of {} cells{}", p.done, p.cells, before);
 }
 
-// Warnings about ranks are shown at once, because the user may have to act on a hanging rank.
-void run_on_ranks(RankPool& ranks, const StudyPlan& plan, const std::vector<std::size_t>& cells,
-                  const StudyRunOptions::Take& take, const Globals& globals, const InterruptWatch& watch) {
-  std::stop_source stop;
-  const auto tick = [&] {
-    if (watch.raised()) stop.request_stop();
-  };
-  const auto note = [&](const std::string& line) {
-    warn(globals, line);
-    flush_warnings();
-  };
-  run_cells_with_ranks(ranks, plan, cells, take,
-                       {.hurried = &watch.hurry(),
-                        .warn = [&](const std::string& line) { warn(globals, line); },
-                        .farm = {.stop = stop.get_token(), .tick = tick, .note = note}});
+// Copies the cells that other folders hold and this one does not.
+void merge(const StudyPlaces& places, const StudyPlan& plan) {
+  for (const StudyCell& cell : plan.cells) {
+    if (read_record(places.folder, cell)) continue;
+    for (const std::string& part : places.parts) {
+      const auto record = read_record(part, cell);
+      if (!record) continue;
+      write_record(places.folder, cell, *record);
+      break;
+    }
+  }
 }
 
 }  // namespace
 
-StudyResult run_study_in(const fs::path& folder, const StudyPlan& plan, const Globals& globals,
-                         RankPool* ranks) {
+void check_parts(const std::vector<std::string>& parts, const StudyPlan& plan) {
+  for (const std::string& part : parts)
+    if (std::ranges::none_of(plan.cells, [&](const StudyCell& cell) { return read_record(part, cell); }))
+      throw InputError("--merge " + part,
+                       "holds no cell of this study, expected a folder that the same study, run by the same "
+                       "build of forefeel, has written");
+}
+
+StudyResult run_study_in(const StudyPlaces& places, const StudyPart& part, const StudyPlan& plan,
+                         const Globals& globals) {
+  const fs::path& folder = places.folder;
   std::error_code error;
   fs::create_directories(folder / "cells", error);
   const FolderLock lock(folder);
+  merge(places, plan);
   Progress progress(globals, "study");
   const InterruptWatch watch;
-  StudyRunOptions options{
-      .threads = globals.threads,
-      .store = {.load = [&](const StudyCell& cell) { return read_record(folder, cell); },
-                .save = [&](const StudyCell& cell,
-                            const StudyCellResult& result) { write_record(folder, cell, result); }},
-      .interrupted = &watch.flag(),
-      .hurried = &watch.hurry(),
-      .progress = [&](const StudyProgress& p) { progress.show(p.share, in_words(p)); },
-      .warn = [&](const std::string& line) { warn(globals, line); }};
-  if (ranks)
-    options.elsewhere = [&](const std::vector<std::size_t>& cells, const StudyRunOptions::Take& take) {
-      run_on_ranks(*ranks, plan, cells, take, globals, watch);
-    };
-  return run_study(plan, options);
+  return run_study(plan,
+                   {.threads = globals.threads,
+                    .store = {.load = [&](const StudyCell& cell) { return read_record(folder, cell); },
+                              .save = [&](const StudyCell& cell,
+                                          const StudyCellResult& row) { write_record(folder, cell, row); }},
+                    .interrupted = &watch.flag(),
+                    .hurried = &watch.hurry(),
+                    .progress = [&](const StudyProgress& p) { progress.show(p.share, in_words(p)); },
+                    .warn = [&](const std::string& line) { warn(globals, line); },
+                    .part = part});
 }
 
 }  // namespace forefeel

@@ -5,17 +5,25 @@
 // study changes, and it is never mistaken for another cell.
 
 #include <filesystem>
+#include <string>
+#include <vector>
 
 #include "apps/console/console.hpp"
 #include "scheduling/study/study_run.hpp"
-#include "scheduling/workers/rank_pool.hpp"
 
 namespace forefeel {
 
+struct StudyPlaces {
+  std::filesystem::path folder;
+  std::vector<std::string> parts = {};  // folders of the same study, whose cells are copied into `folder`
+};
+
+// InputError for a folder that holds no cell of this study.
+void check_parts(const std::vector<std::string>& parts, const StudyPlan& plan);
+
 // The first SIGINT or SIGTERM ends the study: finished cells are kept, running cells are dropped. Throws
 // InputError if another process writes to the same folder.
-// ranks: these run the cells, and only this process writes; null: threads run them.
-StudyResult run_study_in(const std::filesystem::path& folder, const StudyPlan& plan, const Globals& globals,
-                         RankPool* ranks = nullptr);
+StudyResult run_study_in(const StudyPlaces& places, const StudyPart& part, const StudyPlan& plan,
+                         const Globals& globals);
 
 }  // namespace forefeel

@@ -60,6 +60,7 @@ double part_of(const SessionProgress& p) {
 }
 
 using ShowPart = std::function<void(double)>;
+using Take = std::function<void(std::size_t cell, StudyCellResult row)>;
 
 struct SessionFailed : std::runtime_error {
   using std::runtime_error::runtime_error;
@@ -107,11 +108,52 @@ bool raised(const std::atomic<bool>* flag) {
   return flag && flag->load(std::memory_order_relaxed);
 }
 
+// Runs cells of a plan one by one, from any thread. Cells of one body share their reference solves: a cache file has one
+// writer.
+class CellRunner {
+ public:
+  CellRunner(const StudyPlan& plan, const StudyRunOptions& options, std::size_t threads)
+      : plan_(plan), options_(options), threads_(static_cast<int>(threads)) {
+    std::map<std::string, std::size_t> first;
+    for (std::size_t i = 0; i < plan.inputs.size(); ++i)
+      body_of_.push_back(first.try_emplace(body_key(plan.inputs[i]), i).first->second);
+  }
+
+  // show: the share done
+  StudyCellResult run(std::size_t number, const ShowPart& show) {
+    StudyCell cell = plan_.cells.at(number);
+    cell.options.stop.interrupted = options_.interrupted;
+    cell.options.stop.hurried = options_.hurried;
+    SessionInput input = plan_.inputs[cell.input];
+    input.references = references(body_of_[cell.input]);
+    cell = with_load_found(cell, input);
+    const std::optional<SustainedOptions>& sustained = plan_.study.sustained;
+    return sustained ? run_sustained(*sustained, cell, input, show) : run_plain(cell, input, show);
+  }
+
+ private:
+  std::shared_ptr<ReferenceService> references(std::size_t body) {
+    const std::lock_guard lock(mutex_);
+    std::shared_ptr<ReferenceService>& service = services_[body];
+    if (service) return service;
+    service = std::make_shared<ReferenceService>(reference_options(plan_.inputs.at(body)), threads_);
+    if (service->damage() && options_.warn) options_.warn(*service->damage());
+    return service;
+  }
+
+  const StudyPlan& plan_;
+  const StudyRunOptions& options_;
+  int threads_;  // of reference solves, for each body
+  std::vector<std::size_t> body_of_;  // of each input: the first input with that body
+  std::mutex mutex_;
+  std::map<std::size_t, std::shared_ptr<ReferenceService>> services_;
+};
+
 // The threads that run the cells without a stored result.
 class Pool {
  public:
   Pool(CellRunner& runner, const std::vector<std::size_t>& todo, std::size_t threads,
-       const StudyRunOptions& options, Ticker& ticker, const StudyRunOptions::Take& take)
+       const StudyRunOptions& options, Ticker& ticker, const Take& take)
       : runner_(runner), todo_(todo), options_(options), ticker_(ticker), take_(take) {
     std::vector<std::jthread> others;
     for (std::size_t i = 1; i < std::min(threads, todo_.size()); ++i) others.emplace_back([this] { work(); });
@@ -150,7 +192,7 @@ class Pool {
   const std::vector<std::size_t>& todo_;
   const StudyRunOptions& options_;
   Ticker& ticker_;
-  const StudyRunOptions::Take& take_;
+  const Take& take_;
   std::atomic<std::size_t> next_{0};
   std::mutex failed_mutex_;
   std::exception_ptr failed_;
@@ -171,61 +213,6 @@ void throw_if_cells_failed(const Pool& pool, const StudyPlan& plan) {
 }
 
 }  // namespace
-
-// One service of reference solves for each body, spacing and kind of state: a cache file has one writer.
-struct CellRunner::Impl {
-  const StudyPlan& plan;
-  Options options;
-  std::vector<std::size_t> body_of = {};  // each input
-  std::mutex mutex = {};
-  std::map<std::size_t, std::shared_ptr<ReferenceService>> services = {};
-};
-
-CellRunner::CellRunner(const StudyPlan& plan, Options options)
-    : impl_(new Impl{.plan = plan, .options = std::move(options)}) {
-  std::map<std::string, std::size_t> first;
-  for (std::size_t i = 0; i < plan.inputs.size(); ++i)
-    impl_->body_of.push_back(first.try_emplace(body_key(plan.inputs[i]), i).first->second);
-}
-
-CellRunner::~CellRunner() = default;
-
-std::size_t CellRunner::body_of(std::size_t input) const {
-  return impl_->body_of.at(input);
-}
-
-std::shared_ptr<ReferenceService> CellRunner::references(std::size_t body) {
-  const std::lock_guard lock(impl_->mutex);
-  std::shared_ptr<ReferenceService>& service = impl_->services[body];
-  if (service) return service;
-  ReferenceOptions options = reference_options(impl_->plan.inputs.at(body));
-  options.read_only = impl_->options.read_only_cache;
-  service = std::make_shared<ReferenceService>(options, impl_->options.threads);
-  if (impl_->options.exchange) service->share(impl_->options.exchange(body));
-  if (service->damage() && impl_->options.warn) impl_->options.warn(*service->damage());
-  return service;
-}
-
-void CellRunner::share_no_more() {
-  const std::lock_guard lock(impl_->mutex);
-  impl_->options.exchange = {};
-  for (const auto& [body, service] : impl_->services)
-    if (service) service->share(nullptr);
-}
-
-StudyCellResult CellRunner::run(std::size_t number, const std::function<void(double)>& show) {
-  StudyCell cell = impl_->plan.cells.at(number);
-  cell.options.stop.interrupted = impl_->options.interrupted;
-  cell.options.stop.hurried = impl_->options.hurried;
-  SessionInput input = impl_->plan.inputs[cell.input];
-  input.references = references(impl_->body_of[cell.input]);
-  cell = with_load_found(cell, input);
-  const auto tell = [&](double part) {
-    if (show) show(part);
-  };
-  const std::optional<SustainedOptions>& sustained = impl_->plan.study.sustained;
-  return sustained ? run_sustained(*sustained, cell, input, tell) : run_plain(cell, input, tell);
-}
 
 StudyCell with_load_found(const StudyCell& cell, const SessionInput& input) {
   if (!(cell.load_to_find > 0)) return cell;
@@ -280,43 +267,31 @@ StudyResult run_study(const StudyPlan& plan, const StudyRunOptions& options) {
   std::vector<std::size_t> todo;
   for (std::size_t i = 0; i < plan.cells.size(); ++i) {
     auto row = options.store.load ? options.store.load(plan.cells[i]) : std::nullopt;
-    if (row)
+    if (row) {
       result.cells[i] = std::move(*row);
-    else
+      ++result.resumed;
+    } else if (options.part.has(i)) {
       todo.push_back(i);
+    } else {
+      ++result.of_other_parts;
+    }
   }
-  const std::size_t missing = todo.size();
-  result.resumed = plan.cells.size() - missing;
   const unsigned machine = std::max(1u, std::thread::hardware_concurrency());
   const std::size_t threads = options.threads > 0 ? static_cast<std::size_t>(options.threads) : machine;
-  Ticker ticker(options.progress, missing, result.resumed);
+  Ticker ticker(options.progress, todo.size(), result.resumed);
   std::atomic<std::size_t> done{0};
-  const StudyRunOptions::Take take = [&](std::size_t cell, StudyCellResult row) {
+  const Take take = [&](std::size_t cell, StudyCellResult row) {
     if (options.store.save) options.store.save(plan.cells[cell], row);
     result.cells[cell] = std::move(row);
     ++done;
   };
-  std::exception_ptr failed;
-  if (options.elsewhere) {
-    std::map<std::size_t, std::size_t> item_of;
-    for (std::size_t item = 0; item < missing; ++item) item_of[todo[item]] = item;
-    options.elsewhere(todo, [&](std::size_t cell, StudyCellResult row) {
-      take(cell, std::move(row));
-      ticker.at(item_of.at(cell), 1.0);
-    });
-  } else {
-    CellRunner runner(plan, {.threads = static_cast<int>(threads),
-                             .interrupted = options.interrupted,
-                             .hurried = options.hurried,
-                             .warn = options.warn});
-    const Pool pool(runner, todo, threads, options, ticker, take);
-    failed = pool.failed();
-    if (!failed && !raised(options.interrupted)) throw_if_cells_failed(pool, plan);
-  }
+  CellRunner runner(plan, options, threads);
+  const Pool pool(runner, todo, threads, options, ticker, take);
   const bool interrupted = raised(options.interrupted);
-  if (failed && !interrupted) std::rethrow_exception(failed);
+  if (!interrupted && pool.failed()) std::rethrow_exception(pool.failed());
+  if (!interrupted) throw_if_cells_failed(pool, plan);
   result.ran = done;
-  result.interrupted = interrupted && result.ran < missing;
+  result.interrupted = interrupted && result.ran < todo.size();
   result.seconds = std::chrono::duration<double>(std::chrono::steady_clock::now() - start).count();
   return result;
 }

@@ -12,7 +12,6 @@
 
 #include "scheduling/study/cell_result.hpp"
 #include "scheduling/study/study_plan.hpp"
-#include "scheduling/workers/reference_service.hpp"
 
 namespace forefeel {
 
@@ -29,6 +28,12 @@ struct StudyProgress {
   std::size_t done = 0, cells = 0, resumed = 0;
 };
 
+// The cells number - 1, number - 1 + of, … of a plan: of several machines, each runs its own part.
+struct StudyPart {
+  std::size_t number = 1, of = 1;
+  bool has(std::size_t cell) const { return cell % of == number - 1; }
+};
+
 struct StudyRunOptions {
   int threads = 0;  // 0: all cores
   StudyStore store = {};
@@ -38,41 +43,15 @@ struct StudyRunOptions {
   const std::atomic<bool>* hurried = nullptr;
   std::function<void(const StudyProgress&)> progress = {};
   std::function<void(const std::string&)> warn = {};
-  // Instead of threads of this process: runs those cells and gives each result to `take`, from the calling thread.
-  using Take = std::function<void(std::size_t cell, StudyCellResult row)>;
-  std::function<void(const std::vector<std::size_t>& cells, const Take& take)> elsewhere = {};
+  StudyPart part = {};
 };
 
 struct StudyResult {
   std::vector<StudyCellResult> cells;  // as StudyPlan::cells; empty for cells not done
   std::size_t ran = 0, resumed = 0;
+  std::size_t of_other_parts = 0;  // cells not done that another part runs
   bool interrupted = false;
   double seconds = 0;  // wall time [s]
-};
-
-// Runs cells of a plan one by one. Cells of one body share their reference solves. Any thread.
-class CellRunner {
- public:
-  struct Options {
-    int threads = 1;  // of reference solves, for each body
-    const std::atomic<bool>*interrupted = nullptr, *hurried = nullptr;
-    std::function<void(const std::string&)> warn = {};
-    bool read_only_cache = false;
-    // Shares the reference solves of a body between processes. body: number of the first input with that body. Null:
-    // they are not shared.
-    std::function<std::shared_ptr<ReferenceExchange>(std::size_t body)> exchange = {};
-  };
-  CellRunner(const StudyPlan& plan, Options options);
-  ~CellRunner();
-  StudyCellResult run(std::size_t cell,
-                      const std::function<void(double)>& show = {});  // show: the share done
-  std::size_t body_of(std::size_t input) const;
-  std::shared_ptr<ReferenceService> references(std::size_t body);
-  void share_no_more();  // from now on, all reference solves are done in this process
-
- private:
-  struct Impl;
-  std::unique_ptr<Impl> impl_;
 };
 
 // Sessions of a study failed, for example because a policy threw. The line names the first such cell.

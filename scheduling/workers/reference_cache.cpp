@@ -35,7 +35,6 @@ ReferenceCache::ReferenceCache(const ReferenceOptions& options, bool names_only)
   if (names_only) return;
   const std::filesystem::path file = options.cache_folder / (name_ + ".states");
   try {
-    if (options.read_only) throw InputError({.file = file.string()}, "another process of this run writes it");
     std::filesystem::create_directories(options.cache_folder);
     StateFileHeader header{
         .identity = options.identity, .spacing = options.spacing, .box = options.box, .notes = {}};

@@ -25,7 +25,6 @@ struct ReferenceOptions {
   bool displacements = false;          // states hold them
   int jet = 1;                         // order of the force that states keep
   std::filesystem::path cache_folder;  // empty: no cache
-  bool read_only = false;              // the cache is another process's to write
 };
 
 class ReferenceCache {

@@ -49,7 +49,6 @@ ReferenceService::~ReferenceService() {
   {
     const std::lock_guard lock(mutex_);
     queue_.clear();
-    sharing_.granted.clear();
   }
   for (auto& thread : threads_.running) thread.request_stop();
   wake_.notify_all();
@@ -109,10 +108,7 @@ std::size_t ReferenceService::solved() const {
 }
 
 void ReferenceService::take(const State& state) {
-  const Key place = key(state.at);
-  Entry& entry = entries_[place];
-  sharing_.asked.erase(place);
-  sharing_.put_off.erase(place);
+  Entry& entry = entries_[key(state.at)];
   if (entry.ready) return;
   entry = {.ready = true, .state = state};
   ready_.notify_all();
@@ -122,64 +118,6 @@ void ReferenceService::take(const State& state) {
 void ReferenceService::learn(std::span<const State> states) {
   const std::lock_guard lock(mutex_);
   for (const State& state : states) take(state);
-}
-
-void ReferenceService::learn_and_keep(const State& state) {
-  const std::lock_guard lock(mutex_);
-  if (const auto known = entries_.find(key(state.at)); known != entries_.end() && known->second.ready) return;
-  cache_.keep(state);
-  take(state);
-}
-
-std::optional<State> ReferenceService::find(const Vec3& x) const {
-  const std::lock_guard lock(mutex_);
-  const auto known = entries_.find(key(x));
-  if (known == entries_.end() || !known->second.ready) return {};
-  return known->second.state;
-}
-
-void ReferenceService::share(std::shared_ptr<ReferenceExchange> exchange) {
-  const std::lock_guard lock(mutex_);
-  sharing_.exchange = std::move(exchange);
-  if (sharing_.exchange) return;
-  for (const Vec3& x : sharing_.granted) queue_.push_back(x);
-  for (const auto* asked : {&sharing_.asked, &sharing_.put_off})
-    for (const auto& [place, x] : *asked) queue_.push_back(x);
-  sharing_.granted.clear();
-  sharing_.asked.clear();
-  sharing_.put_off.clear();
-  for (std::size_t i = 0; i < queue_.size(); ++i) start_thread();
-  wake_.notify_all();
-}
-
-void ReferenceService::grant(const Vec3& x) {
-  const std::lock_guard lock(mutex_);
-  const auto known = entries_.find(key(x));
-  if (!sharing_.exchange || known == entries_.end() || known->second.ready) return;
-  sharing_.asked.erase(key(x));
-  sharing_.put_off.erase(key(x));
-  sharing_.granted.push_back(x);
-  wake_.notify_one();
-}
-
-void ReferenceService::put_off(const Vec3& x) {
-  const std::lock_guard lock(mutex_);
-  if (sharing_.asked.erase(key(x)) > 0) sharing_.put_off.emplace(key(x), x);
-  wake_.notify_one();
-}
-
-// One position more than there are threads is asked for, so that no thread waits for an answer.
-std::vector<Vec3> ReferenceService::next_to_ask() {
-  std::vector<Vec3> next;
-  while (sharing_.exchange && !queue_.empty() &&
-         sharing_.asked.size() + sharing_.granted.size() <= threads_.most) {
-    const Vec3 x = queue_.front();
-    queue_.pop_front();
-    if (entries_.at(key(x)).ready) continue;
-    sharing_.asked.emplace(key(x), x);
-    next.push_back(x);
-  }
-  return next;
 }
 
 std::optional<std::string> ReferenceService::cache_failure() {
@@ -192,22 +130,10 @@ void ReferenceService::work(std::stop_token stop) {
     StateSolver solver(solver_.basis, solver_.linear, solver_.options);
     std::unique_lock lock(mutex_);
     for (;;) {
-      const std::vector<Vec3> asking = next_to_ask();
-      if (const auto exchange = sharing_.exchange; exchange && !asking.empty()) {
-        lock.unlock();
-        for (const Vec3& x : asking) exchange->ask(x);
-        lock.lock();
-      }
-      const auto may_ask = [&] { return sharing_.asked.size() + sharing_.granted.size() <= threads_.most; };
-      wake_.wait(lock, [&] {
-        return stop.stop_requested() || !sharing_.granted.empty() ||
-               (!queue_.empty() && (!sharing_.exchange || may_ask()));
-      });
+      wake_.wait(lock, [&] { return stop.stop_requested() || !queue_.empty(); });
       if (stop.stop_requested()) return;
-      if (sharing_.exchange && sharing_.granted.empty()) continue;
-      std::deque<Vec3>& next = sharing_.exchange ? sharing_.granted : queue_;
-      const Vec3 x = next.front();
-      next.pop_front();
+      const Vec3 x = queue_.front();
+      queue_.pop_front();
       if (entries_.at(key(x)).ready) continue;
       lock.unlock();
       SolveOutcome outcome = solver.reference(x);
@@ -219,11 +145,6 @@ void ReferenceService::work(std::stop_token stop) {
       cache_.keep(outcome.state);
       take(outcome.state);
       ++solved_;
-      if (const auto exchange = sharing_.exchange) {
-        lock.unlock();
-        exchange->tell(outcome.state);
-        lock.lock();
-      }
     }
   } catch (...) {
     const std::lock_guard lock(mutex_);

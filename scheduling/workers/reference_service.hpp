@@ -28,16 +28,6 @@ namespace forefeel {
 class LinearBasis;
 class SolverBasis;
 
-// Other processes that solve for the same body. Each position is solved by one of them. Any thread may call
-// these.
-class ReferenceExchange {
- public:
-  virtual ~ReferenceExchange() = default;
-  // May x be solved here? Answered by ReferenceService::grant(), put_off() or learn().
-  virtual void ask(const Vec3& x) = 0;
-  virtual void tell(const State& state) = 0;  // it was solved here
-};
-
 // Number of threads that solve, if `wanted` are asked for (0: all of the machine). At most the larger of eight and four
 // for each core: more would only take memory.
 int reference_threads(int wanted);
@@ -58,14 +48,6 @@ class ReferenceService {
   std::size_t solved() const;  // number of solves not found in the cache
   // Adds states solved elsewhere, tight and on the reference branch. They are not written to the file.
   void learn(std::span<const State> states);
-  // From now on the service asks the other processes about each position that is not in the cache, before it solves
-  // it. Null ends this; positions without an answer are then solved here.
-  void share(std::shared_ptr<ReferenceExchange> exchange);
-  void grant(const Vec3& x);                       // solve it here
-  void put_off(const Vec3& x);                     // it is solved elsewhere: learn() or grant() will follow
-  void learn_and_keep(const State&);               // as learn(), and it is written to the cache
-  std::optional<State> find(const Vec3& x) const;  // if it is ready
-
   // If a cache was requested but there is none, or it is read-only: the reason.
   const std::optional<std::string>& note() const { return costs_.note() ? costs_.note() : cache_.note(); }
   // Set if records of the cache had a wrong checksum: one line with file and count. They are solved again and
@@ -92,17 +74,10 @@ class ReferenceService {
     bool ready = false;
     State state;
   };
-  // With other processes: permission for queued positions is asked a little before the threads need them.
-  struct Sharing {
-    std::shared_ptr<ReferenceExchange> exchange;
-    std::deque<Vec3> granted;
-    std::unordered_map<Key, Vec3, Hash> asked, put_off;
-  };
   static Key key(const Vec3& x);
   void work(std::stop_token stop);
-  void start_thread();              // unless there are enough
-  void take(const State& state);    // under the mutex
-  std::vector<Vec3> next_to_ask();  // under the mutex
+  void start_thread();            // unless there are enough
+  void take(const State& state);  // under the mutex
 
   // Of which each thread makes its solver.
   struct SolverParts {
@@ -123,7 +98,6 @@ class ReferenceService {
   SolveCosts costs_;
   std::unordered_map<Key, Entry, Hash> entries_;
   std::deque<Vec3> queue_;
-  Sharing sharing_;
   std::size_t solved_ = 0;
   std::exception_ptr failure_;
   Threads threads_;

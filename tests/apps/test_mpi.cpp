@@ -150,30 +150,6 @@ TEST_CASE(
         std::stoi(ended.err.substr(from, said - from)));
 }
 
-TEST_CASE("a study by two ranks writes the same cells.csv, byte for byte, as by threads",
-          SLOW("starts Open MPI, which only run.sh all installs")) {
-  const Workshop shop;
-  if (const std::string why = reason_to_skip(shop); !why.empty()) return forefeel::test::skip(why);
-  shop.write("study.toml",
-             "scene = \"beam.toml\"\nseeds = [1, 2]\n[vary]\npolicy = [\"nearest\", \"coverage\"]\n"
-             "\"session.seconds\" = [0.4]\n");
-  const auto threads = shop.forefeel("study study.toml -o threads --threads 2 --quiet");
-  INFO(threads.err);
-  REQUIRE(threads.code == 0);
-  REQUIRE(shop.shell("rm -r ../cache").code == 0);  // the ranks share what they solve
-  const auto both = ranks(shop, 2, "study study.toml --mpi -o ranks --json --quiet");
-  INFO(both.err);
-  REQUIRE(both.code == 0);
-  CHECK(both.json()["ran"] == 4);
-  CHECK(shop.shell("cmp threads/cells.csv ranks/cells.csv").code == 0);
-  const auto stopped = ranks_but_one(shop, "-n 2", "[ -e stopped/study.json ]", "STOP",
-                                     "study study.toml --mpi --patience 5 -o stopped");
-  INFO(stopped.err);
-  CHECK(ended_by_itself(stopped));
-  CHECK(code_of_rank_0(shop) == "0\n");
-  CHECK(shop.shell("cmp threads/cells.csv stopped/cells.csv").code == 0);
-}
-
 TEST_CASE("a session whose worker rank is stopped ends in time, and says which rank did not answer",
           SLOW("starts Open MPI, which only run.sh all installs")) {
   const Workshop shop;

@@ -86,6 +86,34 @@ TEST_CASE(
   CHECK_THAT(single.out, Catch::Contains("bootstrap none, Student's none: not significant"));
 }
 
+TEST_CASE("parts of a study, run apart and merged, have the table of the whole") {
+  const test::Workshop shop;
+  shop.write("scene.toml",
+             test::beam_scene("[session]\nseconds = 0.3\ndevice = \"path:press,speed=0.05\"\n"));
+  shop.write("study.toml",
+             "scene = \"scene.toml\"\nseeds = [1, 2]\n[vary]\npolicy = [\"nearest\", \"coverage\"]\n");
+  REQUIRE(shop.forefeel("study study.toml -o whole --quiet").code == 0);
+  for (const std::string part : {"1", "2", "3"}) {
+    const auto ran = shop.forefeel("study study.toml -o part-" + part + " --part " + part + "/3 --json");
+    REQUIRE(ran.code == 0);
+    CHECK(ran.json()["ran"] == (part == "1" ? 2 : 1));
+    CHECK(ran.json()["left"] == (part == "1" ? 2 : 3));
+    CHECK(ran.json()["files"].empty());
+    CHECK_FALSE(fs::exists(shop.path() / ("part-" + part) / "cells.csv"));
+  }
+  // What no part has run is run now.
+  const auto merged = shop.forefeel("study study.toml -o all --merge part-1 --merge part-3 --json");
+  REQUIRE(merged.code == 0);
+  CHECK(merged.json()["ran"] == 1);
+  CHECK(merged.json()["resumed"] == 3);
+  CHECK(shop.shell("cmp whole/cells.csv all/cells.csv").code == 0);
+  CHECK(shop.forefeel("study study.toml -o all --json").json()["ran"] == 0);
+
+  test::check_refused(shop, "study study.toml -o other --merge nowhere", {"--merge nowhere", "no cell of this study"});
+  for (const std::string wrong : {"0/3", "4/3", "1", "1/", "a/b", "1/3x", "-1/3"})
+    test::check_refused(shop, "study study.toml -o other --part " + wrong, {"--part", "'" + wrong + "'", "K/N"});
+}
+
 TEST_CASE("forefeel study: bad input is one line, exit 2, nothing written") {
   const test::Workshop shop;
   shop.write("scene.toml", test::beam_scene());

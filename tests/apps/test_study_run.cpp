@@ -27,7 +27,7 @@ std::vector<StudyCellResult> run(const StudyPlan& plan, const fs::path& folder, 
   Globals globals;
   globals.quiet = true;
   globals.threads = threads;
-  StudyResult result = run_study_in(folder, plan, globals);
+  StudyResult result = run_study_in({folder}, {}, plan, globals);
   if (ran) *ran = result.ran;
   add_regret(plan.study, result.cells);
   return result.cells;

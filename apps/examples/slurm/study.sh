@@ -1,11 +1,12 @@
 #!/usr/bin/env bash
 #SBATCH --job-name=forefeel-study
-#SBATCH --ntasks=64
+#SBATCH --array=1-64
 #SBATCH --cpus-per-task=1
 #SBATCH --time=08:00:00
-# Runs the cells of a study by all tasks: sbatch study.sh STUDY.toml FOLDER. Submitted again, it resumes: finished cells
-# are kept. Tasks beyond the number of cells stay idle.
+# Runs a study in parts, one a task: sbatch study.sh STUDY.toml FOLDER. Submitted again, it resumes: finished cells are
+# kept. When all tasks are done, this compares the cells:
+#   forefeel study STUDY.toml -o FOLDER/all $(printf -- '--merge %s ' FOLDER/part-*)
 set -euo pipefail
 study=${1:?study (TOML)}; folder=${2:?folder of the results}
-export OMP_NUM_THREADS=1
-mpirun --enable-recovery forefeel study "$study" -o "$folder" --mpi --patience 60
+part=${SLURM_ARRAY_TASK_ID:?array job}
+forefeel study "$study" -o "$folder/part-$part" --part "$part/$SLURM_ARRAY_TASK_COUNT" --threads 1
