@@ -14,8 +14,6 @@
 #include "scheduling/motion/trace_cells.hpp"
 #include "scheduling/motion/trace_flaws.hpp"
 #include "scheduling/motion/trace_header.hpp"
-#include "scheduling/motion/trace_stack.hpp"
-#include "scheduling/motion/trace_time.hpp"
 
 namespace forefeel {
 namespace {
@@ -112,12 +110,6 @@ class Reader {
     for (std::size_t row = 0; row < std::min<std::size_t>(rows_.size(), 200); ++row)
       if (find_in_header(row, wanted, false) || (!format_.tool.empty() && find_in_header(row, wanted, true)))
         return;
-    if (!format_.tool.empty() || !format_.columns.empty())
-      if (const auto stacked = stacked_columns(rows_, wanted, timed(), format_.tool)) {
-        layout_ = {.at = stacked->at, .header = stacked->header, .names = {}, .first = stacked->header + 1};
-        own_columns_ = true;
-        return;
-      }
     if (const auto row = headless_row(rows_, wanted.size()); row && format_.columns.empty()) {
       for (std::size_t i = 0; i < wanted.size(); ++i) layout_.at.push_back(i);
       layout_.first = *row;
@@ -128,11 +120,6 @@ class Reader {
 
   [[noreturn]] void fail_without(const std::vector<std::string>& wanted) const {
     const std::size_t header = likely_header(rows_, rows_.size());
-    if (const auto tools = stacked_tools(rows_, wanted[wanted.size() - 3]); !tools.empty())
-      throw InputError({.file = name_, .line = rows_[header].line},
-                       fmt::format("{} several tools, expected tool=NAME with one of {}",
-                                   format_.tool.empty() ? "holds" : "has no tool '" + format_.tool + "' but",
-                                   fmt::join(tools, ", ")));
     const Cells& cells = rows_[header].cells;
     std::string missing;
     for (std::size_t i = wanted.size(); i-- > 0;)
@@ -171,13 +158,15 @@ class Reader {
   bool all_numbers(const Row& row) const {
     double value = 0;
     return std::ranges::all_of(layout_.at, [&](std::size_t at) {
-      return at == nowhere || (timed() && at == layout_.at[0] && time_in(row)) ||
-             (at < row.cells.size() && trace_number(row.cells[at], value));
+      return at == nowhere || (at < row.cells.size() && trace_number(row.cells[at], value));
     });
   }
 
-  std::optional<TraceTime> time_in(const Row& row) const {
-    return layout_.at[0] < row.cells.size() ? trace_time(row.cells[layout_.at[0]]) : std::nullopt;
+  // In the unit of the file.
+  std::optional<double> time_in(const Row& row) const {
+    double time = 0;
+    if (layout_.at[0] < row.cells.size() && trace_number(row.cells[layout_.at[0]], time)) return time;
+    return {};
   }
 
   [[noreturn]] void fail_without_numbers() const {
@@ -221,10 +210,9 @@ class Reader {
       const Cells& cells = rows_[row].cells;
       const auto time = time_in(rows_[row]);
       if (!time) continue;
-      const double t = 86400.0 * static_cast<double>(time->day) + time->seconds;
-      const auto [at, first] = last.emplace(column < cells.size() ? cells[column] : "", t);
-      if (!first && !(t > at->second)) return false;
-      at->second = t;
+      const auto [at, first] = last.emplace(column < cells.size() ? cells[column] : "", *time);
+      if (!first && !(*time > at->second)) return false;
+      at->second = *time;
     }
     return true;
   }
@@ -291,22 +279,18 @@ class Reader {
                                  fmt::join(names, ", ")));
   }
 
-  // The time of a row of data [s]; of dates, from the beginning of the first row's day.
-  double time_of(const Row& row, std::size_t sample) {
+  // The time of a row of data [s].
+  double time_of(const Row& row, std::size_t sample) const {
     if (!timed()) return static_cast<double>(sample) / format_.rate;
     const std::size_t at = layout_.at[0];
     if (at >= row.cells.size())
       throw InputError({.file = name_, .line = row.line},
                        fmt::format("a row of {} values, expected at least {}", row.cells.size(), at + 1));
     const auto time = time_in(row);
-    if (!time || !std::isfinite(time->seconds) || (day_ && time->dated != (*day_ != 0)))
-      throw InputError(
-          {.file = name_, .line = row.line},
-          fmt::format("the time is '{}', expected a finite number{}", row.cells[at],
-                      day_ && *day_ == 0 ? "" : ", or a date and time as 2021-08-18T15:05:42.25"));
-    if (!day_) day_ = time->day;
-    return time->dated ? 86400.0 * static_cast<double>(time->day - *day_) + time->seconds
-                       : time->seconds * format_.second;
+    if (!time || !std::isfinite(*time))
+      throw InputError({.file = name_, .line = row.line},
+                       fmt::format("the time is '{}', expected a finite number", row.cells[at]));
+    return *time * format_.second;
   }
 
   Vec3 position_of(const Row& row) const {
@@ -367,7 +351,6 @@ class Reader {
   std::vector<Row> rows_;
   Layout layout_;
   bool own_columns_ = false;
-  std::optional<std::int64_t> day_;  // of the first row; 0: times are numbers
 };
 
 }  // namespace

@@ -8,10 +8,7 @@
 //   rate      samples per second [Hz], for a file without a time column; every row is then a sample
 //   unit      of the positions and of the time: m, cm, mm, s, ms, us, or one of each, as mm/ms
 //   tool      selects one of several tools in a file: its name or number in the column of tool names. If each tool
-//             has its own columns: the text before x, y and z in their names, or a name in a row above them, as in .trc
-//             files and exports of Motive, or in front of them in the header, as in files of NDI (trace_stack.hpp)
-//
-// A time may also be a date and time (trace_time.hpp); its unit is then seconds.
+//             has its own columns: the text before x, y and z in their names
 //
 // Recorded orientation is not read, because the HIP is a point. `ignored` counts the columns that were not read.
 

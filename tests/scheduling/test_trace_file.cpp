@@ -9,7 +9,6 @@
 #include "scheduling/motion/device.hpp"
 #include "scheduling/motion/trace_check.hpp"
 #include "scheduling/motion/trace_file.hpp"
-#include "scheduling/motion/trace_time.hpp"
 #include "tests/support/error_of.hpp"
 #include "tests/support/temporary_folder.hpp"
 
@@ -117,75 +116,6 @@ TEST_CASE("one motion in many forms is the same motion") {
   }
 }
 
-TEST_CASE("names of markers above or in front of the columns") {
-  const std::string trc =
-      "PathFileType\t4\t(X/Y/Z)\twalk.trc\n"
-      "DataRate\tCameraRate\tNumFrames\tNumMarkers\tUnits\tOrigDataRate\tOrigDataStartFrame\tOrigNumFrames\n"
-      "2.00\t2.00\t3\t2\tmm\t2.00\t1\t3\n"
-      "Frame#\tTime\tRASI\t\t\tLASI\t\t\n"
-      "\t\tX1\tY1\tZ1\tX2\tY2\tZ2\n"
-      "\n"
-      "1\t0.0\t9\t9\t9\t1\t2\t3\n2\t0.5\t9\t9\t9\t1.5\t2\t3\n3\t1.0\t9\t9\t9\t2\t2\t3\n";
-  check_rows(read(trc, with({}, "mm", 0, "LASI")));
-  check_rows(read(trc, with({"Time", "X", "Y", "Z"}, "mm", 0, "LASI")));
-  check_rows(read(trc, with({"x", "y", "z"}, "mm", 2, "LASI")));
-  CHECK(read(trc, with({}, "mm", 0, "RASI")).positions[2] == 1e-3 * Vec3(9, 9, 9));
-  CHECK_THAT(refusal(trc, {}), Catch::Contains("several tools") && Catch::Contains("LASI, RASI"));
-  CHECK_THAT(refusal(trc, with({}, "mm", 0, "HEAD")),
-             Catch::Contains("no tool 'HEAD'") && Catch::Contains("LASI, RASI"));
-
-  const std::string motive =
-      "Format Version,1.23,Take Name,a,Capture Frame Rate,2.000,Export Frame Rate,2.000,Total Frames,3\n\n"
-      ",Type,Rigid Body,Rigid Body,Rigid Body,Rigid Body,Rigid Body,Rigid Body,Rigid "
-      "Body,Marker,Marker,Marker\n"
-      ",Name,Pen,Pen,Pen,Pen,Pen,Pen,Pen,Pen:1,Pen:1,Pen:1\n"
-      ",ID,F0,F0,F0,F0,F0,F0,F0,F1,F1,F1\n"
-      ",,Rotation,Rotation,Rotation,Rotation,Position,Position,Position,Position,Position,Position\n"
-      "Frame,Time (Seconds),X,Y,Z,W,X,Y,Z,X,Y,Z\n"
-      "0,0,.1,.2,.3,.4,1,2,3,9,9,9\n1,0.5,.1,.2,.3,.4,1.5,2,3,9,9,9\n2,1,.1,.2,.3,.4,2,2,3,9,9,9\n";
-  check_rows(read(motive, with({}, "mm", 0, "Pen")));
-  CHECK(read(motive, with({}, "mm", 0, "Pen:1")).positions[0] == 1e-3 * Vec3(9, 9, 9));
-  CHECK_THAT(refusal(motive, {}), Catch::Contains("tool=NAME with one of Pen, Pen:1"));
-
-  const std::string ndi =
-      "Tools,Port 1,Frame,Time [sec],State,Q0,Qx,Qy,Qz,Tx,Ty,Tz,Error,Port 2,Frame,Time "
-      "[sec],State,Q0,Qx,Qy,Qz,Tx,"
-      "Ty,Tz,Error\n"
-      "2,Port 1,1,7,OK,1,0,0,0,9,9,9,0.1,Port 2,1,7,OK,1,0,0,0,1,2,3,0.1\n"
-      "2,Port 1,2,7.5,MISSING,,,,,,,,,Port 2,2,7.5,OK,1,0,0,0,1.5,2,3,0.1\n"
-      "2,Port 1,3,8,OK,1,0,0,0,9,9,9,0.1,Port 2,3,8,OK,1,0,0,0,2,2,3,0.1\n";
-  check_rows(read(ndi, with({"Time [sec]", "Tx", "Ty", "Tz"}, "mm", 0, "Port 2")));
-  CHECK(read(ndi, with({"Time [sec]", "Tx", "Ty", "Tz"}, "mm", 0, "Port 1")).missing == 1);
-}
-
-TEST_CASE("dates and times of samples") {
-  const auto seconds = [](const char* text) {
-    const auto time = trace_time(text);
-    REQUIRE(time);
-    return 86400.0 * double(time->day) + time->seconds;
-  };
-  // date -u -d 2021-08-18T15:05:42 +%s
-  for (const char* text :
-       {"2021-08-18T15:05:42Z", "2021-08-18 15:05:42", "20210818T150542", "2021-08-18T17:05:42+02:00",
-        "2021-08-18T08:35:42-0630", "2021-08-18T15:05:42.000"})
-    CHECK(seconds(text) == 1629299142.0);
-  CHECK(trace_time("2021-08-18T15:05:42,125")->seconds == 54342.125);
-  CHECK(seconds("2021-08-18T15:05") == 1629299100.0);
-  CHECK(seconds("1969-12-31T23:59:59Z") == -1.0);
-  for (const char* text :
-       {"2021-02-29T00:00:00", "2021-08-18", "15:05:42", "2021-08-18T15:05:42 CET", "noon", "",
-        "2021-08-18T15:61:00", "2021-8-18T15:05:42", "2021-08-18T15:05:42.", "20210818T15"})
-    CHECK_FALSE(trace_time(text));
-  check_rows(
-      read("t,x,y,z\n2021-12-31T23:59:59.5Z,1,2,3\n2022-01-01T00:00:00Z,1.5,2,3\n"
-           "2022-01-01T00:00:00.5Z,2,2,3\n",
-           with({}, "mm/ms")));
-  CHECK_THAT(refusal("t,x,y,z\n2021-12-31T23:59:59.5Z,1,2,3\n7,1.5,2,3\n", with({}, "mm")),
-             Catch::Contains("m.txt:3: the time is '7', expected") && Catch::Contains("date and time"));
-  CHECK_THAT(refusal("t,x,y,z\n1,1,2,3\n2021-12-31T23:59:59.5Z,1.5,2,3\n", with({}, "mm")),
-             Catch::Contains("m.txt:3: the time is '2021-12-31T23:59:59.5Z', expected a finite number"));
-}
-
 TEST_CASE("a file read by numbers names its columns by its header, not by a row of data") {
   const std::string text =
       "Tools,Name,Frame,State,Tx,Ty,Tz\n2,a,,MISSING,,,\n2,b,,MISSING,,,\n"
@@ -207,6 +137,8 @@ TEST_CASE("what is not clear in a recorded motion is refused in words") {
   CHECK_THAT(refusal("0 1 2 3\n", with({"1", "2", "3", "5"}, "")), Catch::Contains("from 1 to 4"));
   CHECK_THAT(refusal("t,x,y,z\n0,1,2,3\nnoon,1,2,3\n", with({}, "mm")),
              Catch::Contains("m.txt:3: the time is 'noon'"));
+  CHECK_THAT(refusal("t,x,y,z\n2021-12-31T23:59:59.5Z,1,2,3\n2022-01-01T00:00:00Z,1.5,2,3\n", with({}, "mm")),
+             Catch::Contains("no row has a number") && Catch::Contains("'2021-12-31T23:59:59.5Z'"));
   CHECK_THAT(refusal("t,x,y,z\n0,1,2,3\n1,far,2,3\n", with({}, "mm")),
              Catch::Contains("m.txt:3: the position is 'far'"));
   CHECK_THAT(refusal("t,x,y,z\n0,a,b,c\n", with({}, "mm")), Catch::Contains("no row has a number"));
