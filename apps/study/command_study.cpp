@@ -49,11 +49,13 @@ struct StudyArguments {
   std::vector<std::string> merged;  // folders of other parts
 };
 
-nlohmann::ordered_json manifest(const PlannedStudy& planned) {
+nlohmann::ordered_json manifest(const Globals& globals, const PlannedStudy& planned) {
   nlohmann::ordered_json document;
   const auto made_by = provenance(planned.scenes.front().source.hash);
   document["version"] = made_by["version"];
   document["commit"] = made_by["commit"];
+  document["file"] = fs::absolute(planned.file.file).string();
+  document["set"] = globals.set;
   document["study"] = planned.file.text;
   document["cells"] = nlohmann::ordered_json::array();
   for (const StudyCell& cell : planned.plan.cells) document["cells"].push_back(cell.key);
@@ -61,10 +63,11 @@ nlohmann::ordered_json manifest(const PlannedStudy& planned) {
 }
 
 // One line about what changed since DIR/ was started, or nothing.
-std::optional<std::string> change_since(const fs::path& folder, const PlannedStudy& planned) {
+std::optional<std::string> change_since(const fs::path& folder, const PlannedStudy& planned,
+                                        const nlohmann::ordered_json& now) {
   std::ifstream in(folder / "study.json");
   if (!in) return {};
-  const auto before = nlohmann::ordered_json::parse(in, nullptr, false), now = manifest(planned);
+  const auto before = nlohmann::ordered_json::parse(in, nullptr, false);
   if (!before.is_object() || !before.contains("cells") || before["cells"] == now["cells"]) return {};
   const StudyPlan& plan = planned.plan;
   const auto listed = before["cells"].get<std::set<std::string>>();
@@ -199,11 +202,12 @@ void begin_folder(const Globals& globals, const PlannedStudy& planned, const Stu
   const fs::path folder = arguments.output;
   if (fs::exists(folder) && !fs::is_directory(folder))
     throw InputError(arguments.output, "is a file, expected a folder for the results");
-  if (const auto change = change_since(folder, planned)) warn(globals, *change);
+  const nlohmann::ordered_json now = manifest(globals, planned);
+  if (const auto change = change_since(folder, planned, now)) warn(globals, *change);
   claim_folder(folder, {"study.json", "cells.csv", "report.html"});
   if (!arguments.figures.formats.empty()) figures_in(folder);
   check_writable(folder / "cells.csv");
-  write_whole(folder / "study.json", json_text(manifest(planned), 1) + "\n");
+  write_whole(folder / "study.json", json_text(now, 1) + "\n");
 }
 
 // K/N in words of StudyPart. All cells if it is empty.
@@ -228,9 +232,9 @@ void tell_incomplete(const Globals& globals, const PlannedStudy& planned, const 
                               all - done));
   else
     say(globals,
-        fmt::format("{}: {} of {} cells, {} run in {:.1f} s; when the other parts are done, forefeel study {} -o DIR "
-                    "--merge {} --merge … compares them",
-                    arguments.output, done, all, result.ran, result.seconds, arguments.study, arguments.output));
+        fmt::format("{}: {} of {} cells, {} run in {:.1f} s; when all parts are done, forefeel study --merge {} … -o "
+                    "DIR compares them",
+                    arguments.output, done, all, result.ran, result.seconds, arguments.output));
   if (!globals.json) return;
   nlohmann::ordered_json document = counts(planned.plan, result);
   document["files"] = nlohmann::ordered_json::array();
@@ -238,12 +242,25 @@ void tell_incomplete(const Globals& globals, const PlannedStudy& planned, const 
   print_json(document);
 }
 
+// The study that is named, or else that of the first folder to be merged.
+StudyFile study_of(const Globals& globals, const StudyArguments& arguments) {
+  if (!arguments.study.empty()) return read_study(arguments.study, globals.set);
+  if (arguments.merged.empty()) throw InputError("study", "no study given, expected STUDY.toml");
+  const fs::path file = fs::path(arguments.merged.front()) / "study.json";
+  std::ifstream in(file);
+  const auto made_by = nlohmann::ordered_json::parse(in, nullptr, false);
+  if (!made_by.is_object() || !made_by.contains("file") || !made_by.contains("set"))
+    throw InputError("--merge " + arguments.merged.front(),
+                     "holds no study.json, expected the folder of a study");
+  return read_study(made_by["file"].get<std::string>(), made_by["set"].get<std::vector<std::string>>());
+}
+
 int run_command(const Globals& globals, const StudyArguments& arguments) {
   if (globals.seed != 0) throw InputError("--seed", "a study lists its seeds, expected them in the file");
   if (arguments.output.empty()) throw InputError("--output", "is empty, expected a folder");
   take_figures(arguments.figures);
   const StudyPart part = part_of(arguments.part);
-  const PlannedStudy planned = plan_study(read_study(arguments.study, globals.set));
+  const PlannedStudy planned = plan_study(study_of(globals, arguments));
   const StudyPlan& plan = planned.plan;
   for (const std::string& warning : planned.warnings) warn(globals, warning);
   end_if_interrupted("any cell was run");
@@ -306,8 +323,7 @@ void add_study(CommandLine& line) {
          "STUDY", arguments->study,
          "Study (TOML). target_load = [L, …] in [vary] chooses the cost of a solve: the motion then needs L "
          "times as many new states per second as the workers solve, messages included. A session ends with "
-         "its motion, or after session.seconds of the study if that is earlier")
-      .required();
+         "its motion, or after session.seconds of the study if that is earlier");
   sub.option("-o,--output", arguments->output, "Folder of the results; resumed if it exists")
       .required()
       .shows("DIR/");
@@ -321,9 +337,8 @@ void add_study(CommandLine& line) {
              "Only run every N-th cell from the K-th on, into a folder of its own: parts of a study on many machines")
       .shows("K/N");
   sub.option("--merge", arguments->merged,
-             "First copy the finished cells of another folder of this study, as of a part; may be given often")
-      .shows("DIR/")
-      .takes_one();
+             "Take the finished cells of these folders, as of parts; STUDY is then theirs and need not be given")
+      .shows("DIR/...");
 }
 
 }  // namespace forefeel

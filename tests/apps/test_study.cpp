@@ -102,7 +102,7 @@ TEST_CASE("parts of a study, run apart and merged, have the table of the whole")
     CHECK_FALSE(fs::exists(shop.path() / ("part-" + part) / "cells.csv"));
   }
   // What no part has run is run now.
-  const auto merged = shop.forefeel("study study.toml -o all --merge part-1 --merge part-3 --json");
+  const auto merged = shop.forefeel("study --merge part-1 part-3 -o all --json");
   REQUIRE(merged.code == 0);
   CHECK(merged.json()["ran"] == 1);
   CHECK(merged.json()["resumed"] == 3);
@@ -110,6 +110,8 @@ TEST_CASE("parts of a study, run apart and merged, have the table of the whole")
   CHECK(shop.forefeel("study study.toml -o all --json").json()["ran"] == 0);
 
   test::check_refused(shop, "study study.toml -o other --merge nowhere", {"--merge nowhere", "no cell of this study"});
+  test::check_refused(shop, "study --merge nowhere -o other", {"--merge nowhere", "no study.json"});
+  test::check_refused(shop, "study -o other", {"no study given"});
   for (const std::string wrong : {"0/3", "4/3", "1", "1/", "a/b", "1/3x", "-1/3"})
     test::check_refused(shop, "study study.toml -o other --part " + wrong, {"--part", "'" + wrong + "'", "K/N"});
 }

@@ -5,7 +5,7 @@
 #SBATCH --time=08:00:00
 # Runs a study in parts, one a task: sbatch study.sh STUDY.toml FOLDER. Submitted again, it resumes: finished cells are
 # kept. When all tasks are done, this compares the cells:
-#   forefeel study STUDY.toml -o FOLDER/all $(printf -- '--merge %s ' FOLDER/part-*)
+#   forefeel study --merge FOLDER/part-* -o FOLDER/all
 set -euo pipefail
 study=${1:?study (TOML)}; folder=${2:?folder of the results}
 part=${SLURM_ARRAY_TASK_ID:?array job}
