@@ -249,7 +249,8 @@ StudyFile study_of(const Globals& globals, const StudyArguments& arguments) {
   const fs::path file = fs::path(arguments.merged.front()) / "study.json";
   std::ifstream in(file);
   const auto made_by = nlohmann::ordered_json::parse(in, nullptr, false);
-  if (!made_by.is_object() || !made_by.contains("file") || !made_by.contains("set"))
+  if (!made_by.is_object() || !made_by.contains("file") || !made_by["file"].is_string() ||
+      !made_by.contains("set") || !made_by["set"].is_array())
     throw InputError("--merge " + arguments.merged.front(),
                      "holds no study.json, expected the folder of a study");
   return read_study(made_by["file"].get<std::string>(), made_by["set"].get<std::vector<std::string>>());
