@@ -206,7 +206,7 @@ Findings reproduce_speed(Laboratory& laboratory, const ReproduceOptions& runs, c
                          const ShowShare&) {
   const StudyPlan plan = plan_speed(laboratory, runs);
   write_study(laboratory, runs, folder);
-  const StudyResult result = run_study_in(folder / "speed", plan, laboratory.globals());
+  const StudyResult result = run_study_in({folder / "speed"}, {}, plan, laboratory.globals());
   if (result.interrupted)
     return {.summary = {{"interrupted", true}},
             .html = {},
