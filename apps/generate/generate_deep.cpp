@@ -7,7 +7,7 @@
 namespace forefeel {
 namespace {
 
-constexpr std::size_t fresh_places = 100;  // of a round;
+constexpr std::size_t fresh_places = 100;   // of a round;
 constexpr std::size_t checked_again = 400;  // these and more, where they are within the error: they decide
 constexpr std::size_t looked_at = 1000;     // places of a round among which the worst are found
 constexpr std::size_t states_a_round = 50;  // beside the fresh ones

@@ -341,8 +341,7 @@ void add_mesh(CommandLine& line) {
              "Surface (.obj .off .stl .ply .vtp .vtk), label volume (.nii .nii.gz .mha .nrrd .vti) or mesh "
              "(.msh .vtk .vtu .mesh)")
       .shows("SURFACE");
-  sub.option("-o,--output", arguments->output,
-             "Mesh to write: Gmsh 2.2 (.msh) or VTK (.vtu)")
+  sub.option("-o,--output", arguments->output, "Mesh to write: Gmsh 2.2 (.msh) or VTK (.vtu)")
       .required()
       .shows("OUT.msh");
   sub.option("--elements", arguments->elements, "Number of tetrahedra, met within 5 % [label volume: 20000]")

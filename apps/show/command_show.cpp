@@ -146,9 +146,8 @@ void add_show(CommandLine& line) {
              "Scene (.toml), mesh, surface, states (.states .csv) or the folder of a run")
       .required()
       .shows("SCENE|MESH|STATES|RUN/");
-  sub.option(
-         "-o,--output", arguments->output,
-         "One page for a browser, which needs no network (.html), or files for ParaView (.vtu)")
+  sub.option("-o,--output", arguments->output,
+             "One page for a browser, which needs no network (.html), or files for ParaView (.vtu)")
       .required()
       .shows("OUT");
   sub.option(

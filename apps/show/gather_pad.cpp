@@ -1,6 +1,5 @@
 #include "apps/show/gather_pad.hpp"
 
-
 #include <Eigen/Geometry>
 #include <algorithm>
 #include <array>

@@ -98,9 +98,10 @@ Json body_json(const ShownBody& body) {
                               {"colour", colour_of(palette_in_use(), i)}});
   out["rest_words"] = body.regions.rest_words;
   out["region"] = packed_bytes(body.regions.of_triangle, [](std::uint8_t region) { return region; });
-  out["inside"] = {{"nodes", floats(body.regions.inside.nodes, [](const Vec3& p) { return p; })},
-                   {"triangles", corners_of(body.regions.inside.triangles)},
-                   {"region", packed_bytes(body.regions.inside.region, [](std::uint8_t region) { return region; })}};
+  out["inside"] = {
+      {"nodes", floats(body.regions.inside.nodes, [](const Vec3& p) { return p; })},
+      {"triangles", corners_of(body.regions.inside.triangles)},
+      {"region", packed_bytes(body.regions.inside.region, [](std::uint8_t region) { return region; })}};
   out["pad"] = body.pad ? pad_json(*body.pad) : Json();
   out["rest"] = vector3(body.rest);
   out["elements"] = body.mesh.tets.size();

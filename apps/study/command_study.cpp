@@ -45,7 +45,7 @@ struct StudyArguments {
   std::string study, output;
   std::size_t gantt = 0;  // row of cells.csv, from 1; 0: none
   FigureArguments figures;
-  std::string part;                // K/N; empty: all cells
+  std::string part;                 // K/N; empty: all cells
   std::vector<std::string> merged;  // folders of other parts
 };
 
@@ -228,13 +228,14 @@ void tell_incomplete(const Globals& globals, const PlannedStudy& planned, const 
                      const StudyArguments& arguments) {
   const std::size_t done = result.resumed + result.ran, all = planned.plan.cells.size();
   if (result.interrupted)
-    warn(globals, fmt::format("interrupted after {} of {} cells, {} left; the same command resumes", done, all,
-                              all - done));
+    warn(globals, fmt::format("interrupted after {} of {} cells, {} left; the same command resumes", done,
+                              all, all - done));
   else
     say(globals,
-        fmt::format("{}: {} of {} cells, {} run in {:.1f} s; when all parts are done, forefeel study --merge {} … -o "
-                    "DIR compares them",
-                    arguments.output, done, all, result.ran, result.seconds, arguments.output));
+        fmt::format(
+            "{}: {} of {} cells, {} run in {:.1f} s; when all parts are done, forefeel study --merge {} … -o "
+            "DIR compares them",
+            arguments.output, done, all, result.ran, result.seconds, arguments.output));
   if (!globals.json) return;
   nlohmann::ordered_json document = counts(planned.plan, result);
   document["files"] = nlohmann::ordered_json::array();
@@ -321,10 +322,10 @@ void add_study(CommandLine& line) {
       "Run every combination of policies, devices, models …, and compare them: table, ranking, report");
   sub.runs([arguments](const Globals& globals) { return run_command(globals, *arguments); });
   sub.option(
-         "STUDY", arguments->study,
-         "Study (TOML). target_load = [L, …] in [vary] chooses the cost of a solve: the motion then needs L "
-         "times as many new states per second as the workers solve, messages included. A session ends with "
-         "its motion, or after session.seconds of the study if that is earlier");
+      "STUDY", arguments->study,
+      "Study (TOML). target_load = [L, …] in [vary] chooses the cost of a solve: the motion then needs L "
+      "times as many new states per second as the workers solve, messages included. A session ends with "
+      "its motion, or after session.seconds of the study if that is earlier");
   sub.option("-o,--output", arguments->output, "Folder of the results; resumed if it exists")
       .required()
       .shows("DIR/");
@@ -335,10 +336,12 @@ void add_study(CommandLine& line) {
       .shows("CELL");
   add_figures(sub, arguments->figures, "DIR/figures");
   sub.option("--part", arguments->part,
-             "Only run every N-th cell from the K-th on, into a folder of its own: parts of a study on many machines")
+             "Only run every N-th cell from the K-th on, into a folder of its own: parts of a study on many "
+             "machines")
       .shows("K/N");
-  sub.option("--merge", arguments->merged,
-             "Take the finished cells of these folders, as of parts; STUDY is then theirs and need not be given")
+  sub.option(
+         "--merge", arguments->merged,
+         "Take the finished cells of these folders, as of parts; STUDY is then theirs and need not be given")
       .shows("DIR/...");
 }
 

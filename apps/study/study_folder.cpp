@@ -97,7 +97,8 @@ void merge(const StudyPlaces& places, const StudyPlan& plan) {
 
 void check_parts(const std::vector<std::string>& parts, const StudyPlan& plan) {
   for (const std::string& part : parts)
-    if (std::ranges::none_of(plan.cells, [&](const StudyCell& cell) { return read_record(part, cell).has_value(); }))
+    if (std::ranges::none_of(plan.cells,
+                             [&](const StudyCell& cell) { return read_record(part, cell).has_value(); }))
       throw InputError("--merge " + part,
                        "holds no cell of this study, expected a folder that the same study, run by the same "
                        "build of forefeel, has written");

@@ -11,8 +11,8 @@
 namespace forefeel {
 namespace {
 
-constexpr double cone_tolerance = 1e-9;       // on cosines
-constexpr double beyond_cone = 1e-11;         // a direction lies beyond a facet when it is farther by this
+constexpr double cone_tolerance = 1e-9;  // on cosines
+constexpr double beyond_cone = 1e-11;    // a direction lies beyond a facet when it is farther by this
 constexpr double flat_direction = 1e-7;  // height below which directions count as coplanar
 
 FOREFEEL_INLINE double largest_product(const double* __restrict x, const double* __restrict y,

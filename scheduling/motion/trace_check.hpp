@@ -16,10 +16,10 @@
 
 namespace forefeel {
 
-constexpr double rest_radius = 1e-4;  // [m]
-constexpr double rest_seconds = 1;    // [s]
-constexpr double pressed_in_from = 5e-4;   // a motion that starts farther from rest starts pressed in [m]
-constexpr double long_gap = 0.1;      // above it trace_warnings() mentions gaps [s]
+constexpr double rest_radius = 1e-4;      // [m]
+constexpr double rest_seconds = 1;        // [s]
+constexpr double pressed_in_from = 5e-4;  // a motion that starts farther from rest starts pressed in [m]
+constexpr double long_gap = 0.1;          // above it trace_warnings() mentions gaps [s]
 constexpr double outside_much =
     0.05;  // share of rows outside the box above which trace_warnings() mentions it
 

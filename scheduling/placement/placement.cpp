@@ -92,9 +92,9 @@ EstimateOptions estimate_of(const PlacementOptions& options, std::size_t known) 
 
 class AdaptivePlacement {
  public:
-  AdaptivePlacement(std::shared_ptr<const Body> body, const PlacementOptions& options, std::span<const State> known,
-            const std::function<void(State)>& sink,
-            const std::function<void(const PlacementProgress&)>& progress)
+  AdaptivePlacement(std::shared_ptr<const Body> body, const PlacementOptions& options,
+                    std::span<const State> known, const std::function<void(State)>& sink,
+                    const std::function<void(const PlacementProgress&)>& progress)
       : body_(std::move(body)),
         options_(options),
         sink_(sink),

@@ -20,7 +20,7 @@ namespace {
 // which is made in memory.
 constexpr double bytes_per_frame = sizeof(FrameRecord) + 160 + 400;
 constexpr double bytes_per_thread = 256e3;  // stack as far as it is used, buffers of the allocator
-constexpr int unchecked = 8;                      // up to this number of solvers, no memory check is made
+constexpr int unchecked = 8;                // up to this number of solvers, no memory check is made
 constexpr int most_threads = 4096;
 constexpr int others = 8;  // threads of a session that do not solve: loop, planner, writers
 

@@ -152,7 +152,7 @@ Comparison compare(const GroupedValues& differences, const BootstrapOptions& opt
 }
 
 LevelRanking rank(std::span<const Observation> observations, std::size_t levels, bool larger_is_better,
-             const BootstrapOptions& options) {
+                  const BootstrapOptions& options) {
   std::map<std::size_t, Block> blocks = by_block(observations);
   LevelRanking ranking;
   ranking.dropped =

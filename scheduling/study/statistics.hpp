@@ -80,7 +80,7 @@ struct LevelRanking {
 };
 
 LevelRanking rank(std::span<const Observation> observations, std::size_t levels, bool larger_is_better,
-             const BootstrapOptions& options = {});
+                  const BootstrapOptions& options = {});
 // Compares a - b over the blocks that hold both.
 Comparison compare_levels(std::span<const Observation> observations, std::size_t a, std::size_t b,
                           const BootstrapOptions& options = {});

@@ -143,7 +143,7 @@ class CellRunner {
 
   const StudyPlan& plan_;
   const StudyRunOptions& options_;
-  int threads_;  // of reference solves, for each body
+  int threads_;                       // of reference solves, for each body
   std::vector<std::size_t> body_of_;  // of each input: the first input with that body
   std::mutex mutex_;
   std::map<std::size_t, std::shared_ptr<ReferenceService>> services_;

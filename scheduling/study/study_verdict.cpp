@@ -40,7 +40,8 @@ struct Contender {
 // Over the traces and seeds where every contender has a value; the best first.
 std::vector<Contender> contenders(const StudyAxis& axis, std::span<const Observation> seen,
                                   const StudyMetric& metric) {
-  const LevelRanking ranking = rank(seen, axis.values.size(), metric.larger_is_better, {.shares = metric.share});
+  const LevelRanking ranking =
+      rank(seen, axis.values.size(), metric.larger_is_better, {.shares = metric.share});
   std::vector<Contender> all;
   for (const Ranked& row : ranking.ranked)
     if (!is_bound(axis, row.level) && std::isfinite(row.value.student.mean))

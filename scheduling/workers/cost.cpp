@@ -12,8 +12,8 @@
 namespace forefeel {
 
 namespace {
-constexpr double longest_solve = 1e6;   // of a solve [s]
-constexpr double iterations = 4;  // that a state takes; see cost.hpp
+constexpr double longest_solve = 1e6;  // of a solve [s]
+constexpr double iterations = 4;       // that a state takes; see cost.hpp
 }  // namespace
 
 double CostModel::rest_seconds() const {

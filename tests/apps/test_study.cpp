@@ -109,11 +109,13 @@ TEST_CASE("parts of a study, run apart and merged, have the table of the whole")
   CHECK(shop.shell("cmp whole/cells.csv all/cells.csv").code == 0);
   CHECK(shop.forefeel("study study.toml -o all --json").json()["ran"] == 0);
 
-  test::check_refused(shop, "study study.toml -o other --merge nowhere", {"--merge nowhere", "no cell of this study"});
+  test::check_refused(shop, "study study.toml -o other --merge nowhere",
+                      {"--merge nowhere", "no cell of this study"});
   test::check_refused(shop, "study --merge nowhere -o other", {"--merge nowhere", "no study.json"});
   test::check_refused(shop, "study -o other", {"no study given"});
   for (const std::string wrong : {"0/3", "4/3", "1", "1/", "a/b", "1/3x", "-1/3"})
-    test::check_refused(shop, "study study.toml -o other --part " + wrong, {"--part", "'" + wrong + "'", "K/N"});
+    test::check_refused(shop, "study study.toml -o other --part " + wrong,
+                        {"--part", "'" + wrong + "'", "K/N"});
 }
 
 TEST_CASE("forefeel study: bad input is one line, exit 2, nothing written") {
