@@ -108,8 +108,8 @@ bool raised(const std::atomic<bool>* flag) {
   return flag && flag->load(std::memory_order_relaxed);
 }
 
-// Runs cells of a plan one by one, from any thread. Cells of one body share their reference solves: a cache file has one
-// writer.
+// Runs cells of a plan one by one, from any thread. Cells of one body share their reference solves, as a cache file has
+// one writer.
 class CellRunner {
  public:
   CellRunner(const StudyPlan& plan, const StudyRunOptions& options, std::size_t threads)
