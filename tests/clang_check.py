@@ -23,10 +23,21 @@ def git(*words):
     return subprocess.run(["git", "-C", SOURCE, *words], capture_output=True, text=True)
 
 
-def changed():
+def last_green():
+    """The commit that was last green, the compiler's version, and the files that were checked."""
+    try:
+        return json.loads(STAMP.read_text())
+    except (OSError, ValueError):
+        return {}
+
+
+def version():
+    return subprocess.run(["clang++-14", "--version"], capture_output=True, text=True).stdout.splitlines()[0]
+
+
+def changed(green):
     """Names of files that differ from the last green commit; None: not known, or how files are compiled changed."""
-    commit = STAMP.read_text().strip() if STAMP.exists() else ""
-    difference = git("diff", "--name-only", commit) if commit else None
+    difference = git("diff", "--name-only", green["commit"]) if green.get("clang") == version() else None
     if difference is None or difference.returncode != 0:
         return None
     names = set(difference.stdout.split()) | set(git("ls-files", "--others", "--exclude-standard").stdout.split())
@@ -68,11 +79,13 @@ def main():
     subprocess.run(["ninja", "-C", BUILD, "apps/generated/apps/build_info.hpp", *headers], check=True, stdout=subprocess.DEVNULL)
     commands = [one for one in json.loads((BUILD / "compile_commands.json").read_text())
                 if one["file"].endswith(".cpp") and "cmake_pch" not in one["file"]]
-    names = None if sys.argv[1:] == ["all"] else changed()
+    files = [os.path.relpath(one["file"], SOURCE) for one in commands]
+    green = last_green()
+    names = None if sys.argv[1:] == ["all"] else changed(green)
     if names is not None:
-        wanted = includers(names)
-        commands = [one for one in commands if os.path.relpath(one["file"], SOURCE) in wanted]
-    print(f"clang: {len(commands)} files" + ("" if names is None else f", changed since {STAMP.read_text().strip()[:12]}"))
+        wanted = includers(names) | set(files) - set(green["files"])   # what was not configured then
+        commands = [one for one, file in zip(commands, files) if file in wanted]
+    print(f"clang: {len(commands)} files" + ("" if names is None else f", changed since {green['commit'][:12]}"))
     bad = 0
     with ThreadPoolExecutor(os.cpu_count()) as pool:
         for code, text in pool.map(check, commands):
@@ -82,7 +95,7 @@ def main():
         sys.exit(f"clang: {bad} files with warnings or errors")
     if not git("status", "--porcelain").stdout:
         STAMP.parent.mkdir(parents=True, exist_ok=True)
-        STAMP.write_text(git("rev-parse", "HEAD").stdout)
+        STAMP.write_text(json.dumps({"commit": git("rev-parse", "HEAD").stdout.strip(), "clang": version(), "files": files}))
 
 
 main()

@@ -15,7 +15,7 @@ case "${1:-}" in
 esac
 
 # The formatter's version is part of the rule: other versions break lines elsewhere.
-git ls-files -z '*.cpp' '*.hpp' | xargs -0 clang-format-14 --dry-run --Werror
+git ls-files -z --cached --others --exclude-standard '*.cpp' '*.hpp' | xargs -0 clang-format-14 --dry-run --Werror
 cmake --preset release
 cmake --build --preset release --target "${targets[@]}"
 

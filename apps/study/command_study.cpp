@@ -49,13 +49,13 @@ struct StudyArguments {
   std::vector<std::string> merged;  // folders of other parts
 };
 
-nlohmann::ordered_json manifest(const Globals& globals, const PlannedStudy& planned) {
+nlohmann::ordered_json manifest(const std::vector<std::string>& set, const PlannedStudy& planned) {
   nlohmann::ordered_json document;
   const auto made_by = provenance(planned.scenes.front().source.hash);
   document["version"] = made_by["version"];
   document["commit"] = made_by["commit"];
   document["file"] = fs::absolute(planned.file.file).string();
-  document["set"] = globals.set;
+  document["set"] = set;
   document["study"] = planned.file.text;
   document["cells"] = nlohmann::ordered_json::array();
   for (const StudyCell& cell : planned.plan.cells) document["cells"].push_back(cell.key);
@@ -67,17 +67,23 @@ std::optional<std::string> change_since(const fs::path& folder, const PlannedStu
                                         const nlohmann::ordered_json& now) {
   std::ifstream in(folder / "study.json");
   if (!in) return {};
-  const auto before = nlohmann::ordered_json::parse(in, nullptr, false);
-  if (!before.is_object() || !before.contains("cells") || before["cells"] == now["cells"]) return {};
+  nlohmann::ordered_json before;
+  std::set<std::string> listed;
+  try {
+    before = nlohmann::ordered_json::parse(in);
+    listed = before.at("cells").get<std::set<std::string>>();
+    for (const char* key : {"commit", "version", "study"}) before.at(key).get_ref<const std::string&>();
+  } catch (const nlohmann::json::exception&) {  // damaged; its cells are found by their keys
+    return {};
+  }
+  if (before["cells"] == now["cells"]) return {};
   const StudyPlan& plan = planned.plan;
-  const auto listed = before["cells"].get<std::set<std::string>>();
   const auto same = static_cast<std::size_t>(
       std::ranges::count_if(plan.cells, [&](const StudyCell& cell) { return listed.contains(cell.key); }));
-  const char* what =
-      before.value("commit", "") != now["commit"] || before.value("version", "") != now["version"]
-          ? "another build of forefeel"
-      : before.value("study", "") != now["study"] ? "another text of this study"
-                                                  : "another scene, trace or --set";
+  const char* what = before["commit"] != now["commit"] || before["version"] != now["version"]
+                         ? "another build of forefeel"
+                     : before["study"] != now["study"] ? "another text of this study"
+                                                       : "another scene, trace or --set";
   return fmt::format(
       "{}: begun with {}; {} of its {} cells are the same and kept, {} are new, {} are no longer part",
       folder.string(), what, same, listed.size(), plan.cells.size() - same,
@@ -131,11 +137,15 @@ int run_gantt(const Globals& globals, const PlannedStudy& planned, const StudyAr
 
 // ---- the study
 
-// Counts of the cells. An interrupted study reports nothing else.
+// Counts of the cells. An incomplete study reports nothing else. left: what this command has not done of its part.
 nlohmann::ordered_json counts(const StudyPlan& plan, const StudyResult& result) {
-  return {{"cells", plan.cells.size()},        {"ran", result.ran},
-          {"resumed", result.resumed},         {"left", plan.cells.size() - result.resumed - result.ran},
-          {"interrupted", result.interrupted}, {"seconds", number(result.seconds)}};
+  return {{"cells", plan.cells.size()},
+          {"ran", result.ran},
+          {"resumed", result.resumed},
+          {"left", plan.cells.size() - result.resumed - result.ran - result.of_other_parts},
+          {"of_other_parts", result.of_other_parts},
+          {"interrupted", result.interrupted},
+          {"seconds", number(result.seconds)}};
 }
 
 void show_contrasts(const Globals& globals, const Study& study, const std::vector<Contrast>& compared) {
@@ -197,17 +207,16 @@ nlohmann::ordered_json document_of(const Findings& found) {
           {"devices", devices_json(found.devices)}};
 }
 
-// Claims the folder of the results, and writes study.json.
-void begin_folder(const Globals& globals, const PlannedStudy& planned, const StudyArguments& arguments) {
+// Claims the folder of the results.
+void begin_folder(const Globals& globals, const PlannedStudy& planned, const StudyArguments& arguments,
+                  const nlohmann::ordered_json& now) {
   const fs::path folder = arguments.output;
   if (fs::exists(folder) && !fs::is_directory(folder))
     throw InputError(arguments.output, "is a file, expected a folder for the results");
-  const nlohmann::ordered_json now = manifest(globals, planned);
   if (const auto change = change_since(folder, planned, now)) warn(globals, *change);
   claim_folder(folder, {"study.json", "cells.csv", "report.html"});
   if (!arguments.figures.formats.empty()) figures_in(folder);
   check_writable(folder / "cells.csv");
-  write_whole(folder / "study.json", json_text(now, 1) + "\n");
 }
 
 // K/N in words of StudyPart. All cells if it is empty.
@@ -223,46 +232,67 @@ StudyPart part_of(const std::string& text) {
   throw InputError("--part", fmt::format("is '{}', expected K/N with 1 <= K <= N, as 2/8", text));
 }
 
-// Tables and report are written only when all cells are done.
-void tell_incomplete(const Globals& globals, const PlannedStudy& planned, const StudyResult& result,
-                     const StudyArguments& arguments) {
-  const std::size_t done = result.resumed + result.ran, all = planned.plan.cells.size();
+// Tables and report are written only when all cells are done. Returns the exit code.
+int tell_incomplete(const Globals& globals, const PlannedStudy& planned, const StudyResult& result,
+                    const StudyArguments& arguments) {
+  const std::size_t all = planned.plan.cells.size(), done = result.resumed + result.ran;
+  const std::size_t own = all - result.of_other_parts;
   if (result.interrupted)
     warn(globals, fmt::format("interrupted after {} of {} cells, {} left; the same command resumes", done,
-                              all, all - done));
+                              own, own - done));
+  else if (arguments.part.empty())
+    warn(globals,
+         fmt::format("{} of {} cells are in none of these folders; forefeel study {} -o {} runs them",
+                     all - done, all, planned.file.file.string(), arguments.output));
   else
     say(globals,
-        fmt::format(
-            "{}: {} of {} cells, {} run in {:.1f} s; when all parts are done, forefeel study --merge {} … -o "
-            "DIR compares them",
-            arguments.output, done, all, result.ran, result.seconds, arguments.output));
-  if (!globals.json) return;
-  nlohmann::ordered_json document = counts(planned.plan, result);
-  document["files"] = nlohmann::ordered_json::array();
-  document["provenance"] = provenance(planned.scenes.front().source.hash);
-  print_json(document);
+        fmt::format("{}: the {} cells of part {}, {} run in {:.1f} s; when all parts are done, forefeel "
+                    "study --merge {} … -o DIR compares them",
+                    arguments.output, own, arguments.part, result.ran, result.seconds, arguments.output));
+  if (globals.json) {
+    nlohmann::ordered_json document = counts(planned.plan, result);
+    document["files"] = nlohmann::ordered_json::array();
+    document["provenance"] = provenance(planned.scenes.front().source.hash);
+    print_json(document);
+  }
+  return result.interrupted || arguments.part.empty() ? 1 : 0;
 }
 
+struct AskedStudy {
+  std::string file;
+  std::vector<std::string> set;
+};
+
 // The study that is named, or else that of the first folder to be merged.
-StudyFile study_of(const Globals& globals, const StudyArguments& arguments) {
-  if (!arguments.study.empty()) return read_study(arguments.study, globals.set);
+AskedStudy study_of(const Globals& globals, const StudyArguments& arguments) {
+  if (!arguments.study.empty()) return {arguments.study, globals.set};
   if (arguments.merged.empty()) throw InputError("study", "no study given, expected STUDY.toml");
-  const fs::path file = fs::path(arguments.merged.front()) / "study.json";
-  std::ifstream in(file);
-  const auto made_by = nlohmann::ordered_json::parse(in, nullptr, false);
-  if (!made_by.is_object() || !made_by.contains("file") || !made_by["file"].is_string() ||
-      !made_by.contains("set") || !made_by["set"].is_array())
-    throw InputError("--merge " + arguments.merged.front(),
-                     "holds no study.json, expected the folder of a study");
-  return read_study(made_by["file"].get<std::string>(), made_by["set"].get<std::vector<std::string>>());
+  if (!globals.set.empty())
+    throw InputError("--set", "has no effect on cells that are there, expected it without --merge");
+  std::ifstream in(fs::path(arguments.merged.front()) / "study.json");
+  try {
+    const auto made_by = nlohmann::ordered_json::parse(in);
+    return {made_by.at("file").get<std::string>(), made_by.at("set").get<std::vector<std::string>>()};
+  } catch (const nlohmann::json::exception&) {
+    throw InputError(
+        "--merge " + arguments.merged.front(),
+        "holds no sound study.json, expected the folder of a study, or STUDY.toml beside --merge");
+  }
+}
+
+void check_arguments(const Globals& globals, const StudyArguments& arguments) {
+  if (globals.seed != 0) throw InputError("--seed", "a study lists its seeds, expected them in the file");
+  if (arguments.output.empty()) throw InputError("--output", "is empty, expected a folder");
+  if (!arguments.part.empty() + !arguments.merged.empty() + (arguments.gantt > 0) > 1)
+    throw InputError("study", "--part, --merge and --gantt are three ways to begin, expected one of them");
 }
 
 int run_command(const Globals& globals, const StudyArguments& arguments) {
-  if (globals.seed != 0) throw InputError("--seed", "a study lists its seeds, expected them in the file");
-  if (arguments.output.empty()) throw InputError("--output", "is empty, expected a folder");
+  check_arguments(globals, arguments);
   take_figures(arguments.figures);
-  const StudyPart part = part_of(arguments.part);
-  const PlannedStudy planned = plan_study(study_of(globals, arguments));
+  const StudyPart part = arguments.merged.empty() ? part_of(arguments.part) : StudyPart{.number = 0, .of = 1};
+  const AskedStudy asked = study_of(globals, arguments);
+  const PlannedStudy planned = plan_study(read_study(asked.file, asked.set));
   const StudyPlan& plan = planned.plan;
   for (const std::string& warning : planned.warnings) warn(globals, warning);
   end_if_interrupted("any cell was run");
@@ -270,12 +300,13 @@ int run_command(const Globals& globals, const StudyArguments& arguments) {
 
   const fs::path folder = arguments.output;
   check_parts(arguments.merged, plan);
-  begin_folder(globals, planned, arguments);
-  StudyResult result = run_study_in({folder, arguments.merged}, part, plan, globals);
-  if (result.interrupted || result.of_other_parts > 0) {
-    tell_incomplete(globals, planned, result, arguments);
-    return result.interrupted ? 1 : 0;
-  }
+  const nlohmann::ordered_json now = manifest(asked.set, planned);
+  begin_folder(globals, planned, arguments, now);
+  StudyResult result =
+      run_study_in({folder, arguments.merged, json_text(now, 1) + "\n"}, part, plan, globals);
+  if (!arguments.merged.empty()) result.of_other_parts = 0;  // nobody else runs what is missing
+  if (result.resumed + result.ran < plan.cells.size())
+    return tell_incomplete(globals, planned, result, arguments);
   if (const auto missed = loads_missed(plan, result.cells)) warn(globals, *missed);
   add_regret(plan.study, result.cells);
   const MeshFindings meshes = measure_meshes(globals, planned, result.cells);
@@ -339,9 +370,9 @@ void add_study(CommandLine& line) {
              "Only run every N-th cell from the K-th on, into a folder of its own: parts of a study on many "
              "machines")
       .shows("K/N");
-  sub.option(
-         "--merge", arguments->merged,
-         "Take the finished cells of these folders, as of parts; STUDY is then theirs and need not be given")
+  sub.option("--merge", arguments->merged,
+             "Compare the finished cells of these folders, as of parts. None is run; STUDY is theirs unless "
+             "given")
       .shows("DIR/...");
 }
 

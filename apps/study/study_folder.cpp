@@ -32,17 +32,22 @@ ColumnValue value_of(const nlohmann::ordered_json& json) {
   return {};
 }
 
+// Nothing if the file is missing, damaged or of another cell.
 std::optional<StudyCellResult> read_record(const fs::path& folder, const StudyCell& cell) {
   std::ifstream in(record_file(folder, cell));
   if (!in) return {};
-  const auto record = nlohmann::ordered_json::parse(in, nullptr, false);
-  if (!record.is_object() || !record.contains("columns") || record.value("key", "") != cell.key) return {};
-  std::vector<Column> columns;
-  for (const auto& [name, value] : record.at("columns").items()) columns.push_back({name, value_of(value)});
-  StudyCellResult result(std::move(columns));
-  if (const auto notes = record.find("notes"); notes != record.end())
-    result.set_notes(notes->get<std::vector<std::string>>());
-  return result;
+  try {
+    const auto record = nlohmann::ordered_json::parse(in);
+    if (record.at("key").get<std::string>() != cell.key || record.at("columns").empty()) return {};
+    std::vector<Column> columns;
+    for (const auto& [name, value] : record.at("columns").items()) columns.push_back({name, value_of(value)});
+    StudyCellResult result(std::move(columns));
+    if (const auto notes = record.find("notes"); notes != record.end())
+      result.set_notes(notes->get<std::vector<std::string>>());
+    return result;
+  } catch (const nlohmann::json::exception&) {
+    return {};
+  }
 }
 
 void write_record(const fs::path& folder, const StudyCell& cell, const StudyCellResult& result) {
@@ -99,9 +104,10 @@ void check_parts(const std::vector<std::string>& parts, const StudyPlan& plan) {
   for (const std::string& part : parts)
     if (std::ranges::none_of(plan.cells,
                              [&](const StudyCell& cell) { return read_record(part, cell).has_value(); }))
-      throw InputError("--merge " + part,
-                       "holds no cell of this study, expected a folder that the same study, run by the same "
-                       "build of forefeel, has written");
+      throw InputError(
+          "--merge " + part,
+          "holds no cell of this study, expected a folder that the same build of forefeel has filled "
+          "for the same study: the text of the study, its scenes and traces count");
 }
 
 StudyResult run_study_in(const StudyPlaces& places, const StudyPart& part, const StudyPlan& plan,
@@ -110,6 +116,7 @@ StudyResult run_study_in(const StudyPlaces& places, const StudyPart& part, const
   std::error_code error;
   fs::create_directories(folder / "cells", error);
   const FolderLock lock(folder);
+  if (!places.manifest.empty()) write_whole(folder / "study.json", places.manifest);
   merge(places, plan);
   Progress progress(globals, "study");
   const InterruptWatch watch;

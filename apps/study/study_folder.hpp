@@ -16,6 +16,7 @@ namespace forefeel {
 struct StudyPlaces {
   std::filesystem::path folder;
   std::vector<std::string> parts = {};  // folders of the same study, whose cells are copied into `folder`
+  std::string manifest = {};            // written as study.json once no other process can write here
 };
 
 // InputError for a folder that holds no cell of this study.

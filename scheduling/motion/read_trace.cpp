@@ -177,8 +177,9 @@ class Reader {
         cells.push_back(fmt::format("'{:.40}'", at < row.cells.size() ? row.cells[at] : std::string_view()));
     throw InputError(
         {.file = name_, .line = row.line},
-        fmt::format("no row has a number in each of the columns {}, which hold {} here, expected some",
-                    fmt::join(wanted_columns(), ", "), fmt::join(cells, ", ")));
+        fmt::format("no row has a number in each of the columns {}, which hold {} here, expected some{}",
+                    fmt::join(wanted_columns(), ", "), fmt::join(cells, ", "),
+                    timed() ? "; a time is a number, not a date" : ""));
   }
 
   // Skips further rows before the data, such as names and units.

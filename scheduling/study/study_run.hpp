@@ -28,7 +28,7 @@ struct StudyProgress {
   std::size_t done = 0, cells = 0, resumed = 0;
 };
 
-// The cells number - 1, number - 1 + of, … of a plan: of several machines, each runs its own part.
+// The cells number - 1, number - 1 + of, … of a plan: of several machines, each runs its own part. number 0: none.
 struct StudyPart {
   std::size_t number = 1, of = 1;
   bool has(std::size_t cell) const { return cell % of == number - 1; }

@@ -97,25 +97,58 @@ TEST_CASE("parts of a study, run apart and merged, have the table of the whole")
     const auto ran = shop.forefeel("study study.toml -o part-" + part + " --part " + part + "/3 --json");
     REQUIRE(ran.code == 0);
     CHECK(ran.json()["ran"] == (part == "1" ? 2 : 1));
-    CHECK(ran.json()["left"] == (part == "1" ? 2 : 3));
+    CHECK(ran.json()["left"] == 0);
+    CHECK(ran.json()["of_other_parts"] == (part == "1" ? 2 : 3));
     CHECK(ran.json()["files"].empty());
     CHECK_FALSE(fs::exists(shop.path() / ("part-" + part) / "cells.csv"));
   }
-  // What no part has run is run now.
-  const auto merged = shop.forefeel("study --merge part-1 part-3 -o all --json");
+  const auto merged = shop.forefeel("study --merge part-1 part-2 part-3 -o all --json");
   REQUIRE(merged.code == 0);
-  CHECK(merged.json()["ran"] == 1);
-  CHECK(merged.json()["resumed"] == 3);
+  CHECK(merged.json()["ran"] == 0);
+  CHECK(merged.json()["resumed"] == 4);
   CHECK(shop.shell("cmp whole/cells.csv all/cells.csv").code == 0);
-  CHECK(shop.forefeel("study study.toml -o all --json").json()["ran"] == 0);
+
+  // A merge compares and runs nothing; the study itself then runs what is missing.
+  const auto missing = shop.forefeel("study --merge part-1 part-3 -o some --json");
+  CHECK(missing.code == 1);
+  CHECK(missing.json()["left"] == 1);
+  CHECK_THAT(missing.err, Catch::Contains("1 of 4 cells are in none of these folders"));
+  CHECK(shop.forefeel("study study.toml -o some --json").json()["ran"] == 1);
+  CHECK(shop.shell("cmp whole/cells.csv some/cells.csv").code == 0);
 
   test::check_refused(shop, "study study.toml -o other --merge nowhere",
                       {"--merge nowhere", "no cell of this study"});
-  test::check_refused(shop, "study --merge nowhere -o other", {"--merge nowhere", "no study.json"});
+  test::check_refused(shop, "study --merge nowhere -o other", {"--merge nowhere", "no sound study.json"});
+  test::check_refused(shop, "study --merge part-1 -o other --set material.young=1.0", {"--set", "no effect"});
+  test::check_refused(shop, "study study.toml -o other --part 1/2 --gantt 1", {"--part", "--gantt"});
   test::check_refused(shop, "study -o other", {"no study given"});
   for (const std::string wrong : {"0/3", "4/3", "1", "1/", "a/b", "1/3x", "-1/3"})
     test::check_refused(shop, "study study.toml -o other --part " + wrong,
                         {"--part", "'" + wrong + "'", "K/N"});
+}
+
+TEST_CASE(
+    "parts of a study with --set are merged as they were run; what is damaged is not taken for a cell") {
+  const test::Workshop shop;
+  shop.write("scene.toml",
+             test::beam_scene("[session]\nseconds = 0.2\ndevice = \"path:press,speed=0.05\"\n"));
+  shop.write("study.toml", "scene = \"scene.toml\"\nseeds = [1, 2]\n[vary]\npolicy = [\"nearest\"]\n");
+  const std::string set = " --quiet --set material.young=4000.0";
+  REQUIRE(shop.forefeel("study study.toml -o whole" + set).code == 0);
+  REQUIRE(shop.forefeel("study study.toml -o one --part 1/2" + set).code == 0);
+  REQUIRE(shop.forefeel("study study.toml -o two --part 2/2" + set).code == 0);
+  REQUIRE(shop.forefeel("study --merge one two -o all").code == 0);
+  CHECK(shop.shell("cmp whole/cells.csv all/cells.csv").code == 0);
+  CHECK(shop.forefeel("study --merge all -o again").code == 0);  // the manifest of a merge names --set
+
+  REQUIRE(shop.shell("for f in one/cells/*.json; do echo '{\"key\": 5, \"columns\": {}}' > $f; done").code ==
+          0);
+  test::check_refused(shop, "study --merge one -o other", {"--merge one", "no cell of this study"});
+  for (const std::string damaged : {"{\"cells\": 5}", "{\"file\": 1, \"set\": [1]}", "[", "{}"}) {
+    shop.write("two/study.json", damaged);
+    test::check_refused(shop, "study --merge two -o other", {"--merge two", "no sound study.json"});
+    CHECK(shop.forefeel("study study.toml -o two --part 2/2" + set).code == 0);
+  }
 }
 
 TEST_CASE("forefeel study: bad input is one line, exit 2, nothing written") {

@@ -5,6 +5,7 @@ import json
 import os
 import pathlib
 import shutil
+import signal
 import subprocess
 import sys
 import tempfile
@@ -23,7 +24,7 @@ class Browser:
             "--enable-unsafe-swiftshader --window-size=1200,800 --remote-debugging-pipe " \
             f"--user-data-dir={profile} about:blank 3<&{high[0]} 4>&{high[1]}"
         self.process = subprocess.Popen(["bash", "-c", shell], pass_fds=high, stdout=subprocess.DEVNULL,
-                                        stderr=subprocess.DEVNULL)
+                                        stderr=subprocess.DEVNULL, start_new_session=True)
         for descriptor in (to_read, back_write, *high):
             os.close(descriptor)
         self.number, self.buffer, self.session = 0, b"", None
@@ -108,11 +109,11 @@ def use(browser):
 
 if not shutil.which("chromium"):
     sys.exit(77)
-with tempfile.TemporaryDirectory() as folder:
+with tempfile.TemporaryDirectory(ignore_cleanup_errors=True) as folder:   # its helpers may write until they are dead
     opened = Browser(sys.argv[1], folder)
     try:
         result = use(opened)
     finally:
-        opened.process.kill()
+        os.killpg(opened.process.pid, signal.SIGKILL)
         opened.process.wait()
 print(json.dumps(result))
