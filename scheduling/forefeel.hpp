@@ -27,6 +27,8 @@
 //   scheduling/record/run_files.hpp          the files of a run
 //   scheduling/study/study_ranking.hpp       many sessions compared, from study_run.hpp
 //   scheduling/study/study_run.hpp           many sessions run, of study.hpp
+//   scheduling/touch/session_surface.hpp     the surface of a body that is touched anywhere
+//   scheduling/touch/surface_models.hpp      what a session knows of such a body (TouchedBody::anywhere)
 //   scheduling/workers/reference_service.hpp tight solves shared by sessions (SessionInput::references)
 //   solver/body/body_digest.hpp              the identity of a body (TouchedBody::identity)
 //   solver/equilibrium/mesh_error.hpp        what the mesh itself gets wrong

@@ -76,6 +76,8 @@ DeclaredTable summary_output() {
   add(below("prediction.NAME[]", declared(prediction_keys())));
   add(below("contact", declared(contact_keys())));
   add({{"spacing_auto.KEY", "", "", "with spacing = auto: how it was chosen"},
+       {"field.KEY", "", "",
+        "with contact.anywhere: sites, depth and friction of the field at rest, and what it took"},
        {"provenance.KEY", "", "", "program, machine and inputs"}});
   add(below("tolerance", declared(tolerance_keys())));
   return {"summary.json", "Summary of a session: keys joined by dots.", rows};

@@ -56,7 +56,6 @@ HelpTopic outputs_topic() {
   HelpTopic topic{
       "outputs", "The files of a run, of a study, and of single commands. Unknown values are empty, or null.",
       declared_run_files()};
-  for (const DeclaredTable& table : touch_outputs()) topic.tables.push_back(table);
   topic.tables.push_back(
       {"session.inputs",
        "All that came into a run, in binary: states, times, positions. forefeel replay RUN "

@@ -55,7 +55,7 @@ const JsonKeys<SitedForces>& sited_keys() {
   using S = SitedForces;
   static const JsonKeys<S> keys{
       {"points", "", "that were asked for", [](const S& s) { return s.all.size(); }},
-      {"trusted", "", "points where three times the estimate is within state_space.tolerance",
+      {"points_trusted", "", "of these, where three times the estimate is within state_space.tolerance",
        [](const S& s) { return std::ranges::count(s.all, true, &SitedForce::trusted); }},
       {"through", "", "points deeper than the body is thick there; they are not trusted",
        [](const S& s) { return std::ranges::count(s.all, true, &SitedForce::through); }},
@@ -70,12 +70,12 @@ const JsonKeys<SitedForces>& sited_keys() {
        [](const S& s) { return s.error.p50; }},
       {"error.p95", "1", "95th percentile of that", [](const S& s) { return s.error.p95; }},
       {"error.max", "1", "largest of that", [](const S& s) { return s.error.max; }},
-      {"forces[].site", "m", "on the surface"},
-      {"forces[].at", "m", "displacement of the tip"},
-      {"forces[].force", "N", "of the body on the tip"},
-      {"forces[].estimate", "N", "of its error"},
-      {"forces[].thickness", "m", "of the body at rest under the site; null: beside a sharp rim"},
-      {"forces[].trusted", "", "three times the estimate is within state_space.tolerance"}};
+      {"site", "m", "list: place on the surface of each point"},
+      {"at", "m", "list: displacement of the tip at each point"},
+      {"forces", "N", "list: force of the body on the tip at each point"},
+      {"estimate", "N", "list: estimate of the error of each force"},
+      {"thickness", "m", "list: of the body at rest under the site; null: beside a sharp rim"},
+      {"trusted", "", "list: three times the estimate is within state_space.tolerance"}};
   return keys;
 }
 
@@ -106,14 +106,16 @@ void write_sited(const std::string& file, const std::vector<SitedForce>& forces)
 void print_sited(const Globals& globals, const SitedForces& result, bool with_forces) {
   if (globals.json) {
     Json document = document_of(sited_keys(), result);
-    document["forces"] = Json::array();
-    for (const SitedForce& f : result.all)
-      document["forces"].push_back({{"site", vector3(f.site)},
-                                    {"at", vector3(f.at)},
-                                    {"force", vector3(f.found.force)},
-                                    {"estimate", number(f.found.estimate)},
-                                    {"thickness", number(f.thickness)},
-                                    {"trusted", f.trusted}});
+    for (const char* key : {"site", "at", "forces", "estimate", "thickness", "trusted"})
+      document[key] = Json::array();
+    for (const SitedForce& f : result.all) {
+      document["site"].push_back(vector3(f.site));
+      document["at"].push_back(vector3(f.at));
+      document["forces"].push_back(vector3(f.found.force));
+      document["estimate"].push_back(number(f.found.estimate));
+      document["thickness"].push_back(number(f.thickness));
+      document["trusted"].push_back(f.trusted);
+    }
     print_json(document);
     return;
   }

@@ -7,6 +7,7 @@
 #include <nlohmann/json.hpp>
 #include <type_traits>
 
+#include "apps/console/console.hpp"
 #include "apps/console/summary_json.hpp"
 #include "apps/python/bindings.hpp"
 #include "apps/python/python_parts.hpp"
@@ -133,6 +134,7 @@ class Arguments {
       options.clock.kind = *clock == "real" ? Clock::real : Clock::virtual_time;
     }
     const bool own_motion = read_device(input, options);
+    palpate(scene_, own_motion, options);
     read_parts(input, options);
     read_numbers(options);
     const auto seconds = taken<double>(given_, "seconds");
@@ -204,6 +206,11 @@ std::unique_ptr<Run> run(const PyScene& scene, const std::function<void(double)>
   Arguments(*scene.scene, given, failure).read(input, made->options);
   {
     const py::gil_scoped_release released;
+    Globals globals;
+    globals.quiet = true;
+    globals.threads = made->options.workers.threads;
+    if (touch_anywhere(*scene.scene, globals, input))
+      input.known = states_for_touch(input, std::move(input.known));
     SessionPlan plan = make_plan(input, made->options);
     plan.options.stop.interrupted = &failure->raised();
     const auto show = [&](const SessionProgress& p) {

@@ -214,11 +214,13 @@ box = [[-0.036, -0.036, -0.036], [0.036, 0.036, 0.024]]
 )";
 
 // Keys of the models and lattices of one place.
-void warn_of_one_place(const SceneTable& model, const SceneTable& session, Scene& scene) {
+void warn_of_one_place(const SceneTable& model, const SceneTable& session, const SceneTable& contact,
+                       Scene& scene) {
   const auto warn = [&](const SceneTable& table, const std::string& key) {
     if (table.has(key))
       scene.source.warnings.push_back(table.where(key).text() + ": without effect with contact.anywhere");
   };
+  warn(contact, "nearest");
   for (const std::string& key : model_rows().names()) warn(model, key);
   for (const char* key : {"method", "placement", "select", "rest_first"}) warn(session, key);
 }
@@ -233,7 +235,7 @@ Scene make_scene(const SceneDocument& document, const fs::path& file, const Scen
   BodySections sections{table(body_rows()), root.subs("material", material_rows().names()),
                         table(clamp_rows()), table(contact_rows())};
   Scene scene;
-  scene.touch.anywhere = read_anywhere(sections.contact, space);
+  scene.touch.anywhere = read_anywhere(sections.contact, space, scene.source.warnings);
   if (scene.touch.anywhere && !sites)
     throw InputError(sections.contact.where("anywhere"),
                      "is for solve --site, generate, evaluate, classify, session, info and show, expected "
@@ -243,7 +245,7 @@ Scene make_scene(const SceneDocument& document, const fs::path& file, const Scen
   if (model.has("select") && session.has("select"))
     throw session.wrong("select", "only one of model.select and session.select");
   read_session(session, scene);
-  if (scene.touch.anywhere) warn_of_one_place(model, session, scene);
+  if (scene.touch.anywhere) warn_of_one_place(model, session, sections.contact, scene);
   const SceneTable hand = table(hand_rows());
   const std::optional<std::string> of_hand = device_of_hand(hand);
   if (of_hand && scene.written.device)
@@ -284,9 +286,9 @@ Scene load_scene(const fs::path& file, std::span<const std::string> overrides, c
   return make_scene(SceneDocument::read(file, overrides), file, like, use);
 }
 
-Scene load_scene_with_sites(const fs::path& file, std::span<const std::string> overrides,
-                            const SceneUse& use) {
-  return make_scene(SceneDocument::read(file, overrides), file, nullptr, use, true);
+Scene load_scene_with_sites(const fs::path& file, std::span<const std::string> overrides, const SceneUse& use,
+                            const Scene* like) {
+  return make_scene(SceneDocument::read(file, overrides), file, like, use, true);
 }
 
 Scene scene_of_text(std::string_view text, const std::string& name, std::span<const std::string> overrides,

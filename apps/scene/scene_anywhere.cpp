@@ -32,7 +32,17 @@ bool is_anywhere(const Scene& scene) {
   return scene.touch.anywhere.has_value();
 }
 
-std::optional<AnywhereKeys> read_anywhere(const SceneTable& contact, const SceneTable& state_space) {
+namespace {
+
+// The least of how far a box reaches from rest along its axes.
+double depth_of(const Box& box) {
+  return (-box.low).cwiseMax(box.high).minCoeff();
+}
+
+}  // namespace
+
+std::optional<AnywhereKeys> read_anywhere(const SceneTable& contact, const SceneTable& state_space,
+                                          std::vector<std::string>& warnings) {
   if (!is_anywhere(contact)) {
     for (const char* key : {"friction", "site_spacing"})
       if (contact.has(key))
@@ -41,10 +51,15 @@ std::optional<AnywhereKeys> read_anywhere(const SceneTable& contact, const Scene
       throw InputError(state_space.where("depth"), "is for contact.anywhere = true, expected box");
     return {};
   }
-  if (state_space.has("box"))
-    throw InputError(state_space.where("box"), "is of one place, expected depth with contact.anywhere");
   AnywhereKeys keys;
   keys.depth = state_space.number("depth", positive()).value_or(usual_depth);
+  if (state_space.has("box") && !state_space.has("depth")) {
+    const double depth = depth_of(*state_space.box("box"));
+    if (depth > 0) keys.depth = depth;
+    warnings.push_back(
+        fmt::format("{}: of one place; with contact.anywhere states are placed to its depth, {:.3g} m",
+                    state_space.where("box").text(), keys.depth));
+  }
   keys.friction = contact.number("friction", not_negative());
   keys.site_spacing = contact.number("site_spacing", positive());
   return keys;

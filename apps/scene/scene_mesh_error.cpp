@@ -137,7 +137,7 @@ const JsonKeys<MeshError>& mesh_error_keys() {
 // ---- beside other work
 
 MeshErrorTask::MeshErrorTask(const Scene& scene, When when) : scene_(scene), folder_(cache_folder()) {
-  if (when != When::meanwhile || !scene.session.judging.discretisation_error) return;
+  if (when != When::meanwhile || !scene.session.judging.discretisation_error || scene.touch.anywhere) return;
   found_ = std::async(std::launch::async, [this] {
     setpriority(PRIO_PROCESS, static_cast<id_t>(syscall(SYS_gettid)), lower_priority);  // of this thread
     return scene_mesh_error(scene_, folder_, stop_.get_token());
@@ -152,6 +152,11 @@ MeshError MeshErrorTask::get() {
   if (!scene_.session.judging.discretisation_error) {
     MeshError none;
     none.why = "session.discretisation_error is false";
+    return none;
+  }
+  if (scene_.touch.anywhere) {
+    MeshError none;
+    none.why = "the contact has no place of its own";
     return none;
   }
   if (!found_.valid())

@@ -227,7 +227,6 @@ std::optional<Pad> read_pad(const SceneTable& table, const TetMesh& mesh, const 
       throw InputError(table.where("pad"), "missing, expected a stiffness [N/m] beside anywhere = true");
     return {};
   }
-  if (anywhere && table.has("nearest")) throw table.wrong("nearest", "no place beside anywhere = true");
   for (const char* key : {"node", "nodes", "group"})
     if (table.has(key)) throw table.wrong(key, "no nodes beside pad: its place is nearest = [x, y, z]");
   NodeSet set;

@@ -76,7 +76,8 @@ SessionSummary::AwayFromStates away_from_states(SessionResult& result, const Ses
   const bool measured = !plan.input.measured.empty();
   std::ranges::copy_if(measured ? plan.input.measured : plan.input.known, std::back_inserter(states),
                        &State::usable);
-  if (!plan.input.foreign || states.empty() || result.frames.empty()) return away;
+  if (!plan.input.foreign || plan.input.touched.anywhere || states.empty() || result.frames.empty())
+    return away;
   std::vector<double> distances;
   const std::size_t stride = 1 + result.frames.size() / most_compared;
   for (std::size_t i = 0; i < result.frames.size(); i += stride) {

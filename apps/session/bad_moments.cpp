@@ -26,7 +26,7 @@ double known_at(const DispatchRecord& d) {
 double nearest_known(const SessionResult& result, const FrameRecord& f) {
   double least = std::numeric_limits<double>::infinity();
   for (std::size_t i = 0; i < std::min(result.counts.start, result.states.size()); ++i)
-    least = std::min(least, (result.states[i].at - f.at).norm());
+    least = std::min(least, (result.states[i].tip() - f.at).norm());
   for (const DispatchRecord& d : result.dispatch)
     if (known_at(d) <= f.t) least = std::min(least, (d.at - f.at).norm());
   return least;

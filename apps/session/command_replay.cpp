@@ -11,9 +11,11 @@
 #include "apps/console/console.hpp"
 #include "apps/console/json.hpp"
 #include "apps/console/provenance.hpp"
+#include "apps/scene/scene_anywhere.hpp"
+#include "apps/scene/scene_session.hpp"
 #include "geometry/common/error.hpp"
 #include "scheduling/render/frame_table.hpp"
-#include "scheduling/render/input_replay.hpp"
+#include "scheduling/session/input_replay.hpp"
 
 namespace forefeel {
 namespace {
@@ -73,11 +75,19 @@ void tell(const Globals& globals, const ReplayReport& report, std::size_t rows) 
   if (report.first) answer(globals, in_words(*report.first));
 }
 
-int run_replay(const Globals& globals, const std::string& run) {
+int run_replay(const Globals& globals, const std::string& run, const std::string& scene_file) {
   const fs::path file = inputs_of(run);
   Progress progress(globals, "replay");
-  const ReplayReport report =
-      replay_inputs(file, program_text(), [&](double t) { progress.show(fmt::format("{:.1f} s", t)); });
+  const auto touched = [&] {
+    const Scene scene =
+        load_scene_with_sites(scene_file, globals.set, {.spacing = false, .quiet = globals.quiet});
+    SessionInput input = session_input(scene);
+    touch_anywhere(scene, globals, input);
+    return input.touched;
+  };
+  const ReplayReport report = replay_inputs(
+      file, program_text(), [&](double t) { progress.show(fmt::format("{:.1f} s", t)); },
+      scene_file.empty() ? std::function<TouchedBody()>() : touched);
   // A record that does not replay says so itself.
   const std::size_t rows = report.first ? 0 : compare_frame_table(file.parent_path() / "frames.csv", file);
   if (!report.whole)
@@ -99,15 +109,15 @@ int run_replay(const Globals& globals, const std::string& run) {
 }  // namespace
 
 void add_replay(CommandLine& line) {
-  const auto run = std::make_shared<std::string>();
+  const auto run = std::make_shared<std::string>(), scene = std::make_shared<std::string>();
   Command sub = line.add(
       "replay",
       "Render a recorded run again and compare each force with the recorded one, bit by bit. A frames.csv of "
       "another run beside the record is refused; other files of the run are not read. Exit code 1: a force "
       "differs, or the record ends early");
-  sub.runs([run](const Globals& globals) { return run_replay(globals, *run); });
+  sub.runs([run, scene](const Globals& globals) { return run_replay(globals, *run, *scene); });
   sub.option("RUN", *run, "Folder of a session, whose session.inputs is read").required();
-  sub.reads_no_scene();
+  sub.option("--scene", *scene, "Scene of the run, where its body may be touched anywhere").shows("SCENE");
 }
 
 }  // namespace forefeel

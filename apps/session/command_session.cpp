@@ -39,7 +39,6 @@
 #include "apps/session/session_screen.hpp"
 #include "apps/session/session_shapes.hpp"
 #include "apps/session/session_states.hpp"
-#include "apps/session/touch_command.hpp"
 #include "geometry/common/error.hpp"
 #include "geometry/common/output_file.hpp"
 #include "scheduling/motion/prediction_score.hpp"
@@ -48,8 +47,8 @@
 #include "scheduling/record/attention.hpp"
 #include "scheduling/record/notes.hpp"
 #include "scheduling/record/run_files.hpp"
-#include "scheduling/render/input_replay.hpp"
-#include "scheduling/touch/touch_ranks.hpp"
+#include "scheduling/session/input_replay.hpp"
+#include "scheduling/touch/surface_models.hpp"
 #include "scheduling/workers/rank_workers.hpp"
 
 namespace forefeel {
@@ -69,17 +68,20 @@ struct Meanwhile {
   std::future<void> states;  // in their file
   Picture slices;
 
-  void begin(const SessionResult& result, const StateSpaceOptions& space, const fs::path& run) {
-    slices = begin_slices(result, space);
+  // sliced: the labels are of places, not of sites.
+  void begin(const SessionResult& result, const StateSpaceOptions& space, const fs::path& run, bool sliced) {
+    if (sliced) slices = begin_slices(result, space);
     states = std::async(std::launch::async,
                         [all = result.states, file = run / "states.csv"] { write_states_csv(file, all); });
   }
 };
 
 // summary.json.
-nlohmann::ordered_json document_of(const SessionSummary& summary, const Scene& scene) {
+nlohmann::ordered_json document_of(const SessionSummary& summary, const Scene& scene,
+                                   const std::optional<SessionField>& field) {
   nlohmann::ordered_json document = to_json(summary);
   document["contact"] = document_of(contact_keys(), contact_note(scene));
+  if (field) document["field"] = document_of(session_field_keys(), *field);
   if (scene.spacing.chosen) document["spacing_auto"] = to_json(*scene.spacing.chosen);
   document["prediction"] = to_json(std::span<const PredictorErrors>(summary.motion.prediction));
   document["provenance"] = provenance(scene.source.hash);
@@ -137,8 +139,9 @@ void gather(const Globals& globals, RankPool& ranks, const Scene& scene) {
 
 // The plan with its ranks, the states known at the start, and the files of the run.
 SessionPlan planned_run(const Globals& globals, const SessionArguments& given, const Scene& scene,
-                        const std::shared_ptr<RankPool>& ranks, bool shapes) {
-  SessionPlan plan = plan_of(globals, given, scene, ranks, shapes);
+                        const std::shared_ptr<RankPool>& ranks, bool shapes,
+                        std::optional<SessionField>& field) {
+  SessionPlan plan = plan_of(globals, given, scene, ranks, shapes, field);
   if (ranks) gather(globals, *ranks, scene);
   end_if_interrupted("the session began");
   plan = take_states(scene, given, globals, std::move(plan));
@@ -153,13 +156,15 @@ struct RunDocuments {
   const SessionArguments& given;
   const Scene& scene;
   const SessionResult& result;
+  const StateSpaceOptions& space;
   RunView view;
   SessionSummary summary;
+  std::optional<SessionField> field = {};
   std::optional<Tolerance> tolerance = {};
   nlohmann::ordered_json document = {};
 
   void begin(const SessionShapes& shapes) {
-    document = document_of(summary, scene);
+    document = document_of(summary, scene, field);
     shapes.add_to(document);
     tolerance = scene.written.tolerance;
     if (tolerance)
@@ -172,8 +177,7 @@ struct RunDocuments {
     files.attempt("report.html", [&] { write_report(run, summary, document, scene, pictures); });
     if (!given.figures.formats.empty())
       files.attempt("figures", [&] {
-        write_figures(globals, figures_in(run), given.figures.formats,
-                      run_figures(result, scene.space, view));
+        write_figures(globals, figures_in(run), given.figures.formats, run_figures(result, space, view));
       });
     document["failures"] = files.failures();
   }
@@ -197,14 +201,11 @@ int run_session_command(const Globals& globals, const SessionArguments& given,
                         const std::shared_ptr<RankPool>& ranks) {
   take_figures(given.figures);
   const Scene scene = load_scene_with_sites(given.scene, globals.set, {.quiet = globals.quiet});
-  if (is_anywhere(scene)) {
-    const auto gathered = [&] { return gather(globals, *ranks, scene), ranks; };
-    return run_touch_command(globals, given, scene,
-                             ranks ? gathered : std::function<std::shared_ptr<RankPool>()>());
-  }
   const ShapeOptions shape = shape_options(scene, given);
-  SessionPlan plan = planned_run(globals, given, scene, ranks, shape.rate > 0);
+  std::optional<SessionField> field;
+  SessionPlan plan = planned_run(globals, given, scene, ranks, shape.rate > 0, field);
   const SessionOptions& options = plan.options;
+  const StateSpaceOptions& space = plan.input.touched.space;
   const fs::path run = given.output;
   SessionShapes shapes(shape, plan, given);
   claim_run_folder(globals, given, shapes.files(), run);
@@ -217,7 +218,7 @@ int run_session_command(const Globals& globals, const SessionArguments& given,
   plan.options.stop.interrupted = &watch.flag();
   plan.options.stop.hurried = &watch.hurry();
   Meanwhile meanwhile;
-  const bool beside = options.clock.kind == Clock::real && !plan.input.foreign;
+  const bool beside = options.clock.kind == Clock::real && !plan.input.foreign && !field;
   MeshErrorTask mesh(scene, beside ? MeshErrorTask::When::meanwhile : MeshErrorTask::When::at_the_end);
   PredictorScores predictions(options.clock.frame);
   SessionResult result = run_session(
@@ -226,7 +227,7 @@ int run_session_command(const Globals& globals, const SessionArguments& given,
            [&](const SessionProgress& p) {
              progress->show(p.seconds > 0 ? p.t / p.seconds : 0, text_for(p));
            },
-       .when_run = [&](const SessionResult& so_far) { meanwhile.begin(so_far, scene.space, run); },
+       .when_run = [&](const SessionResult& so_far) { meanwhile.begin(so_far, space, run, !field); },
        .each_position = [&](const Vec3& at) { predictions.add(at); }},
       shapes.wanted());
   progress.reset();
@@ -243,12 +244,13 @@ int run_session_command(const Globals& globals, const SessionArguments& given,
   if (measured) write_tables();
 
   shapes.begin_files(run);
-  const RunView view = view_of(scene.space, options, plan.render.safety.force_limit);
+  const RunView view = view_of(space, options, plan.render.safety.force_limit);
   ReportPictures pictures = begin_pictures(result, meanwhile.slices, view);
   pictures.shape = shapes.begin_picture();
+  if (field) pictures.sites = begin_sites(result, plan.input.touched.anywhere->field->rest());
   files.attempt("states.csv", [&] { meanwhile.states.get(); });
   files.attempt("the shapes", [&] { shapes.finish_files(run); });
-  RunDocuments documents{globals, given, scene, result, view, summarise(result, plan)};
+  RunDocuments documents{globals, given, scene, result, space, view, summarise(result, plan), field};
   documents.summary.motion.prediction = predictions.report();
   documents.summary.motion.away = away;
   const MeshError by_mesh =
@@ -272,15 +274,12 @@ int run_with_mpi(const Globals& globals, const SessionArguments& given) {
   };
   const auto load = [&](const RankContext& rank) {
     const Scene scene = load_scene_with_sites(given.scene, globals.set, {.spacing = false});
-    if (is_anywhere(scene))
-      return LoadedWorker{
-          .worker = make_touch_rank_worker(rest_sites_of(scene), received_spacing(scene, rank)),
-          .identity = rank_identity(scene.source.hash)};
     const StateSolverOptions solving{
         .spacing = received_spacing(scene, rank),
         .tolerance = 1e-6,
         .displacements = scene.kept.displacements || shape_options(scene, given).rate > 0,
-        .jet = scene.kept.jet};
+        .jet = scene.kept.jet,
+        .sites = is_anywhere(scene) ? rest_sites_of(scene) : nullptr};
     return LoadedWorker{.worker = make_state_worker(scene.body, solving),
                         .identity = rank_identity(scene.source.hash)};
   };

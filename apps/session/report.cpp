@@ -114,6 +114,20 @@ std::string tiles(const SessionSummary& s) {
 
 // ---- sections
 
+std::string touch_words(const SessionSummary& s) {
+  if (!s.motion.touch) return "";
+  const TouchNumbers& t = *s.motion.touch;
+  std::string words = fmt::format(
+      "<p>{} touches in {} of the time; the site slid in {} of it, {:.3g} m in all, and lost {:.3g} J. {} "
+      "jets at "
+      "rest were made at the hand's place. Shares of labels and of trust are of the time in touch.",
+      t.count, percent(t.time), percent(t.slipping), t.slid, t.lost, t.jets);
+  if (std::isfinite(t.angle_p50))
+    words += fmt::format(" Angle of the force to the normal: {:.0f} degrees at the median, {:.0f} at p95.",
+                         t.angle_p50 * 57.29578, t.angle_p95 * 57.29578);
+  return words + "</p>\n";
+}
+
 std::string legend(const SessionSummary& summary) {
   std::string html = "<p class=\"legend\">";
   for (const Label label : all_labels)
@@ -144,7 +158,8 @@ std::string pictures(const SessionSummary& summary, const ReportPictures& drawin
   if (!have_gnuplot())
     return html +
            "<p class=\"note\">Plots need gnuplot, which was not found when this report was written.</p>\n";
-  html += drawings.slices.get();
+  if (drawings.slices.valid()) html += drawings.slices.get();
+  if (drawings.sites.valid()) html += "<h2>Where the hand was</h2>\n" + drawings.sites.get();
   if (drawings.deadlines.valid())
     html += fmt::format("<h2>Deadlines ({} frames)</h2>\n", summary.run.frames) + drawings.deadlines.get();
   return html;
@@ -299,12 +314,16 @@ SliceInput slices_of(const SessionResult& result) {
     if ((d.status == DispatchStatus::solved || d.status == DispatchStatus::arrived) &&
         std::isfinite(d.finished))
       take(std::isfinite(d.known) ? d.known : d.finished, d.at);
-  for (std::size_t i = 0; i < result.counts.start; ++i) take(0.0, result.states[i].at);
+  for (std::size_t i = 0; i < result.counts.start; ++i) take(0.0, result.states[i].tip());
   std::ranges::stable_sort(slice.states, {}, [](const auto& known) { return known.first; });
   return slice;
 }
 
 }  // namespace
+
+Picture begin_sites(const SessionResult& result, const RestSites& rest) {
+  return drawn([figure = site_figure(result.frames, rest.map())] { return figure; });
+}
 
 Picture begin_slices(const SessionResult& result, const StateSpaceOptions& space) {
   return drawn([slice = slices_of(result), space] { return slice_figure(slice, space); });
@@ -352,7 +371,7 @@ void write_report(const std::filesystem::path& run_folder, const SessionSummary&
       s.settings.clock == Clock::real ? "real" : "virtual", html_escaped(s.settings.policy),
       name(s.switching.rule), s.settings.workers, name(s.settings.select), s.settings.seed,
       scene.body->mesh.tets.size(), name(scene.body->material.law));
-  html += tiles(s) + pictures(s, drawings);
+  html += tiles(s) + touch_words(s) + pictures(s, drawings);
   if (drawings.shape.valid()) html += drawings.shape.get();
   html += by_label_table(s) + notes(s, scene) + all_numbers(document) + provenance_section(document);
   write_whole(run_folder / "report.html",

@@ -11,6 +11,7 @@
 #include "apps/session/report_figures.hpp"
 #include "apps/session/run_view.hpp"
 #include "scheduling/record/summary.hpp"
+#include "solver/jet/rest_sites.hpp"
 
 namespace forefeel {
 
@@ -23,7 +24,9 @@ struct ReportPictures {
   Picture slices, still, deadlines;  // deadlines: only with a real clock
   Picture charts, moments;           // curves that can be zoomed; the worst moments
   Picture shape = {};                // of the body over time; invalid where no shapes were wanted
+  Picture sites = {};                // where a body was touched; invalid for one place of contact
 };
+Picture begin_sites(const SessionResult& result, const RestSites& rest);
 // Begins to draw slices that show the coverage in the course of a session. Copies what it needs from the result.
 Picture begin_slices(const SessionResult& result, const StateSpaceOptions& space);
 ReportPictures begin_pictures(const SessionResult& result, Picture slices, const RunView& view);

@@ -253,4 +253,37 @@ Figure deadline_figure(Frames frames) {
           960, 290, script};
 }
 
+Figure site_figure(std::span<const FrameRecord> frames, const SurfaceMap& surface) {
+  std::string facets, sites;
+  for (std::size_t f = 0; f < surface.facets().size(); ++f) {
+    const auto [a, b, c] = surface.corners(static_cast<std::int32_t>(f));
+    const Vec3 at = 1e3 * (a + b + c) / 3;
+    facets += fmt::format("{:.4g} {:.4g} {:.4g}\n", at[0], at[1], at[2]);
+  }
+  for (const FrameRecord& frame : frames)
+    if (std::isfinite(frame.judged.error) && frame.touch.site.exists()) {
+      const Vec3 at = 1e3 * frame.touch.site.at;
+      sites += fmt::format("{:.4g} {:.4g} {:.4g} {:.4g}\n", at[0], at[1], at[2],
+                           std::max(1e-3, 100 * frame.judged.error));
+    }
+  Figure figure;
+  figure.name = "sites";
+  figure.caption =
+      "Where on the body the hand was (facets in grey, seen along y and along z), by the error of the "
+      "rendered force there in %.";
+  figure.width = 960, figure.height = 440;
+  if (sites.empty()) sites = "NaN NaN NaN NaN\n";
+  figure.script = std::string(plot_style) + data_block("body", facets) + data_block("sites", sites) +
+                  "set multiplot layout 1,2\nset size ratio -1\nset logscale cb\nset cbrange [0.01:100]\n"
+                  "set palette defined (0 '#2166ac', 0.5 '#f7f7f7', 0.62 '#f4a582', 1 '#b2182b')\n"
+                  "set xlabel 'x [mm]'\nset ylabel 'z [mm]'\nset key off\n"
+                  "plot $body using 1:3 with dots lc rgb '#888888', $sites using 1:3:4 with points pt 7 ps "
+                  "0.5 lc palette\n"
+                  "set ylabel 'y [mm]'\n"
+                  "plot $body using 1:2 with dots lc rgb '#888888', $sites using 1:2:4 with points pt 7 ps "
+                  "0.5 lc palette\n"
+                  "unset multiplot\n";
+  return figure;
+}
+
 }  // namespace forefeel

@@ -8,6 +8,7 @@
 
 #include "apps/picture/figure.hpp"
 #include "scheduling/common/session_result.hpp"
+#include "solver/jet/surface_map.hpp"
 
 namespace forefeel {
 
@@ -17,5 +18,9 @@ Figure time_figure(std::span<const FrameRecord> frames, double force_limit);
 // Cost and wake-up lateness of the loop; only with a real clock.
 bool has_deadlines(std::span<const FrameRecord> frames);
 Figure deadline_figure(std::span<const FrameRecord> frames);
+
+// The surface in grey, the sites of a body that was touched anywhere in the colour of the error there; seen along two
+// axes.
+Figure site_figure(std::span<const FrameRecord> frames, const SurfaceMap& surface);
 
 }  // namespace forefeel

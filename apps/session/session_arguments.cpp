@@ -5,6 +5,7 @@
 #include <utility>
 #include <vector>
 
+#include "apps/console/interrupt.hpp"
 #include "apps/scene/scene_session.hpp"
 #include "apps/scene/spec_text.hpp"
 #include "geometry/common/error.hpp"
@@ -140,13 +141,17 @@ void warn_of_replay(const Globals& globals, const Scene& scene, const SessionArg
 }
 
 SessionPlan plan_of(const Globals& globals, const SessionArguments& given, const Scene& scene,
-                    const std::shared_ptr<RankPool>& ranks, bool displacements) {
+                    const std::shared_ptr<RankPool>& ranks, bool displacements,
+                    std::optional<SessionField>& field) {
   try {
     SessionOptions options = session_options_of(globals, given, scene);
+    palpate(scene, given.motion.device.has_value(), options);
     warn_of_solving(globals, scene, given);
     if (ranks) join(ranks, given, options);
     SessionInput input = session_input(scene);
     input.touched.displacements = input.touched.displacements || displacements;
+    field = touch_anywhere(scene, globals, input);
+    end_if_interrupted("the session began");
     return make_plan(std::move(input), std::move(options));
   } catch (const InputError& error) {
     throw at_its_place(error, scene, given, globals);

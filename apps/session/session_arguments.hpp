@@ -10,6 +10,7 @@
 #include "apps/picture/figure_files.hpp"
 #include "apps/scene/mpi_run.hpp"
 #include "apps/scene/scene.hpp"
+#include "apps/scene/scene_session.hpp"
 #include "scheduling/session/session.hpp"
 #include "scheduling/workers/rank_pool.hpp"
 
@@ -49,9 +50,11 @@ struct SessionArguments {
 SessionOptions session_options_of(const Globals& globals, const SessionArguments& given, const Scene& scene);
 
 // Makes and checks the plan. An InputError names the place that gave the value. ranks: null unless ranks of an MPI run
-// are the workers. displacements: states must hold them, whatever the scene says.
+// are the workers. displacements: states must hold them, whatever the scene says. field: of a body that may be touched
+// anywhere.
 SessionPlan plan_of(const Globals& globals, const SessionArguments& given, const Scene& scene,
-                    const std::shared_ptr<RankPool>& ranks, bool displacements);
+                    const std::shared_ptr<RankPool>& ranks, bool displacements,
+                    std::optional<SessionField>& field);
 
 // A replay takes its motion and its arrivals from the run. Options of motion and planning are ignored; a
 // warning says which.

@@ -11,7 +11,7 @@
 #include "geometry/common/output_file.hpp"
 #include "geometry/common/result_folder.hpp"
 #include "scheduling/record/shape_files.hpp"
-#include "scheduling/render/input_replay.hpp"
+#include "scheduling/session/input_replay.hpp"
 
 namespace forefeel {
 

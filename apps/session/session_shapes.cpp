@@ -25,6 +25,9 @@ ShapeOptions shape_options(const Scene& scene, const SessionArguments& given) {
 SessionShapes::SessionShapes(const ShapeOptions& options, const SessionPlan& plan,
                              const SessionArguments& given) {
   if (!(options.rate > 0)) return;
+  if (plan.input.touched.anywhere)
+    throw InputError(given.shape_rate ? "--shape-rate" : "session.shape_rate",
+                     "is of one place, expected none with contact.anywhere");
   if (plan.input.foreign)
     throw InputError("--foreign",
                      "renders states of another body, whose shape is not known; expected a session "

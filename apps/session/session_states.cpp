@@ -13,9 +13,11 @@
 
 #include "approx/methods/field_states.hpp"
 #include "apps/scene/given_states.hpp"
+#include "apps/scene/scene_session.hpp"
 #include "geometry/common/error.hpp"
 #include "geometry/common/output_file.hpp"
 #include "geometry/states/state_file.hpp"
+#include "scheduling/session/session_setup.hpp"
 
 namespace forefeel {
 namespace {
@@ -23,8 +25,7 @@ namespace {
 namespace fs = std::filesystem;
 
 // Loads the states of a file and prepares it so that new states are appended. The file is made if it is missing.
-SessionPlan extend_states(const Scene& scene, const fs::path& file, const Globals& globals,
-                          SessionPlan plan) {
+SessionPlan extend_states(const fs::path& file, const Globals& globals, SessionPlan plan) {
   plan = with_state_file(std::move(plan), file);
   if (!fs::exists(file)) {
     check_writable(file);
@@ -32,10 +33,11 @@ SessionPlan extend_states(const Scene& scene, const fs::path& file, const Global
                               file.string()));
     return plan;
   }
-  StateFileHeader header{
-      .identity = scene.identity, .spacing = scene.space.spacing, .box = scene.space.box, .notes = {}};
+  StateFileHeader header = states_header(plan.input.touched);
   StateFile states = StateFile::open_or_create(file, header);
-  plan = with_known(std::move(plan), states.read_all());
+  std::vector<State> known = states.read_all();
+  if (plan.input.touched.anywhere) known = states_for_touch(plan.input, std::move(known));
+  plan = with_known(std::move(plan), std::move(known));
   if (states.damaged() > 0) warn(globals, damage_in_words(file.string(), states.damaged(), true));
   states.drop_damaged();
   return plan;
@@ -68,7 +70,7 @@ SessionPlan take_states(const Scene& scene, const SessionArguments& given, const
                      "is about the file of --states, expected both");
   const fs::path own = fs::path(given.output) / "session.states";
   if (states.file.empty()) return with_state_file(std::move(plan), own);
-  if (states.extend) return extend_states(scene, states.file, globals, std::move(plan));
+  if (states.extend) return extend_states(states.file, globals, std::move(plan));
   std::error_code error;
   if (fs::equivalent(states.file, own, error))
     throw InputError("--states " + states.file,
@@ -79,6 +81,13 @@ SessionPlan take_states(const Scene& scene, const SessionArguments& given, const
     if (std::ranges::none_of(known.loaded.states, &State::usable))
       throw InputError(states.file, "holds no usable state, expected some to render");
     std::vector<State>& given_forces = known.loaded.states;
+    if (plan.input.touched.anywhere) {
+      given_forces = states_for_touch(plan.input, std::move(given_forces));
+      if (given_forces.empty())
+        throw InputError(states.file,
+                         "holds no state with a site, expected some to render with contact.anywhere");
+      return with_foreign(std::move(plan), std::move(given_forces));
+    }
     if (std::ranges::any_of(given_forces, &State::has_stiffness))
       return with_foreign(std::move(plan), std::move(given_forces));
     plan = with_foreign(std::move(plan), {});  // refused before the work
@@ -88,7 +97,9 @@ SessionPlan take_states(const Scene& scene, const SessionArguments& given, const
     plan.input.measured = std::move(given_forces);
     return plan;
   }
-  return with_known(with_state_file(std::move(plan), own), std::move(known.loaded.states));
+  std::vector<State>& states_known = known.loaded.states;
+  if (plan.input.touched.anywhere) states_known = states_for_touch(plan.input, std::move(states_known));
+  return with_known(with_state_file(std::move(plan), own), std::move(states_known));
 }
 
 }  // namespace forefeel

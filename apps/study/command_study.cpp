@@ -122,8 +122,8 @@ int run_gantt(const Globals& globals, const PlannedStudy& planned, const StudyAr
   document["provenance"] = provenance(scene.source.hash);
   write_whole(folder / "summary.json", json_text(document, 2) + "\n");
   write_report(folder, summary, document, scene,
-               begin_pictures(result, begin_slices(result, scene.space),
-                              view_of(scene.space, options, summary.safety.force_limit)));
+               begin_pictures(result, begin_slices(result, input.touched.space),
+                              view_of(input.touched.space, options, summary.safety.force_limit)));
   const Figure figure = gantt_figure(result, options.clock.seconds, options.workers.count);
   std::vector<std::string> formats = arguments.figures.formats;
   if (std::ranges::find(formats, "svg") == formats.end()) formats.emplace_back("svg");
@@ -292,7 +292,7 @@ int run_command(const Globals& globals, const StudyArguments& arguments) {
   take_figures(arguments.figures);
   const StudyPart part = arguments.merged.empty() ? part_of(arguments.part) : StudyPart{.number = 0, .of = 1};
   const AskedStudy asked = study_of(globals, arguments);
-  const PlannedStudy planned = plan_study(read_study(asked.file, asked.set));
+  const PlannedStudy planned = plan_study(read_study(asked.file, asked.set), globals);
   const StudyPlan& plan = planned.plan;
   for (const std::string& warning : planned.warnings) warn(globals, warning);
   end_if_interrupted("any cell was run");

@@ -9,8 +9,10 @@
 #include <nlohmann/json.hpp>
 #include <sstream>
 
+#include "apps/console/console.hpp"
 #include "apps/console/interrupt.hpp"
 #include "apps/console/provenance.hpp"
+#include "apps/scene/scene_anywhere.hpp"
 #include "apps/scene/scene_declared.hpp"
 #include "apps/scene/scene_session.hpp"
 #include "apps/scene/toml_text.hpp"
@@ -51,7 +53,7 @@ Scene load_combination(const StudyFile& study, std::span<const std::size_t> choi
   std::vector<std::string> overrides = with_select_of(scene, study.overrides(choice));
   overrides.push_back("session.clock=\"virtual\"");
   try {
-    return load_scene(scene, overrides, like);
+    return load_scene_with_sites(scene, overrides, {}, like);
   } catch (const InputError& error) {
     throw located(study, error);
   }
@@ -186,7 +188,7 @@ std::string cell_key(const std::string& content, const StudyCell& cell, const Se
   return hash.hex();
 }
 
-PlannedStudy plan_study(StudyFile given) {
+PlannedStudy plan_study(StudyFile given, const Globals& globals) {
   PlannedStudy planned{.file = std::move(given), .scenes = {}, .plan = {}, .warnings = {}};
   const StudyFile& file = planned.file;
   StudyPlan& plan = planned.plan;
@@ -197,7 +199,9 @@ PlannedStudy plan_study(StudyFile given) {
     planned.scenes.push_back(load_combination(file, plan.study.choice(c), like));
     const Scene& scene = planned.scenes.back();
     if (c == 0) planned.warnings = scene.source.warnings;
-    const SessionInput input = session_input(scene);
+    SessionInput input = session_input(scene);
+    touch_anywhere(scene, globals, input,
+                   like && like->source.body == scene.source.body ? &plan.inputs.back() : nullptr);
     for (const std::uint64_t seed : file.seeds)
       plan.cells.push_back(planned_cell(planned, c, seed, input, planned.warnings));
     plan.inputs.push_back(input);

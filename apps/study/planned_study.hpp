@@ -18,7 +18,8 @@ struct PlannedStudy {
 };
 
 // Throws InputError if a cell could not run; the error names the place in the study.
-PlannedStudy plan_study(StudyFile file);
+// globals: of the field of a body that may be touched anywhere.
+PlannedStudy plan_study(StudyFile file, const Globals& globals = Globals());
 
 // Key of a cell's stored result: the SHA-256 of everything that it depends on. content: identifies the
 // session's body and options, as a scene's hash does.

@@ -23,7 +23,7 @@ using study_keys::ClaimedKeys, study_keys::identity, study_keys::rebased, study_
     study_keys::sustained_keys;
 using study_toml::in_file_order, study_toml::shown, study_toml::toml_of;
 
-constexpr std::size_t most_cells = 100'000;
+constexpr std::size_t most_study_cells = 100'000;
 
 class Reader {
  public:
@@ -330,9 +330,9 @@ void Reader::read_sustained() {
 void Reader::check_combinations() const {
   double total = static_cast<double>(study_.seeds.size());
   for (const StudyFileAxis& axis : study_.axes) total *= static_cast<double>(axis.values.size());
-  if (total > static_cast<double>(most_cells))
+  if (total > static_cast<double>(most_study_cells))
     throw InputError(study_.axes.empty() ? where(root_.get("seeds"), "seeds") : study_.axes.back().where,
-                     fmt::format("makes {:.4g} cells, expected at most {}", total, most_cells));
+                     fmt::format("makes {:.4g} cells, expected at most {}", total, most_study_cells));
 }
 
 StudyFile Reader::read() {

@@ -54,7 +54,8 @@ void write_record(const fs::path& folder, const StudyCell& cell, const StudyCell
   nlohmann::ordered_json record{{"key", cell.key},
                                 {"device", to_text(cell.options.motion.device)},
                                 {"cost", to_text(cell.options.workers.cost)}};
-  for (const Column& column : result.columns()) record["columns"][column.name] = to_json(column.value);
+  for (const Column& column : result.columns())
+    record["columns"][column.name] = forefeel::to_json(column.value);
   record["notes"] = result.notes();
   write_whole(record_file(folder, cell), json_text(record, 1) + "\n");
 }

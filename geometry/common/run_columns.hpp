@@ -46,15 +46,16 @@ template <class Record>
 struct RunColumn {
   std::string_view names, unit, meaning;
   void (*write)(RowText&, const Record&);
-  bool real = false;     // under the real clock only
-  bool viscous = false;  // of a viscous body only
+  bool real = false;      // under the real clock only
+  bool viscous = false;   // of a viscous body only
+  bool anywhere = false;  // of a body that is touched anywhere only
 };
 
 struct Circumstances {
-  bool real = false, viscous = false;
+  bool real = false, viscous = false, anywhere = false;
   template <class Record>
   bool show(const RunColumn<Record>& column) const {
-    return (real || !column.real) && (viscous || !column.viscous);
+    return (real || !column.real) && (viscous || !column.viscous) && (anywhere || !column.anywhere);
   }
 };
 
@@ -106,9 +107,10 @@ std::vector<Declared> declared(std::span<const RunColumn<Record>> columns) {
   std::vector<Declared> rows;
   for (const RunColumn<Record>& column : columns)
     rows.push_back({std::string(column.names), std::string(column.unit), "",
-                    std::string(column.meaning) + (column.real      ? "; real clock only"
-                                                   : column.viscous ? "; viscous bodies only"
-                                                                    : "")});
+                    std::string(column.meaning) + (column.real       ? "; real clock only"
+                                                   : column.viscous  ? "; viscous bodies only"
+                                                   : column.anywhere ? "; contact.anywhere only"
+                                                                     : "")});
   return rows;
 }
 

@@ -11,6 +11,15 @@ using Mat3 = Eigen::Matrix3d;  // column-major in memory; every file format writ
 
 enum class Axis : std::uint8_t { x, y, z };
 
+// A point of a body's surface at rest; the facet is its number in SurfaceMap::facets() (solver/jet/surface_map.hpp).
+struct SurfacePlace {
+  std::int32_t facet = -1;  // -1: no place
+  Vec3 at = Vec3::Zero();   // [m]
+
+  bool exists() const { return facet >= 0; }
+  friend bool operator==(const SurfacePlace&, const SurfacePlace&) = default;
+};
+
 // Axis-aligned box, low <= high per axis [m].
 struct Box {
   Vec3 low = Vec3::Zero();

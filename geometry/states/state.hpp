@@ -59,6 +59,7 @@ struct State {
   }
   bool has_stiffness() const { return stiffness.allFinite(); }
   bool has_site() const { return site.allFinite(); }
+  Vec3 tip() const { return has_site() ? Vec3(site + at) : at; }  // where the HIP is
 };
 
 }  // namespace forefeel

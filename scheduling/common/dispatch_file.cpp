@@ -22,6 +22,7 @@ std::vector<DispatchRow> read_dispatch(const std::filesystem::path& file) {
   rows.reserve(table.rows());
   for (std::size_t i = 0; i < table.rows(); ++i)
     rows.push_back({.at = {table.number(i, "x"), table.number(i, "y"), table.number(i, "z")},
+                    .site = {table.number(i, "sx"), table.number(i, "sy"), table.number(i, "sz")},
                     .finished = table.number(i, "finished"),
                     .known = table.number(i, "known"),
                     .status = std::string(table.text(i, "status")),

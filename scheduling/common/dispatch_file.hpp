@@ -6,17 +6,18 @@
 #include <string>
 #include <vector>
 
-#include "geometry/common/types.hpp"
+#include "geometry/states/state.hpp"
 
 namespace forefeel {
 
 // One row. Numbers that the file leaves empty are NaN.
 struct DispatchRow {
-  Vec3 at = Vec3::Zero();  // position of the state [m]
-  double finished = 0;     // end of the solve [s]
-  double known = 0;        // when the state became known [s]; NaN also in files without that column
-  std::string status;      // name of a DispatchStatus (records.hpp)
-  std::size_t line = 0;    // in the file, from 1
+  Vec3 at = Vec3::Zero();               // position of the state [m]
+  Vec3 site = Vec3::Constant(unknown);  // of a body that is touched anywhere [m]
+  double finished = 0;                  // end of the solve [s]
+  double known = 0;      // when the state became known [s]; NaN also in files without that column
+  std::string status;    // name of a DispatchStatus (records.hpp)
+  std::size_t line = 0;  // in the file, from 1
 
   bool became_known() const;  // the status is solved or arrived
 };

@@ -9,6 +9,10 @@ std::string_view name(DispatchStatus status) {
       {"running", "waiting", "solved", "failed", "arrived", "preempted", "withdrawn"}, status);
 }
 
+std::string_view name(TouchKind kind) {
+  return name_in<TouchKind::slip>({"none", "stick", "slip"}, kind);
+}
+
 std::string_view name(SwitchCause cause) {
   return name_in<SwitchCause::travel>({"guess", "first", "states", "travel"}, cause);
 }

@@ -47,9 +47,26 @@ struct FrameTiming {             // real clock only
   double lateness_us = unknown;  // of its start [us]
 };
 
+// How the tip touches a body that may be touched anywhere (touch/touch.hpp).
+enum class TouchKind { none, stick, slip };
+std::string_view name(TouchKind kind);
+
+// The touch in a frame; none where the contact has one place.
+struct TouchRecord {
+  bool applies = false;  // the body may be touched anywhere
+  TouchKind kind = TouchKind::none;
+  bool inside = false;         // the tip, of the body at rest
+  SurfacePlace site = {};      // none without a touch
+  Vec3 normal = Vec3::Zero();  // mean normal under the pad
+  double energy = 0;           // stored by body and pad [J]
+  double lost = 0;             // by sliding, and at the end of a touch, in this frame [J]
+  double slope = unknown;      // |g| / (f . n), g of touch/slip.hpp [1]
+  bool at_border = false;      // the slide ended at a clamped facet
+};
+
 struct FrameRecord {
   double t = 0;                  // [s]
-  Vec3 at = Vec3::Zero();        // of the HIP [m]
+  Vec3 at = Vec3::Zero();        // of the HIP [m]: from rest; in the axes of the mesh where touched anywhere
   Vec3 force = Vec3::Zero();     // as rendered: by the switch, and of a viscous body after its filter [N]
   Vec3 elastic = Vec3::Zero();   // by the switch, before that filter [N]
   Vec3 sent = Vec3::Zero();      // after safety, to the device [N]
@@ -60,7 +77,14 @@ struct FrameRecord {
   Judgement judged = {};
   ForceBar bar = {};
   FrameTiming timing = {};
+  TouchRecord touch = {};
 };
+
+// What is compared with Judgement::reference: the rendered force; of a viscous body that is touched anywhere, whose
+// reference has no filter, that before it.
+inline const Vec3& compared_force(const FrameRecord& frame) {
+  return frame.touch.kind == TouchKind::none ? frame.force : frame.elastic;
+}
 
 enum class DispatchStatus {
   running,  // being solved when the run ended
@@ -77,11 +101,12 @@ std::string_view name(DispatchStatus status);
 struct DispatchChoice {
   double priority = 0;  // by the policy
   bool audit = false;   // not chosen by the policy: solved where the HIP was, to calibrate the error bars
+  Vec3 site = Vec3::Constant(unknown);  // of the pad, where a body is touched anywhere [m]
 };
 
 struct DispatchRecord {
   std::uint32_t id = 0;
-  Vec3 at = Vec3::Zero();  // [m]
+  Vec3 at = Vec3::Zero();  // of the HIP [m]
   Label label = Label::blank;
   DispatchChoice choice = {};
   double requested = unknown, started = unknown, finished = unknown, first_used = unknown;  // [s]
@@ -89,6 +114,8 @@ struct DispatchRecord {
   DispatchStatus status = DispatchStatus::running;
   int worker = -1;
   std::int64_t parent = -1;  // id of the row whose state the solve started from; -1: rest or a known state
+
+  Vec3 displacement() const { return choice.site.allFinite() ? Vec3(at - choice.site) : at; }
 };
 
 enum class SwitchCause {

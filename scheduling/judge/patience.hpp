@@ -15,7 +15,8 @@ class Patience {
   explicit Patience(const StopOptions& stop) : stop_(stop) {}
 
   // nullopt: not ready in time. interrupted: the session has ended early.
-  std::optional<State> wait_for(const Vec3& at, ReferenceService& references, bool interrupted = false);
+  std::optional<State> wait_for(const Vec3& at, ReferenceService& references, bool interrupted = false,
+                                const SurfacePlace& site = {});
 
  private:
   using Time = std::chrono::steady_clock;

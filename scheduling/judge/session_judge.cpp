@@ -74,7 +74,8 @@ class Samples {
   Vec3 last_ = Vec3::Zero();
 };
 
-// Published models become switches when the loop takes them.
+}  // namespace
+
 void keep_taken(SessionResult& result) {
   std::vector<SwitchRecord> taken;
   std::size_t published = 0;
@@ -91,7 +92,15 @@ void keep_taken(SessionResult& result) {
   result.switches = std::move(taken);
 }
 
-}  // namespace
+void note_missing(std::size_t failed, std::size_t late, std::size_t all, SessionResult& result) {
+  if (late > 0) {
+    if (result.run.end == RunEnd::whole) result.run.end = RunEnd::interrupted;
+    result.notes.push_back(fmt::format(
+        "interrupted: {} of {} references were not waited for, those samples have no error", late, all));
+  }
+  if (failed > 0)
+    result.notes.push_back(std::to_string(failed) + " reference solves failed: those samples have no error");
+}
 
 struct SessionJudge::Impl {
   struct Found {
@@ -178,14 +187,7 @@ void SessionJudge::Impl::enter_errors(const std::vector<std::size_t>& chosen, Se
             .known = result.states.size()});
   }
   if (!viscosity.empty()) judge_viscous(samples_known, viscosity, floor, result.frames);
-  if (late > 0) {
-    if (result.run.end == RunEnd::whole) result.run.end = RunEnd::interrupted;
-    result.notes.push_back(
-        fmt::format("interrupted: {} of {} references were not waited for, those samples have no error", late,
-                    chosen.size()));
-  }
-  if (failed > 0)
-    result.notes.push_back(std::to_string(failed) + " reference solves failed: those samples have no error");
+  note_missing(failed, late, chosen.size(), result);
 }
 
 void SessionJudge::finish(SessionResult& result, const ShowProgress& show) {

@@ -16,6 +16,7 @@
 #include <memory>
 
 #include "approx/switch/relaxation.hpp"
+#include "approx/switch/switch_options.hpp"
 #include "geometry/coverage/state_space.hpp"
 #include "scheduling/common/session_result.hpp"
 #include "scheduling/judge/frame_pipeline.hpp"
@@ -30,8 +31,14 @@ struct JudgeSetup {
   JudgingOptions judging = {};
   StopOptions stop = {};
   Viscosity viscosity = {};  // of the body
+  SwitchOptions jnd = {};    // of the floor of error bars
   bool errors = true;        // false: labels alone; there is no body to compare with
 };
+
+// What the judges of both contacts share. Published models become switches when the loop takes them.
+void keep_taken(SessionResult& result);
+// Of `all` samples, how many have no error.
+void note_missing(std::size_t failed, std::size_t late, std::size_t all, SessionResult& result);
 
 class SessionJudge final : public FrameStage {
  public:

@@ -17,7 +17,8 @@ constexpr double coarsest = 4;  // width of the adaptive lattice's first leaves,
 constexpr int deepest = 2;      // how often they may be split: down to the spacing
 }  // namespace
 
-Candidates::Candidates(const StateSpace& space, std::span<const State> failed, Placement placement)
+LatticeCandidates::LatticeCandidates(const StateSpace& space, std::span<const State> failed,
+                                     Placement placement)
     : space_(space), placement_(placement) {
   for (const State& state : failed) {
     gone_[key(state.at)] = true;
@@ -35,7 +36,7 @@ Candidates::Candidates(const StateSpace& space, std::span<const State> failed, P
 
 // Rounded to a tenth of the spacing. This distinguishes lattice points, which are a spacing apart, and
 // ignores round-off.
-std::uint64_t Candidates::key(const Vec3& x) const {
+std::uint64_t LatticeCandidates::key(const Vec3& x) const {
   std::uint64_t packed = 0;
   for (int i = 0; i < 3; ++i) {
     const auto step = std::llround(10 * x[i] / space_.options().spacing) + (1 << 20);
@@ -45,7 +46,7 @@ std::uint64_t Candidates::key(const Vec3& x) const {
 }
 
 // Skips a position that was a candidate before, unless it was a passing one.
-void Candidates::add(const Vec3& x, bool passing) {
+void LatticeCandidates::add(const Vec3& x, bool passing) {
   const std::uint32_t mine = order_++;
   const std::uint64_t where = key(x);
   if (place_.contains(where) || gone_.contains(where) || space_.find(x).valid()) return;
@@ -63,23 +64,23 @@ void Candidates::add(const Vec3& x, bool passing) {
   changed_ = true;
 }
 
-void Candidates::open_one(const Candidate& candidate) {
+void LatticeCandidates::open_one(const Candidate& candidate) {
   place_[key(candidate.at)] = static_cast<std::uint32_t>(open_.size());
   open_.push_back(candidate);
 }
 
-bool Candidates::too_near(const Vec3& x, std::span<const Vec3> places) const {
+bool LatticeCandidates::too_near(const Vec3& x, std::span<const Vec3> places) const {
   const double least = 0.5 * space_.options().spacing;
   return std::ranges::any_of(places, [&](const Vec3& p) { return (x - p).squaredNorm() < least * least; });
 }
 
-std::optional<std::size_t> Candidates::index_of(const Candidate& candidate) const {
+std::optional<std::size_t> LatticeCandidates::index_of(const Candidate& candidate) const {
   const auto found = place_.find(key(candidate.at));
   if (found == place_.end() || open_[found->second].order != candidate.order) return {};
   return found->second;
 }
 
-Candidate Candidates::remove(std::size_t i) {
+Candidate LatticeCandidates::remove(std::size_t i) {
   const Candidate taken = open_[i];
   place_.erase(key(taken.at));
   if (i + 1 != open_.size()) {
@@ -91,14 +92,14 @@ Candidate Candidates::remove(std::size_t i) {
   return taken;
 }
 
-std::optional<Candidate> Candidates::take_rest() {
+std::optional<Candidate> LatticeCandidates::take_rest() {
   add(Vec3::Zero(), false);  // where the placement has none; otherwise nothing changes
   const auto found = place_.find(key(Vec3::Zero()));
   if (found == place_.end()) return {};
   return take(found->second);
 }
 
-Candidate Candidates::take(std::size_t i) {
+Candidate LatticeCandidates::take(std::size_t i) {
   const Candidate taken = remove(i);
   if (placement_ == Placement::path) {
     under_way_.push_back(taken.at);
@@ -108,7 +109,7 @@ Candidate Candidates::take(std::size_t i) {
 }
 
 // Candidates too near to `at`: passing ones are dropped, those of the lattice are held back.
-void Candidates::hold_back(const Vec3& at) {
+void LatticeCandidates::hold_back(const Vec3& at) {
   for (std::size_t i = open_.size(); i-- > 0;)
     if (too_near(open_[i].at, {&at, 1})) {
       const Candidate near = remove(i);
@@ -120,7 +121,7 @@ void Candidates::hold_back(const Vec3& at) {
 }
 
 // Held candidates with no solve nearby any more become open again; those near a known state are dropped.
-void Candidates::release() {
+void LatticeCandidates::release() {
   for (Candidate& candidate : std::exchange(held_, {})) {
     candidate = refreshed(candidate);
     if (candidate.delta < 0.5 * space_.options().spacing) continue;
@@ -133,7 +134,7 @@ void Candidates::release() {
   }
 }
 
-void Candidates::put_back(Candidate candidate) {
+void LatticeCandidates::put_back(Candidate candidate) {
   gone_.erase(key(candidate.at));
   std::erase(under_way_, candidate.at);
   release();
@@ -141,14 +142,16 @@ void Candidates::put_back(Candidate candidate) {
   open_one(refreshed(candidate));
 }
 
-void Candidates::fail(const Vec3& at) {
+void LatticeCandidates::fail(const Candidate& candidate) {
   if (placement_ != Placement::path) return;
+  const Vec3& at = candidate.at;
   std::erase(under_way_, at);
   failed_.push_back(at);
   release();
 }
 
-void Candidates::learn(const Vec3& known) {
+void LatticeCandidates::learn(const Candidate& state) {
+  const Vec3& known = state.at;
   if (const auto found = place_.find(key(known)); found != place_.end()) {
     const Vec3 difference = open_[found->second].at - known;
     if (difference.norm() < 1e-6 * space_.options().spacing) remove(found->second);
@@ -162,13 +165,13 @@ void Candidates::learn(const Vec3& known) {
   changed_ = true;
 }
 
-void Candidates::request_near(const Vec3& hip, double now) {
+void LatticeCandidates::request_near(const Vec3& hip, double now) {
   const double radius = 2.5 * space_.options().spacing;
   for (Candidate& c : open_)
     if (!std::isfinite(c.requested) && (c.at - hip).squaredNorm() <= radius * radius) c.requested = now;
 }
 
-bool Candidates::corners_are_taken(const LatticeLeaf& leaf) const {
+bool LatticeCandidates::corners_are_taken(const LatticeLeaf& leaf) const {
   for (int corner = 0; corner < 8; ++corner) {
     const Vec3 share(corner & 1, (corner >> 1) & 1, corner >> 2);
     if (place_.contains(key(leaf.box.low + leaf.box.size().cwiseProduct(share)))) return false;
@@ -176,7 +179,7 @@ bool Candidates::corners_are_taken(const LatticeLeaf& leaf) const {
   return true;
 }
 
-void Candidates::split_leaves(std::span<const Prediction> path) {
+void LatticeCandidates::split_leaves(std::span<const Prediction> path) {
   const auto wanted = [&](const LatticeLeaf& leaf) {
     const bool crossed =
         std::ranges::any_of(path, [&](const Prediction& p) { return leaf.box.contains(p.at); });
@@ -186,7 +189,7 @@ void Candidates::split_leaves(std::span<const Prediction> path) {
   for (const AdaptiveLattice::Point& point : leaves_->points()) add(point.at, false);
 }
 
-void Candidates::follow(std::span<const Prediction> path, double now) {
+void LatticeCandidates::follow(std::span<const Prediction> path, const HipSample&, double now) {
   if (placement_ == Placement::adaptive) split_leaves(path);
   if (placement_ != Placement::path) return;
   for (std::size_t i = open_.size(); i-- > 0;)
@@ -200,14 +203,14 @@ void Candidates::follow(std::span<const Prediction> path, double now) {
   }
 }
 
-void Candidates::refresh_regions() {
+void LatticeCandidates::refresh_regions() {
   if (!changed_) return;
   changed_ = false;
   for (Candidate& c : open_)
     if (c.region != Label::safe) c.region = space_.regions().label_at(c.at);
 }
 
-Candidate Candidates::refreshed(Candidate candidate) const {
+Candidate LatticeCandidates::refreshed(Candidate candidate) const {
   candidate.region = space_.region_label(candidate.at);
   std::vector<StateId> nearest;
   space_.nearest(candidate.at, 1, nearest);

@@ -61,12 +61,15 @@ struct PlannerView {
 };
 
 struct Candidate {
-  Vec3 at = Vec3::Zero();       // where a state would be solved [m]
+  Vec3 at = Vec3::Zero();       // where a state would be solved: place of the tip [m]
   Label region = Label::blank;  // label of the region it lies in
   double requested = 0;         // when the HIP first came within 2.5 spacings [s]; infinite before
   double delta = 0;             // distance to the nearest known state [m]; infinite if none is known
   std::uint32_t order = 0;      // rank by distance from rest
   bool passing = false;         // placed for this planning step only
+  SurfacePlace site = {};       // that the pad has there, where a body is touched anywhere; else none
+
+  Vec3 displacement() const { return site.exists() ? Vec3(at - site.at) : at; }
 };
 
 // The positions that may become candidates.

@@ -13,15 +13,20 @@
 namespace forefeel {
 namespace {
 
+const Vec3 nowhere = Vec3::Constant(unknown);  // three empty cells
+
 using Frame = FrameRecord;
 constexpr RunColumn<Frame> frame_columns[] = {
     {"t", "s", "time of the frame", [](RowText& o, const Frame& f) { put(o, f.t); }},
-    {"x,y,z", "m", "position of the tip, from its rest position",
+    {"x,y,z", "m",
+     "position of the tip, from its rest position; of a body touched anywhere in the axes of the mesh",
      [](RowText& o, const Frame& f) { put(o, f.at); }},
     {"fx,fy,fz", "N", "force sent to the device: after the safety rules",
      [](RowText& o, const Frame& f) { put(o, f.sent); }},
     {"label", "", "coverage at the tip: safe, sparse, gap or blank",
-     [](RowText& o, const Frame& f) { put(o, name(f.label)); }},
+     [](RowText& o, const Frame& f) {
+       put(o, f.touch.applies && f.touch.kind == TouchKind::none ? "" : name(f.label));
+     }},
     {"model", "", "serial number of the model that is rendered; 0: none",
      [](RowText& o, const Frame& f) { put(o, std::int64_t{f.step.model}); }},
     {"known", "", "number of known states",
@@ -70,6 +75,20 @@ constexpr RunColumn<Frame> frame_columns[] = {
      [](RowText& o, const Frame& f) { put(o, f.bar.scale); }},
     {"trusted", "", "1: the force is that of energy jets within their trust and the tolerance; else 0",
      [](RowText& o, const Frame& f) { put(o, f.bar.trusted); }},
+    {"sx,sy,sz", "m", "site of the touch on the surface at rest; empty: no touch, or one place of contact",
+     [](RowText& o, const Frame& f) { put(o, f.touch.site.exists() ? f.touch.site.at : nowhere); }},
+    {"touch", "", "none, stick or slip; empty: one place of contact",
+     [](RowText& o, const Frame& f) { put(o, f.touch.applies ? name(f.touch.kind) : ""); }},
+    {"nx,ny,nz", "1", "mean normal under the pad there",
+     [](RowText& o, const Frame& f) { put(o, f.touch.site.exists() ? f.touch.normal : nowhere); }, false,
+     false, true},
+    {"energy", "J", "stored by body and pad", [](RowText& o, const Frame& f) { put(o, f.touch.energy); },
+     false, false, true},
+    {"lost", "J", "by sliding, and where a touch ends under force, in this frame",
+     [](RowText& o, const Frame& f) { put(o, f.touch.lost); }, false, false, true},
+    {"slope", "1",
+     "|g| / (f . n): a touch slides where it exceeds contact.friction, but not out of a kink of E on an edge",
+     [](RowText& o, const Frame& f) { put(o, f.touch.slope); }, false, false, true},
     {"elastic_x,elastic_y,elastic_z", "N", "rendered force before the relaxation function",
      [](RowText& o, const Frame& f) { put(o, f.elastic); }, false, true},
     {"elastic_rx,elastic_ry,elastic_rz", "N", "force of the tight solve before the relaxation function",
@@ -78,7 +97,8 @@ constexpr RunColumn<Frame> frame_columns[] = {
 using Dispatched = DispatchRecord;
 constexpr RunColumn<Dispatched> dispatch_columns[] = {
     {"id", "", "number of the solve", [](RowText& o, const Dispatched& d) { put(o, std::int64_t{d.id}); }},
-    {"x,y,z", "m", "position of the state", [](RowText& o, const Dispatched& d) { put(o, d.at); }},
+    {"x,y,z", "m", "position of the state: displacement of the tip from rest, or from its site",
+     [](RowText& o, const Dispatched& d) { put(o, d.displacement()); }},
     {"label", "", "coverage there when it was requested",
      [](RowText& o, const Dispatched& d) { put(o, name(d.label)); }},
     {"priority", "1", "priority by the policy",
@@ -99,7 +119,9 @@ constexpr RunColumn<Dispatched> dispatch_columns[] = {
     {"known", "s", "time at which the planner received the state",
      [](RowText& o, const Dispatched& d) { put(o, d.known); }},
     {"audit", "", "1: solved where the tip had just been, to calibrate the error bars",
-     [](RowText& o, const Dispatched& d) { put(o, d.choice.audit); }}};
+     [](RowText& o, const Dispatched& d) { put(o, d.choice.audit); }},
+    {"sx,sy,sz", "m", "site of the state; empty: one place of contact",
+     [](RowText& o, const Dispatched& d) { put(o, d.choice.site); }}};
 
 using Change = SwitchRecord;
 constexpr RunColumn<Change> switch_columns[] = {
@@ -142,7 +164,9 @@ void prepare_run_folder(const std::filesystem::path& folder) {
 
 void write_run_files(const std::filesystem::path& folder, const SessionResult& result,
                      const SessionOptions& options) {
-  const Circumstances of_run{.real = options.clock.kind == Clock::real, .viscous = result.run.viscous};
+  const Circumstances of_run{.real = options.clock.kind == Clock::real,
+                             .viscous = result.run.viscous,
+                             .anywhere = !result.frames.empty() && result.frames.front().touch.applies};
   std::future<std::string> others = std::async(std::launch::async, [&] {
     return problem_of([&] {
              write_rows<Dispatched>(folder / "dispatch.csv", result.dispatch, dispatch_columns, of_run);

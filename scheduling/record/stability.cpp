@@ -5,6 +5,9 @@
 #include <deque>
 #include <vector>
 
+#include "scheduling/motion/hand_device.hpp"
+#include "scheduling/motion/motion_options.hpp"
+
 namespace forefeel {
 namespace {
 
@@ -189,6 +192,17 @@ void observe_spectrum(const std::array<std::vector<double>, 3>& axes, std::size_
 }
 
 }  // namespace
+
+HandNumbers hand_numbers(const HandMotion& motion) {
+  const HandTraits& usual = motion.traits;
+  const HandProfile& profile = profile_of(motion.profile);
+  return {.grip = motion.grip,
+          .damping = 2 * usual.damping_ratio * std::sqrt(motion.grip * usual.mass),
+          .mass = usual.mass,
+          .tremor = std::hypot(motion.target.tremor, motion.target.noise),
+          .resolution = profile.resolution,
+          .stiffness = profile.stiffness};
+}
 
 StabilityReport judge_stability(Frames frames, const HandNumbers& hand, double frame) {
   StabilityReport report;

@@ -34,6 +34,9 @@ struct HandNumbers {
   double stiffness = unknown;   // highest the device can render [N/m]
 };
 
+struct HandMotion;
+HandNumbers hand_numbers(const HandMotion& motion);
+
 struct StabilityReport {
   bool stable = true;
   double since = unknown;             // time of the first instability [s]

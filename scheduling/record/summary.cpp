@@ -8,7 +8,6 @@
 #include "geometry/common/quantiles.hpp"
 #include "geometry/states/state_outcome.hpp"
 #include "scheduling/motion/drawn_hand.hpp"
-#include "scheduling/motion/hand_device.hpp"
 #include "scheduling/record/needed_states.hpp"
 #include "scheduling/render/render_loop.hpp"
 #include "scheduling/session/session_input.hpp"
@@ -39,7 +38,7 @@ SessionSummary::Errors errors_of(const SessionResult& result, const SwitchOption
   for (const FrameRecord& f : result.frames) {
     if (!std::isfinite(f.judged.error) || !choose(f)) continue;
     sorted.push_back(f.judged.error);
-    within += (f.force - f.judged.reference).norm() <= jnd(f.judged.reference, options);
+    within += (compared_force(f) - f.judged.reference).norm() <= jnd(f.judged.reference, options);
   }
   std::sort(sorted.begin(), sorted.end());
   return {.samples = sorted.size(),
@@ -124,7 +123,17 @@ SessionSummary::ErrorBars error_bars_of(const SessionResult& result, const Switc
   return found;
 }
 
-SessionSummary::Error error_of(const SessionResult& result, const SwitchOptions& options, bool jets) {
+// Of all frames; of a body that may be touched anywhere, of those in touch.
+bool counts(const FrameRecord& frame, bool anywhere) {
+  return !anywhere || frame.touch.kind != TouchKind::none;
+}
+
+double share_of(std::size_t part, std::size_t whole) {
+  return static_cast<double>(part) / static_cast<double>(std::max<std::size_t>(1, whole));
+}
+
+SessionSummary::Error error_of(const SessionResult& result, const SwitchOptions& options, bool jets,
+                               bool anywhere) {
   SessionSummary::Error error;
   error.samples = errors_of(result, options, [](const FrameRecord& f) { return f.judged.sampled; });
   const std::vector<double> approximation = sorted_part(result, &Judgement::approximation),
@@ -143,9 +152,10 @@ SessionSummary::Error error_of(const SessionResult& result, const SwitchOptions&
     });
   const auto trusted =
       std::ranges::count_if(result.frames, [](const FrameRecord& f) { return f.bar.trusted; });
-  if (jets)
-    error.time_trusted =
-        static_cast<double>(trusted) / static_cast<double>(std::max<std::size_t>(1, result.frames.size()));
+  const auto counted =
+      std::ranges::count_if(result.frames, [=](const FrameRecord& f) { return counts(f, anywhere); });
+  if (jets || anywhere)
+    error.time_trusted = share_of(static_cast<std::size_t>(trusted), static_cast<std::size_t>(counted));
   error.bars = error_bars_of(result, options);
   error.first_visit = errors_of(result, options, [](const FrameRecord& f) { return f.judged.first_visit; });
   return error;
@@ -168,6 +178,7 @@ SessionSummary::States states_of(const SessionResult& result, bool foreign) {
   std::size_t used = 0;
   std::vector<double> age;
   for (const DispatchRecord& d : result.dispatch) {
+    if (is_jet_at_rest(d)) continue;
     if ((d.status != DispatchStatus::solved && d.status != DispatchStatus::arrived) ||
         !std::isfinite(d.first_used))
       continue;
@@ -175,7 +186,8 @@ SessionSummary::States states_of(const SessionResult& result, bool foreign) {
     age.push_back(1e3 * (d.first_used - d.finished));
   }
   std::sort(age.begin(), age.end());
-  const auto& [start, solved, failed, preempted, set_aside] = result.counts;
+  const auto& [start, all_solved, failed, preempted, set_aside] = result.counts;
+  const std::size_t solved = all_solved - std::min(all_solved, jets_at_rest(result));
   // Those known at the start come first.
   const std::span<const State> fresh =
       std::span(result.states).subspan(std::min(start, result.states.size()));
@@ -221,6 +233,7 @@ SessionSummary::Switching switching_of(const SessionResult& result, SwitchRule r
 // States needed per second of motion, without those known at the start, divided by the states that busy
 // workers solve per second. A job takes the time of its solves and two messages.
 double load_of(const SessionResult& result, const SessionInput& input, const SessionOptions& options) {
+  if (input.touched.anywhere) return unknown;  // of sites there is no lattice
   const double h = visit_cell(options.judging, input.touched.space.spacing);
   NeededStates needed(input.touched.space.box, h);
   for (std::size_t i = 0; i < result.counts.start; ++i) needed.know(result.states[i].at);
@@ -236,13 +249,13 @@ double load_of(const SessionResult& result, const SessionInput& input, const Ses
   return static_cast<double>(needed.count()) / seconds / rate;
 }
 
-ByLabel<double> time_in_labels(const SessionResult& result) {
+ByLabel<double> time_in_labels(const SessionResult& result, bool anywhere) {
   ByLabel<std::size_t> frames;
-  for (const FrameRecord& f : result.frames) ++frames[f.label];
+  std::size_t all = 0;
+  for (const FrameRecord& f : result.frames)
+    if (counts(f, anywhere)) ++frames[f.label], ++all;
   ByLabel<double> shares;
-  for (const Label label : all_labels)
-    shares[label] = static_cast<double>(frames[label]) /
-                    static_cast<double>(std::max<std::size_t>(1, result.frames.size()));
+  for (const Label label : all_labels) shares[label] = share_of(frames[label], all);
   return shares;
 }
 
@@ -281,17 +294,6 @@ SessionSummary::Run run_of(const SessionResult& result, const SessionOptions& op
           .memory_locked = result.run.memory_locked,
           .notes = result.notes,
           .failures = result.failures};
-}
-
-HandNumbers hand_numbers(const HandMotion& motion) {
-  const HandTraits& usual = motion.traits;
-  const HandProfile& profile = profile_of(motion.profile);
-  return {.grip = motion.grip,
-          .damping = 2 * usual.damping_ratio * std::sqrt(motion.grip * usual.mass),
-          .mass = usual.mass,
-          .tremor = std::hypot(motion.target.tremor, motion.target.noise),
-          .resolution = profile.resolution,
-          .stiffness = profile.stiffness};
 }
 
 SessionSummary::Energy energy_of(const SessionResult& result, const SessionInput& input,
@@ -348,7 +350,7 @@ SessionSummary::Motion motion_of(const SessionResult& result, const StateSpaceOp
                                     static_cast<double>(outside) / static_cast<double>(result.frames.size())};
   const FrameRecord& first = result.frames.front();
   const auto within = [&](const FrameRecord& f) {
-    return (f.force - f.judged.reference).norm() <= jnd(f.judged.reference, options.switching);
+    return (compared_force(f) - f.judged.reference).norm() <= jnd(f.judged.reference, options.switching);
   };
   motion.start_rendered = first.force.norm();
   if (!first.judged.reference.allFinite()) return motion;
@@ -365,18 +367,23 @@ SessionSummary::Motion motion_of(const SessionResult& result, const StateSpaceOp
 
 SessionSummary summarise(const SessionResult& result, const SessionInput& input,
                          const SessionOptions& options) {
-  return {.settings = settings_of(input, options),
-          .run = run_of(result, options),
-          .deadline = deadline_of(result, options),
-          .states = states_of(result, input.foreign),
-          .time_in = time_in_labels(result),
-          .switching = switching_of(result, options.switching.rule, options.clock.frame),
-          .error = error_of(result, options.switching, options.model.fit.data == Data::jet),
-          .load = load_of(result, input, options),
-          .energy = energy_of(result, input, options),
-          .safety = safety_of(result),
-          .loop = loop_of(result, options),
-          .motion = motion_of(result, input.touched.space, options)};
+  SessionSummary summary{.settings = settings_of(input, options),
+                         .run = run_of(result, options),
+                         .deadline = deadline_of(result, options),
+                         .states = states_of(result, input.foreign),
+                         .time_in = time_in_labels(result, input.touched.anywhere != nullptr),
+                         .switching = switching_of(result, options.switching.rule, options.clock.frame),
+                         .error = error_of(result, options.switching, options.model.fit.data == Data::jet,
+                                           input.touched.anywhere != nullptr),
+                         .load = load_of(result, input, options),
+                         .energy = energy_of(result, input, options),
+                         .safety = safety_of(result),
+                         .loop = loop_of(result, options),
+                         .motion = motion_of(result, input.touched.space, options)};
+  if (!input.touched.anywhere) return summary;
+  summary.motion.touch = touches_of(result, *input.touched.anywhere);
+  summary.motion.outside = 0;  // the hand moves beside the body
+  return summary;
 }
 
 SessionSummary summarise(const SessionResult& result, const SessionPlan& plan) {

@@ -26,6 +26,7 @@
 #include "scheduling/motion/prediction_score.hpp"
 #include "scheduling/record/control_summary.hpp"
 #include "scheduling/record/stability.hpp"
+#include "scheduling/record/touch_summary.hpp"
 #include "scheduling/session/session_options.hpp"
 
 namespace forefeel {
@@ -137,6 +138,7 @@ struct SessionSummary {
     double start_reference = unknown, start_rendered = unknown, start_within_jnd = unknown;
     bool starts_wrong = false;  // the first frame's error is above the JND, at a reference above error_floor
     AwayFromStates away = {};
+    std::optional<TouchNumbers> touch = {};  // none: one place of contact
     // Error of each registered predictor on this motion, if the caller measured it (PredictorScores).
     std::vector<PredictorErrors> prediction = {};
   };

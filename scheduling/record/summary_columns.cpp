@@ -245,6 +245,26 @@ void add_control(std::vector<Column>& columns, const ControlSummary& control) {
               "least energy in the tank; below zero: it could not be held");
 }
 
+void add_touches(std::vector<Column>& columns, const std::optional<TouchNumbers>& touch) {
+  const TouchNumbers t = touch.value_or(TouchNumbers());
+  const auto known = [&](auto value) { return touch ? static_cast<double>(value) : unknown; };
+  Group(columns, "touch")
+      .number("count", known(t.count), "", "touches that began; touch.* is known for contact.anywhere only")
+      .number("time", t.time, "1", "share of the frames in touch")
+      .number("slipping", t.slipping, "1", "share of these in which the site slid")
+      .number("slid", known(t.slid), "m", "way of the site over the surface")
+      .number("lost_J", known(t.lost), "J", "energy lost by sliding, and where touches ended under force")
+      .number("stored_J", known(t.stored), "J", "largest energy stored by body and pad")
+      .number(
+          "cone", t.cone, "1",
+          "largest relative distance of |g| / (f . n) from the coefficient of friction while sliding on a "
+          "facet, edges and the clamp's border left out")
+      .number("angle_p50", t.angle_p50, "rad", "median angle of the force to the normal")
+      .number("angle_p95", t.angle_p95, "rad", "95th percentile of it")
+      .number("jets", known(t.jets), "",
+              "jets at rest that were made at the hand's place; not in states.solved");
+}
+
 }  // namespace
 
 ColumnValue column_value(double value) {
@@ -286,6 +306,7 @@ std::vector<Column> later_columns(const SessionSummary& summary) {
       .count("discretisation_positions", mesh.positions, "positions at which that was measured")
       .text("discretisation_by", mesh.how, "finer body that it was measured with, or why it was not");
   add_faults(columns, summary.loop.faults);
+  add_touches(columns, summary.motion.touch);
   return columns;
 }
 

@@ -1,6 +1,6 @@
 #pragma once
 // All inputs of one frame of the loop, and the two forces that the loop computed. From the same inputs and the same
-// models the loop computes the same forces, bit for bit (input_replay.hpp).
+// models the loop computes the same forces, bit for bit (session/input_replay.hpp).
 
 #include <cstdint>
 

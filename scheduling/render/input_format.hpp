@@ -4,6 +4,7 @@
 // The header and each record begin with a kind (one letter) and the length of their content (32 bits). Numbers have
 // their form in memory, every double all its bits. The header ends with a digest of itself.
 //   H   settings of the run (InputHeader)
+//   A   of a body that may be touched anywhere: its settings in words (session/input_replay.hpp), before all others
 //   S   a state that became known, in the order of the state space (geometry/states/state_message.hpp)
 //   X   a state that did not become known: its solve failed, or it was set aside (scheduling/session/plausible.hpp)
 //   M   a model was made (ModelInput)
@@ -25,7 +26,15 @@ namespace forefeel {
 
 inline constexpr std::string_view inputs_magic = "forefeel inputs 1\n";
 
-enum class InputKind : char { header = 'H', state = 'S', failed = 'X', model = 'M', frame = 'F', end = 'E' };
+enum class InputKind : char {
+  header = 'H',
+  surface = 'A',
+  state = 'S',
+  failed = 'X',
+  model = 'M',
+  frame = 'F',
+  end = 'E'
+};
 
 struct InputHeader {
   std::string made_by;  // program and instruction set: others may round differently
@@ -34,9 +43,10 @@ struct InputHeader {
   RenderOptions render = {};
   ModelRecipe model = {};
   StateSpaceOptions space = {};  // without an adaptive lattice
+  std::string surface = {};      // record A; empty: one place of contact
 };
 
-// One call of SessionModel::update().
+// One call of SessionModel::update(), or of SurfaceModels::newest().
 struct ModelInput {
   Vec3 hip = Vec3::Zero();   // [m]
   std::uint32_t states = 0;  // in the space then

@@ -75,6 +75,11 @@ InputLog::InputLog(std::filesystem::path file, const InputHeader& header, bool t
   Packer begin;
   begin.add_raw(inputs_magic);
   pack_record(begin, InputKind::header, content_of(header));
+  if (!header.surface.empty()) {
+    Packer surface;
+    surface.add_raw(header.surface);
+    pack_record(begin, InputKind::surface, surface.take());
+  }
   disk_.write(begin.take());
   if (!thread) return;
   thread_ = std::jthread([this](const std::stop_token& stop) {
@@ -104,6 +109,11 @@ void InputLog::plan(InputKind kind, const Bytes& content) {
 void InputLog::learn(const StateSpace& space) {
   for (; planned_.learned < space.size(); ++planned_.learned)
     plan(InputKind::state, content_of(space[StateId{planned_.learned}]));
+}
+
+void InputLog::learn(std::span<const State> known) {
+  for (; planned_.learned < known.size(); ++planned_.learned)
+    plan(InputKind::state, content_of(known[planned_.learned]));
 }
 
 void InputLog::model(const ModelInput& model) {

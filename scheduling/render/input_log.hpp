@@ -1,5 +1,5 @@
 #pragma once
-// Records the inputs of a run, so that it can be rendered again bit by bit (input_replay.hpp). The format is in
+// Records the inputs of a run, so that it can be rendered again bit by bit (session/input_replay.hpp). The format is in
 // input_format.hpp. Three threads use the log:
 //   loop      frame(): a copy into a queue, which neither allocates nor locks
 //   planner   learn(), failed(), model(): bytes under a lock that is held only briefly
@@ -12,6 +12,7 @@
 #include <filesystem>
 #include <mutex>
 #include <optional>
+#include <span>
 #include <string>
 #include <thread>
 
@@ -34,8 +35,9 @@ class InputLog {
 
   // Call before a model is made from the space: records its states that are not recorded yet. Always the same space.
   void learn(const StateSpace& space);
-  void model(const ModelInput& model);  // before the model is published
-  void failed(const State& state);      // any thread
+  void learn(std::span<const State> known);  // the same of a body that is touched anywhere, in their order
+  void model(const ModelInput& model);       // before the model is published
+  void failed(const State& state);           // any thread
 
   void drain();  // one thread; not with a thread of the log
   void close();  // after the last frame: drains, marks the end, closes the file

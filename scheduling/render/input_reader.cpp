@@ -17,16 +17,19 @@ constexpr std::uint64_t state_size = 191, model_size = 37, frame_size = 113;
 
 // Of a state without displacements; with a jet: its order, limit and coefficients behind it.
 bool fits_state(std::uint64_t length) {
-  if (length == state_size) return true;
-  for (int order = 2; order <= most_jet_order; ++order)
-    if (length == state_size + 1 + sizeof(double) * (1 + jet_terms_of_order(order))) return true;
+  for (const std::uint64_t size : {state_size, state_size + sizeof(Vec3)}) {  // with a site
+    if (length == size) return true;
+    for (int order = 2; order <= most_jet_order; ++order)
+      if (length == size + 1 + sizeof(double) * (1 + jet_terms_of_order(order))) return true;
+  }
   return false;
 }
 
-// Whether a record of this kind may be so long. Only a header has no fixed length.
+// Whether a record of this kind may be so long. Headers have no fixed length.
 bool fits(InputKind kind, std::uint64_t length) {
   switch (kind) {
     case InputKind::header:
+    case InputKind::surface:
       return length <= most_content;
     case InputKind::state:
     case InputKind::failed:

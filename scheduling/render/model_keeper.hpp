@@ -1,7 +1,8 @@
 #pragma once
-// Makes the models that the loop renders, from the states of a space, and their error bars (bar_keeper.hpp). It makes a
-// new model when states have been added or the HIP has moved far enough, passes it to the render loop (LoopLink), and
-// reuses models that the loop returns.
+// Makes the models that the loop renders, and passes them to it (LoopLink).
+//   ModelKeeper    from the states of a space, with their error bars (bar_keeper.hpp). It makes a new model when states
+//                  have been added or the HIP has moved far enough, and reuses models that the loop returns
+//   SurfaceMaker   of a body that is touched anywhere (touch/surface_models.hpp)
 
 #include <cstdint>
 #include <memory>
@@ -14,16 +15,27 @@
 
 namespace forefeel {
 
-class ModelKeeper {
+class ModelMaker {
+ public:
+  virtual ~ModelMaker() = default;
+  virtual void update(double now, const Vec3& hip, bool time_it = false) = 0;
+  virtual Label label() const { return Label::blank; }  // of the HIP when the newest model was made
+  // When each state first entered a model [s], in the order in which they became known; NaN or missing: never.
+  const std::vector<double>& first_used() const { return first_used_; }
+  std::vector<SwitchRecord> take_switches() { return std::move(updates_); }  // one per published model
+
+ protected:
+  std::vector<double> first_used_;
+  std::vector<SwitchRecord> updates_;
+};
+
+class ModelKeeper final : public ModelMaker {
  public:
   // The space and the link must outlive the keeper. One thread owns keeper and space.
   ModelKeeper(const StateSpace& space, const ModelRecipe& recipe, LoopLink& link);
 
-  void update(double now, const Vec3& hip, bool time_it = false);
-  Label label() const { return last_.label; }  // of the HIP when the newest model was made
-  // When each state first entered a model [s], by id; NaN or missing: never.
-  const std::vector<double>& first_used() const { return first_used_; }
-  std::vector<SwitchRecord> take_switches() { return std::move(updates_); }  // one per published model
+  void update(double now, const Vec3& hip, bool time_it = false) override;
+  Label label() const override { return last_.label; }
 
  private:
   class Pool {  // of models: in the loop, published, or free
@@ -54,8 +66,6 @@ class ModelKeeper {
   Pool pool_;
   Update last_;
   Published published_;
-  std::vector<double> first_used_;
-  std::vector<SwitchRecord> updates_;
 };
 
 }  // namespace forefeel

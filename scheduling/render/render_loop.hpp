@@ -1,8 +1,9 @@
 #pragma once
 // One frame of the haptic loop, the same under both clocks:
-//   device -> HIP -> newest model -> switch -> relaxation -> safety with passivity -> device (+ log)
+//   device -> HIP -> contact, newest model, switch -> relaxation -> safety with passivity -> device (+ log)
 // relaxation: the filter of a viscous body (approx/switch/relaxation.hpp). Its time step is the time since the last
-// rendered frame, skipped frames included. An elastic body has no filter.
+// rendered frame, skipped frames included. An elastic body has no filter. Its memory belongs to a touch: the next one
+// begins anew.
 // frame() allocates nothing, locks nothing, throws nothing; the log is allocated beforehand.
 //
 // The end. When the loop ends, the force that is sent is zero; it falls to zero within the slew limit:
@@ -15,15 +16,16 @@
 
 #include <cstddef>
 #include <functional>
+#include <memory>
 #include <optional>
 #include <vector>
 
 #include "approx/switch/relaxation.hpp"
 #include "scheduling/common/records.hpp"
+#include "scheduling/render/contact.hpp"
 #include "scheduling/render/force_output.hpp"
 #include "scheduling/render/frame_input.hpp"
 #include "scheduling/render/loop_link.hpp"
-#include "scheduling/render/loop_models.hpp"
 #include "scheduling/render/render_options.hpp"
 #include "scheduling/render/tip_reader.hpp"
 
@@ -39,8 +41,9 @@ struct RealTime {
 
 class RenderLoop {
  public:
+  // contact: null: a Grasp.
   RenderLoop(Device& device, LoopLink& link, const RenderOptions& options, std::size_t frames,
-             RealTime real = {});
+             RealTime real = {}, std::unique_ptr<Contact> contact = nullptr);
 
   // Runs frame k, at t = k * frame. Frames may be skipped. The slew limit uses the wall time since the frame before:
   // the shorter of the times from start to start and from force to force.
@@ -56,7 +59,7 @@ class RenderLoop {
   // Records the cost and the wake-up lateness of the last frame; the caller measures them.
   void note_timing(double cost_us, double lateness_us) noexcept;
 
-  const HipSample& hip() const { return tip_.tip(); }
+  const HipSample& hip() const { return hip_; }
   const Vec3& sent() const { return output_.sent(); }       // in the last frame [N]
   const Vec3& rendered() const { return input_.rendered; }  // in the last frame [N]
   const std::vector<FrameRecord>& log() const { return log_.frames; }
@@ -66,7 +69,7 @@ class RenderLoop {
   const Safety& safety() const { return output_.safety(); }
   PassivityReport passivity() const { return output_.passivity(); }
   const DeviceFaults& device_faults() const { return tip_.faults(); }
-  std::size_t lost_models() const { return models_.lost(); }
+  std::size_t lost_models() const { return contact_->lost(); }
 
  private:
   struct End {
@@ -80,15 +83,14 @@ class RenderLoop {
     bool has_last = false;  // the last frame
   };
   void send(double started) noexcept;
-  ForceBar bar(const ForceSwitch::Frame& frame) noexcept;
-  void record(const ForceSwitch::Frame& frame, const ForceBar& bar) noexcept;
+  Vec3 relaxed(const Vec3& elastic, double dt) noexcept;
+  void record(const ForceSwitch::Frame& frame, const ForceBar& bar, const TouchRecord& touch) noexcept;
 
   LoopLink& link_;
   TipReader tip_;
-  LoopModels models_;
-  std::optional<RelaxationFilter> filter_;  // none: the body is elastic
-  BarEstimate bar_;
-  SwitchOptions jnd_;  // of the floor of the bars
+  HipSample hip_;
+  std::unique_ptr<Contact> contact_;
+  std::optional<RelaxationFilter> fresh_, filter_;  // none: the body is elastic
   ForceOutput output_;
   End end_;
   Log log_;

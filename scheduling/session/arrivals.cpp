@@ -56,7 +56,9 @@ Replay read_replay(const std::filesystem::path& run_folder, double farthest) {
     if (!row.became_known() || !std::isfinite(row.known)) continue;
     replay.of_arrivals = replay.of_arrivals || row.status == name(DispatchStatus::arrived);
     check_near(row.at, farthest, dispatch, row.line);
-    replay.arrivals.push_back({row.known, row.at});
+    Arrival arrival{.t = row.known, .at = row.at};
+    if (row.site.allFinite()) arrival.site = {.facet = 0, .at = row.site};
+    replay.arrivals.push_back(arrival);
   }
   std::stable_sort(replay.arrivals.begin(), replay.arrivals.end(),
                    [](const Arrival& a, const Arrival& b) { return a.t < b.t; });

@@ -13,6 +13,9 @@ namespace forefeel {
 struct Arrival {
   double t = 0;            // [s]
   Vec3 at = Vec3::Zero();  // [m]
+  // Of a body that is touched anywhere; `at` is then the displacement there. In a file of positions of the tip it is
+  // none at first: the nearest place is taken (make_plan).
+  SurfacePlace site = {};
 };
 
 // Reads CSV t,x,y,z and sorts by time. InputError with file and line for a position farther than `farthest`

@@ -13,6 +13,7 @@ std::uint32_t DispatchLog::begin(int worker, const Candidate& candidate, double 
                         .at = candidate.at,
                         .label = candidate.region,
                         .choice = {.priority = priority}};
+  if (candidate.site.exists()) record.choice.site = candidate.site.at;
   record.requested = std::isfinite(candidate.requested) ? candidate.requested : now;
   record.started = started;
   record.status = DispatchStatus::running;
@@ -23,14 +24,15 @@ std::uint32_t DispatchLog::begin(int worker, const Candidate& candidate, double 
 }
 
 std::uint32_t DispatchLog::arrive(const State& state, Label label, double now) {
-  DispatchRecord record{.id = static_cast<std::uint32_t>(rows_.size()), .at = state.at, .label = label};
+  DispatchRecord record{.id = static_cast<std::uint32_t>(rows_.size()), .at = state.tip(), .label = label};
+  record.choice.site = state.site;
   record.requested = record.finished = record.known = now;
   record.status = state.usable() ? DispatchStatus::arrived : DispatchStatus::failed;
   rows_.push_back(record);
   return record.id;
 }
 
-void DispatchLog::finish(SessionResult& result, ModelKeeper& models) {
+void DispatchLog::finish(SessionResult& result, ModelMaker& models) {
   const std::vector<double>& first_used = models.first_used();
   for (std::size_t id = 0; id < first_used.size(); ++id)
     if (row_of_[id] >= 0) rows_[static_cast<std::size_t>(row_of_[id])].first_used = first_used[id];

@@ -39,7 +39,7 @@ class DispatchLog {
   std::vector<std::string> notes = {};
 
   // Moves all into the result. models: the keeper of the rendered models.
-  void finish(SessionResult& result, ModelKeeper& models);
+  void finish(SessionResult& result, ModelMaker& models);
 
  private:
   std::vector<DispatchRecord> rows_;

@@ -4,6 +4,7 @@
 
 #include <algorithm>
 #include <cmath>
+#include <limits>
 #include <utility>
 
 #include "approx/model/model_options.hpp"
@@ -18,6 +19,7 @@
 #include "scheduling/session/memory_need.hpp"
 #include "scheduling/session/passivity_plan.hpp"
 #include "scheduling/session/session_setup.hpp"
+#include "scheduling/touch/surface_models.hpp"
 #include "scheduling/workers/cost.hpp"
 #include "scheduling/workers/generator.hpp"
 #include "solver/equilibrium/first_guess.hpp"
@@ -47,6 +49,13 @@ void check_known(const std::vector<State>& known) {
       throw InputError("states", "a known state is not finite, expected finite positions and forces");
 }
 
+// From the place at rest, or where the body is touched anywhere from the body [m].
+double distance_from(const TouchedBody& touched, const Vec3& x) {
+  if (!touched.anywhere) return x.norm();
+  const Box body = touched.anywhere->surface->box();
+  return (x - x.cwiseMax(body.low).cwiseMin(body.high)).norm();
+}
+
 // Refuses motions that go too far from rest, usually because their unit is not metres; their references would take
 // forever. The error names the farthest position, because it shows the unit best.
 void check_motion(const SessionPlan& plan) {
@@ -56,7 +65,7 @@ void check_motion(const SessionPlan& plan) {
   double greatest = 0;
   for (std::size_t k = 0; k < plan.frames; k += 10) {
     const double t = frame_time(k, plan.options.clock.frame);
-    const double distance = plan.device->position(t, Vec3::Zero()).norm();
+    const double distance = distance_from(plan.input.touched, plan.device->position(t, Vec3::Zero()));
     if (!std::isfinite(distance))
       throw InputError(place, fmt::format("its position at {:g} s is not finite, expected metres", t));
     greatest = std::max(greatest, distance);
@@ -73,8 +82,9 @@ void note_motion(SessionPlan& plan) {
   for (Vec3& x : rows.positions) x = motion->scale * x + motion->offset;
   plan.motion_notes = trace_notes(rows);
   const TraceRows used = window(rows, 0, plan.options.clock.seconds);
-  for (std::string& line : trace_warnings(check_trace(used, plan.input.touched.space.box)))
-    plan.motion_notes.push_back(std::move(line));
+  if (!plan.input.touched.anywhere)  // in the axes of the mesh there is no place of rest, and no box
+    for (std::string& line : trace_warnings(check_trace(used, plan.input.touched.space.box)))
+      plan.motion_notes.push_back(std::move(line));
   for (std::string& line : plan.motion_notes) line = fmt::format("trace {}: {}", motion->file.string(), line);
 }
 
@@ -96,8 +106,25 @@ void take_device(SessionPlan& plan) {
                     ? plan.input.parts.device
                     : make_device(options.motion.device, factory_context(plan.input, options.seed));
   if (!options.planning.arrivals) return;
-  plan.arrivals.list = read_arrivals(*options.planning.arrivals, farthest_place(*touched.body));
+  const double farthest =
+      touched.anywhere ? std::numeric_limits<double>::infinity() : farthest_place(*touched.body);
+  plan.arrivals.list = read_arrivals(*options.planning.arrivals, farthest);
   plan.arrivals.given = true;
+}
+
+// Gives each arrival its place on the surface, where the body may be touched anywhere.
+void place_arrivals(SessionPlan& plan) {
+  for (Arrival& arrival : plan.arrivals.list) {
+    if (!plan.input.touched.anywhere) {
+      if (arrival.site.exists())
+        throw InputError("replay", "states of that run have sites, expected a scene with contact.anywhere");
+      continue;
+    }
+    const SurfaceMap& map = plan.input.touched.anywhere->field->rest().map();
+    const SurfacePlace nearest = map.nearest(arrival.site.exists() ? arrival.site.at : arrival.at);
+    if (!arrival.site.exists()) arrival.at -= nearest.at, arrival.site.at = nearest.at;
+    arrival.site.facet = nearest.facet;
+  }
 }
 
 // Sets the plan up so that nothing is dispatched: as for states that arrive at given times, but none arrive.
@@ -151,7 +178,7 @@ void choose_model(SessionPlan& plan) {
                 .guess = Mat3::Zero()};
   plan.guess.softness = unknown;
   plan.guess.left_out.clear();
-  if (!model.first_guess || others_states) return;
+  if (!model.first_guess || others_states || plan.input.touched.anywhere) return;
   const FirstGuess guess = first_guess(plan.input.touched.body);
   plan.guess.softness = guess.softness;
   plan.guess.left_out = guess.left_out;
@@ -197,13 +224,30 @@ void check_reusable(const SessionParts& parts) {
 
 }  // namespace
 
+namespace {
+
+void check_anywhere(const TouchedBody& touched, const SessionOptions& options) {
+  if (!touched.anywhere) return;
+  if (options.switching.rule == SwitchRule::paper)
+    throw InputError(
+        "session.switch",
+        "is paper, which needs two models in every frame, expected smooth or none with contact.anywhere");
+  if (std::holds_alternative<RecordedCost>(options.workers.cost.cost()))
+    throw InputError(
+        "cost",
+        "recorded times are of one place, expected constant, lognormal or paper with contact.anywhere");
+}
+
+}  // namespace
+
 SessionPlan make_plan(SessionInput input, SessionOptions options) {
   detail::expect_option(input.touched.body != nullptr, "body", "there is none, expected a body to touch");
-  check(*input.touched.body, "the session's body");
+  if (!input.touched.anywhere) check(*input.touched.body, "the session's body");  // else by its field
   const std::string viscosity = problem_of(input.touched.viscosity);
   if (!viscosity.empty()) throw InputError("material.viscosity", "has " + viscosity);
   options.switching.frame = options.clock.frame;
   check(options);
+  check_anywhere(input.touched, options);
   check_known(input.known);
   if (options.model.fit.data == Data::jet && input.touched.jet < 2) input.touched.jet = most_jet_order;
   SessionPlan plan{.input = std::move(input), .options = std::move(options), .device = nullptr};
@@ -212,6 +256,7 @@ SessionPlan make_plan(SessionInput input, SessionOptions options) {
     take_replay(plan);
   else
     take_device(plan);
+  place_arrivals(plan);
   take_foreign(plan);
   settle_length(plan.device->duration(), plan.options.clock);
   plan.frames = static_cast<std::size_t>(std::llround(chosen.clock.seconds / chosen.clock.frame));
@@ -221,6 +266,7 @@ SessionPlan make_plan(SessionInput input, SessionOptions options) {
   note_motion(plan);
   choose_model(plan);
   if (chosen.planning.batch == 0) plan.options.planning.batch = chosen.clock.kind == Clock::real ? 8 : 1;
+  if (plan.input.touched.anywhere) plan.options.planning.batch = 1;  // a factorisation serves one site
   plan.render = {.switching = chosen.switching,
                  .safety = chosen.safety,
                  .frame = chosen.clock.frame,

@@ -7,10 +7,12 @@
 #include <cmath>
 #include <exception>
 #include <optional>
+#include <span>
 #include <utility>
 
 #include "geometry/common/dense.hpp"
 #include "geometry/index/lattice_room.hpp"
+#include "scheduling/judge/surface_judge.hpp"
 #include "scheduling/render/input_log.hpp"
 #include "scheduling/session/real_run.hpp"
 #include "scheduling/session/run_parts.hpp"
@@ -69,6 +71,37 @@ void note_late_states(SessionResult& result) {
       all - seen, result.counts.solved, seen));
 }
 
+// What is particular of a session that touched a body anywhere.
+void note_touches(SessionResult& result) {
+  constexpr double far = 0.002, times = 10;  // [m], and over the way of the tip
+  std::size_t unfelt = 0, jumps = 0;
+  double farthest = 0;
+  bool touched = false;
+  const FrameRecord* before = nullptr;
+  for (const FrameRecord& frame : result.frames) {
+    const bool holds = frame.touch.kind != TouchKind::none;
+    touched |= holds;
+    unfelt += !holds && frame.touch.inside;
+    if (holds && before && before->touch.kind != TouchKind::none) {
+      const double way = (frame.touch.site.at - before->touch.site.at).norm();
+      const bool jumped = way >= far + times * (frame.at - before->at).norm();
+      if (jumped) ++jumps, farthest = std::max(farthest, way);
+    }
+    before = &frame;
+  }
+  if (!touched) result.notes.push_back("the tip never entered the body");
+  if (unfelt > 0)
+    result.notes.push_back(
+        fmt::format("in {} frames the tip was inside the body and felt nothing: it had come "
+                    "through the clamp, or a touch had ended there under tension",
+                    unfelt));
+  if (jumps > 0)
+    result.notes.push_back(fmt::format(
+        "the site jumped in {} frames, by up to {:.1f} mm: the body snaps under the tip there, or the "
+        "model is wrong",
+        jumps, 1e3 * farthest));
+}
+
 // Passes each position on to the caller.
 class PositionTeller final : public FrameStage {
  public:
@@ -100,15 +133,17 @@ SessionResult run_and_judge(const RunSetup& setup, ReferenceService& references,
   const auto start = std::chrono::steady_clock::now();
   const bool is_virtual = setup.motion.clock.kind == Clock::virtual_time;
   const std::unique_ptr<InputLog> inputs = open_inputs(setup.record);
+  SurfaceModels* const surface = setup.rendering.surface.get();
   FramePipeline pipeline(setup.bounds.space);
   std::shared_ptr<FollowingRenderer> renderer;
-  if (is_virtual && !setup.motion.device->answers_force()) {
+  if (is_virtual && !setup.motion.device->answers_force() && !surface) {
     renderer = std::make_shared<FollowingRenderer>(pipeline.known(), setup.rendering, setup.motion.frames,
                                                    inputs.get());
     pipeline.add(renderer);
   }
-  const auto judge = std::make_shared<SessionJudge>(setup.judging, pipeline.known(), references);
-  pipeline.add(judge);
+  std::shared_ptr<SessionJudge> judge;
+  if (!surface)
+    pipeline.add(judge = std::make_shared<SessionJudge>(setup.judging, pipeline.known(), references));
   std::shared_ptr<ShapeStage> stage;
   if (shapes && is_virtual)
     pipeline.add(stage =
@@ -123,17 +158,22 @@ SessionResult run_and_judge(const RunSetup& setup, ReferenceService& references,
   if (hooks.when_run) hooks.when_run(result);
   note_late_states(result);
   note_stiffness(setup.motion.device->limits(), setup.motion.name, result);
-  pipeline.pass_rest(result.frames, result.states);
+  if (surface) note_touches(result);
+  pipeline.pass_rest(result.frames, surface ? std::span<const State>() : result.states);
   try {
     pipeline.wait(hooks.progress);
-    judge->finish(result, hooks.progress);
+    if (judge)
+      judge->finish(result, hooks.progress);
+    else
+      judge_surface(*surface, setup.judging, setup.bounds.space, references,
+                    reference_threads(setup.solving.options.threads), result, hooks.progress);
   } catch (const std::exception& problem) {  // the run itself is kept
     result.failures.push_back(fmt::format("labels and errors are incomplete: {}", problem.what()));
   }
   if (stage && stage->failure()) result.failures.push_back(*stage->failure());
   if (shapes) check_run_shapes(*shapes, setup.motion.stop, references, result, hooks.progress);
   if (references.cache_failure()) result.warnings.push_back(*references.cache_failure());
-  note_no_cells(setup.bounds, setup.solving.dispatches, result);
+  if (!surface) note_no_cells(setup.bounds, setup.solving.dispatches, result);
   result.run.wall_seconds = std::chrono::duration<double>(std::chrono::steady_clock::now() - start).count();
   return result;
 }
@@ -150,7 +190,7 @@ std::shared_ptr<ReferenceService> references_of(const SessionInput& input, const
 bool adds_rest(const SessionInput& input, const SessionOptions& options) {
   const auto is_rest = [](const State& s) { return s.usable() && s.at.isZero(0); };
   const bool jets = options.model.fit.data == Data::jet && options.model.method == SessionMethod::rbf;
-  return !input.foreign && (options.planning.rest_known || jets) &&
+  return !input.foreign && !input.touched.anywhere && (options.planning.rest_known || jets) &&
          std::ranges::none_of(input.known, is_rest);
 }
 

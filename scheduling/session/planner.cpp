@@ -4,16 +4,28 @@
 
 #include <algorithm>
 #include <cmath>
+#include <limits>
 #include <utility>
 
 #include "scheduling/session/plausible.hpp"
+#include "scheduling/touch/surface_models.hpp"
 #include "solver/equilibrium/solver.hpp"
 
 namespace forefeel {
 namespace {
 
+// Of a body that may be touched anywhere, first the sites of its field: jets at rest are states at x = 0.
 StateSpace known_space(const PlannerSetup& setup) {
   StateSpace space(setup.space);
+  if (setup.surface) {
+    const SiteField& field = *setup.surface->task().field;
+    for (std::size_t i = 0; i < field.size(); ++i) {
+      State rest;
+      rest.at = field.place(i).at;
+      space.insert(std::move(rest));
+    }
+    return space;
+  }
   for (const State& state : setup.known)
     if (state.usable()) space.insert(state);
   return space;
@@ -21,9 +33,18 @@ StateSpace known_space(const PlannerSetup& setup) {
 
 // A state that its neighbours contradict counts as a failed solve, in the states' file too.
 bool set_aside(State& state, const StateSpace& space, const Mat3& stiffest) {
-  if (!state.usable() || !is_far_too_strong(state, space, stiffest)) return false;
+  const bool at_site = state.has_site();
+  if (!state.usable() ||
+      !is_far_too_strong(at_site ? at_the_tip(state) : state, space, at_site ? Mat3::Zero() : stiffest))
+    return false;
   state.solve.status = SolveStatus::diverged;
   return true;
+}
+
+// Whether a worker solved what it was asked for.
+bool is_at(const State& state, const Candidate& asked) {
+  if (asked.site.exists() && !((state.site - asked.site.at).norm() <= 1e-9)) return false;
+  return (state.at - asked.displacement()).norm() <= 1e-9;
 }
 
 std::string failure_of(const State& state, bool was_set_aside) {
@@ -43,27 +64,40 @@ Planner::Planner(PlannerSetup setup, Generator& generator, Hooks hooks)
       space_(known_space(setup_)),
       ranking_(setup_, space_, std::move(hooks.future)),
       solves_{SolveStarts(setup_.body.nodes), SolveTimes(hooks.expected_solve)} {
-  for (std::uint32_t id = 0; id < space_.size(); ++id) {
-    const State& state = space_[StateId{id}];
-    log_.know(-1);
-    if (!state.displacements) continue;
-    auto known = std::make_shared<Equilibrium>();
-    known->at = state.at;
-    known->displacements = *state.displacements;
-    solves_.starts.remember({.at = state.at, .dispatch = -1, .equilibrium = std::move(known)}, hip_.at);
+  if (setup_.surface) {
+    for (const State& state : setup_.known)
+      if (state.usable() && state.has_site()) insert_at_site(state, -1);
+  } else {
+    for (std::uint32_t id = 0; id < space_.size(); ++id) remember_known(space_[StateId{id}]);
   }
-  log_.counts.start = space_.size();
-  if (setup_.policy->reads_surprises()) surprises_.emplace(space_, setup_.model, setup_.jnd);
-  if (setup_.policy->reads_surprises() && setup_.model.fit.data == Data::jet)
+  log_.counts.start = known();
+  if (!setup_.policy->reads_surprises()) return;
+  surprises_.emplace(space_, setup_);
+  if (setup_.model.fit.data == Data::jet && !setup_.surface)
     jets_.emplace(space_, setup_.model.fit, setup_.jnd);
 }
 
+void Planner::remember_known(const State& state) {
+  log_.know(-1);
+  if (!state.displacements) return;
+  auto known = std::make_shared<Equilibrium>();
+  known->at = state.at;
+  known->displacements = *state.displacements;
+  solves_.starts.remember(
+      {.at = state.at, .site = Vec3::Zero(), .dispatch = -1, .equilibrium = std::move(known)}, hip_.at);
+}
+
 bool Planner::insert(const State& state, std::int64_t dispatch) {
-  if (surprises_) surprises_->note(state);
+  if (setup_.surface) return insert_at_site(state, dispatch);
+  if (surprises_) surprises_->note(state, state.at);
   if (!space_.insert(state).is_new) return false;
   log_.know(dispatch);
-  ranking_.candidates().learn(state.at);
+  ranking_.candidates().learn({.at = state.at});
   return true;
+}
+
+std::uint32_t Planner::known() const {
+  return static_cast<std::uint32_t>(setup_.surface ? setup_.surface->known().size() : space_.size());
 }
 
 // Whether the worker has this dispatch and has not returned it yet.
@@ -81,14 +115,15 @@ void Planner::receive(JobResult result, double now) {
   }
   DispatchRecord& record = log_[result.dispatch];
   const bool cancelled = result.state.solve.status == SolveStatus::cancelled;
-  if (!cancelled && !((result.state.at - record.at).norm() <= 1e-9)) {
-    ++log_.elsewhere;
-    result.state.at = record.at;
-    result.state.solve.status = SolveStatus::diverged;
-  }
   Slot& slot = slots_[result.worker];
   const auto member = std::ranges::find(slot.members, result.dispatch, &Member::dispatch);
   const Candidate candidate = member->candidate;
+  if (!cancelled && !is_at(result.state, candidate)) {
+    ++log_.elsewhere;
+    result.state.at = candidate.displacement();
+    if (candidate.site.exists()) result.state.site = candidate.site.at;
+    result.state.solve.status = SolveStatus::diverged;
+  }
   slot.members.erase(member);
   slot.cancelling = slot.cancelling && slot.busy();
   const bool began = !cancelled || result.finished > result.started;
@@ -115,25 +150,28 @@ void Planner::learn(Slot& slot, const Candidate& candidate, JobResult result, do
   // The time of the state at rest is not typical of other states, so it is left out.
   if (!setup_.options.rest_first || !result.state.at.isZero(0))
     solves_.times.note(result.finished - result.started);
-  if (record.parent >= 0) result.state.solve.parent = log_[static_cast<std::uint32_t>(record.parent)].at;
+  if (record.parent >= 0 && !setup_.surface)
+    result.state.solve.parent = log_[static_cast<std::uint32_t>(record.parent)].at;
   const bool aside = set_aside(result.state, space_, setup_.body.stiffest);
   if (on_state_) on_state_(result.state);
   if (!result.state.usable()) {
     record.status = DispatchStatus::failed;
     ++log_.counts.failed;
     log_.counts.set_aside += aside ? 1 : 0;
-    if (!record.choice.audit) ranking_.candidates().fail(candidate.at);
+    if (!record.choice.audit) ranking_.candidates().fail(candidate);
     log_.notes.push_back(failure_of(result.state, aside));
     return;
   }
   record.status = DispatchStatus::solved;
   ++log_.counts.solved;
   insert(result.state, result.dispatch);
-  solves_.starts.remember({result.state.at, result.dispatch, std::move(result.equilibrium)}, hip_.at);
+  if (result.equilibrium || !setup_.surface)
+    solves_.starts.remember(
+        {result.state.at, candidate.site.at, result.dispatch, std::move(result.equilibrium)}, hip_.at);
 }
 
 void Planner::arrive(State state, double now) {
-  const Label label = space_.label(state.at);
+  const Label label = space_.label(state.tip());
   const bool aside = set_aside(state, space_, setup_.body.stiffest);
   if (aside) log_.notes.push_back(failure_of(state, aside));
   log_.counts.set_aside += aside ? 1 : 0;
@@ -160,6 +198,8 @@ void Planner::plan(double now) {
   if (idle_workers == 0) return consider_preemption(now);
   if (rest_comes_first(now)) return;
   look(now);
+  if (setup_.surface) idle_workers -= dispatch_rests(now);
+  if (idle_workers == 0) return;
   ++log_.plans.all;
   if (setup_.policy->is_content()) {
     ++log_.plans.content;
@@ -212,7 +252,7 @@ std::vector<Vec3> Planner::pending(const Slot* but) const {
 // a third of a spacing. Their jobs take about ten times as long, and the choice is better once the direction
 // of motion is known.
 bool Planner::rest_comes_first(double now) {
-  if (!setup_.options.rest_first || !space_.empty()) return false;
+  if (!setup_.options.rest_first || !space_.empty() || setup_.surface) return false;
   if (log_.rows().empty()) {
     const std::optional<Candidate> rest = ranking_.candidates().take_rest();
     if (!rest) return false;
@@ -237,12 +277,13 @@ std::vector<Candidate> Planner::take_beside(std::vector<Candidate> near) {
 
 Planner::Slot& Planner::dispatch(int worker, const Candidate& candidate, double priority,
                                  const std::vector<Candidate>& beside, double now) {
-  const SolveStarts::Start* start = solves_.starts.nearest(candidate.at);
+  const SolveStarts::Start* start = solves_.starts.nearest(candidate);
   Slot& slot = slots_[worker];
   slot = {.members = {}, .since = now, .hip = hip_.at};
   Job job{.dispatch = log_.begin(worker, candidate, priority, start ? start->dispatch : -1, now,
                                  now + setup_.latency),
-          .at = candidate.at,
+          .at = candidate.displacement(),
+          .site = candidate.site,
           .start = start ? start->equilibrium : nullptr,
           .beside = {}};
   if (auto partial = solves_.starts.take_partial(candidate)) job.start = std::move(partial);
@@ -261,12 +302,13 @@ Planner::Slot& Planner::dispatch(int worker, const Candidate& candidate, double 
 // solved. A lower threshold cancels job after job in fast motions, because predictions change faster than
 // states are solved. No candidate is cancelled more than twice, so each is solved in the end.
 void Planner::consider_preemption(double now) {
-  if (!setup_.options.preempt || ranking_.candidates().empty() ||
+  const Candidates& candidates = ranking_.candidates();
+  if (!setup_.options.preempt || (candidates.empty() && !setup_.surface) ||
       now - preemption_.checked < std::max(0.02, 0.25 * solves_.times.expected()))
     return;
   preemption_.checked = now;
   look(now);
-  if (ranking_.candidates().empty()) return;
+  if (candidates.empty() && !candidates.wants_rest()) return;
   Slot* slot = weakest(now);
   if (!slot) return;
   slot->cancelling = true;
@@ -274,9 +316,10 @@ void Planner::consider_preemption(double now) {
 }
 
 Planner::Slot* Planner::weakest(double now) {
-  const Candidate waiting = ranking_.candidates().open()[ranking_.best().place];
+  const bool rest = ranking_.candidates().wants_rest();  // worth more than all others
+  const Candidate waiting = rest ? Candidate() : ranking_.candidates().open()[ranking_.best().place];
   Slot* weakest = nullptr;
-  double least = 0.05;
+  double least = rest ? std::numeric_limits<double>::infinity() : 0.05;
   for (Slot& slot : slots_) {
     const bool enough = std::ranges::any_of(slot.members, [&](const Member& member) {
       const auto before = preemption_.counts.find(member.candidate.order);
@@ -284,7 +327,7 @@ Planner::Slot* Planner::weakest(double now) {
     });
     if (slot.cancelling || slot.purpose != Purpose::policy || enough) continue;
     ranking_.pend(pending(&slot));
-    const double gain = ranking_.worth(waiting);
+    const double gain = rest ? 1 : ranking_.worth(waiting);
     const double left = std::max(1 - (now - slot.since) / solves_.times.expected(), 0.1);
     double worth = 0;
     for (const Member& member : slot.members)
@@ -301,8 +344,9 @@ bool Planner::idle() const {
   return std::none_of(slots_.begin(), slots_.end(), [](const Slot& s) { return s.busy(); });
 }
 
-void Planner::finish(SessionResult& result, ModelKeeper& models) {
-  for (std::size_t i = 0; i < space_.size(); ++i)
+void Planner::finish(SessionResult& result, ModelMaker& models) {
+  if (setup_.surface) result.states = setup_.surface->known();
+  for (std::size_t i = 0; i < space_.size() && !setup_.surface; ++i)
     result.states.push_back(space_[StateId{static_cast<std::uint32_t>(i)}]);
   log_.finish(result, models);
   result.solver.seconds = solves_.times.take();

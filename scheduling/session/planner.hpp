@@ -24,6 +24,9 @@
 
 namespace forefeel {
 
+// A state with a site, at the place of the tip; force, stiffness and status alone.
+State at_the_tip(const State& state);
+
 class Planner {
  public:
   struct Hooks {
@@ -45,10 +48,11 @@ class Planner {
   std::size_t solved() const { return log_.counts.solved; }
   std::size_t failed() const { return log_.counts.failed; }
   std::size_t preempted() const { return log_.counts.preempted; }
-  bool idle() const;  // nothing runs
+  bool idle() const;            // nothing runs
+  std::uint32_t known() const;  // number of known states
   // Completes the records. `models` is the keeper of the rendered models. The planner must not be used
   // afterwards.
-  void finish(SessionResult& result, ModelKeeper& models);
+  void finish(SessionResult& result, ModelMaker& models);
 
  private:
   enum class Purpose { policy, rest, audit };
@@ -72,7 +76,9 @@ class Planner {
     SolveStarts starts;  // where they start
     SolveTimes times;    // how long they take
   };
+  void remember_known(const State& state);  // at the start
   bool insert(const State& state, std::int64_t dispatch);
+  bool insert_at_site(const State& state, std::int64_t dispatch);
   bool is_held(const JobResult& result) const;
   bool is_idle(int worker) const;
   void learn(Slot& slot, const Candidate& candidate, JobResult result, double now);
@@ -82,8 +88,9 @@ class Planner {
   Slot& dispatch(int worker, const Candidate& candidate, double priority,
                  const std::vector<Candidate>& beside, double now);
   void dispatch_best(int worker, bool many, double now);
-  bool audits(int worker, double now);  // whether this job was an audit, which it then dispatched
-  bool rest_comes_first(double now);    // whether nothing else is dispatched yet
+  bool audits(int worker, double now);     // whether this job was an audit, which it then dispatched
+  bool rest_comes_first(double now);       // whether nothing else is dispatched yet
+  std::size_t dispatch_rests(double now);  // at sites; returns how many
   void consider_preemption(double now);
   Slot* weakest(double now);  // whose job the best candidate is worth far more than; null: none
 

@@ -20,7 +20,8 @@ constexpr std::uint64_t stream = 0xa0d17;  // of the seed
 }  // namespace
 
 bool Planner::audits(int worker, double now) {
-  if (setup_.options.audit <= 0 || setup_.model.method != SessionMethod::rbf || space_.size() < 4)
+  if (setup_.options.audit <= 0 || setup_.surface || setup_.model.method != SessionMethod::rbf ||
+      space_.size() < 4)
     return false;
   const double drawn = random::uniform(random::mix(random::mix(setup_.seed, stream), audit_draws_++));
   const Vec3 at = hip_.at;

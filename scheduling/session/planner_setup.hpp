@@ -19,6 +19,8 @@ struct PlannedBody {
   Mat3 stiffest = Mat3::Zero();  // K_b, bound of its stiffness at rest [N/m] (plausible.hpp); zero: unknown
 };
 
+class SurfaceModels;
+
 struct PlannerSetup {
   StateSpaceOptions space = {};
   std::span<const State> known =
@@ -31,6 +33,8 @@ struct PlannerSetup {
   ModelRecipe model = {};
   SwitchOptions jnd = {};  // unit of PlannerView::surprises
   std::uint64_t seed = 0;  // of the choice of audits
+  // Of a body that may be touched anywhere: positions are those of the tip, and states have a site. Null: one place.
+  std::shared_ptr<SurfaceModels> surface = {};
 };
 
 }  // namespace forefeel

@@ -7,6 +7,8 @@
 #include <limits>
 #include <optional>
 
+#include "scheduling/touch/site_candidates.hpp"
+
 namespace forefeel {
 namespace {
 
@@ -19,13 +21,19 @@ std::vector<State> failed_of(std::span<const State> states) {
   return failed;
 }
 
+std::unique_ptr<Candidates> candidates_of(const PlannerSetup& setup, const StateSpace& space) {
+  if (setup.surface) return std::make_unique<SiteCandidates>(space, *setup.surface);
+  return std::make_unique<LatticeCandidates>(space, failed_of(setup.known), setup.options.placement);
+}
+
 }  // namespace
 
 Ranking::Ranking(const PlannerSetup& setup, const StateSpace& space, std::function<Vec3(double)> future)
     : setup_(setup),
       space_(space),
       future_(std::move(future)),
-      candidates_(space, failed_of(setup.known), setup.options.placement) {}
+      candidates_(candidates_of(setup, space)),
+      estimate_(candidates_->estimate()) {}
 
 // Custom policies may return any number: priorities are sorted by <, NaN last. Negative and non-finite ones are counted
 // and reported at the end.
@@ -73,15 +81,15 @@ PlannerView Ranking::view() const {
           .with_stiffness = setup_.model.fit.data != Data::force,
           .in_cells = setup_.model.method != SessionMethod::rbf,
           .surprises = moment_.surprises,
-          .estimate = moment_.estimate};
+          .estimate = estimate_ ? estimate_ : moment_.estimate};
 }
 
 void Ranking::look(const PlanMoment& moment, std::vector<Vec3> pending) {
   moment_ = moment;
   predict();
-  candidates_.follow(predicted_, moment.now);
-  candidates_.request_near(moment.hip.at, moment.now);
-  if (setup_.policy->reads_regions()) candidates_.refresh_regions();
+  candidates_->follow(predicted_, moment.hip, moment.now);
+  candidates_->request_near(moment.hip.at, moment.now);
+  if (setup_.policy->reads_regions()) candidates_->refresh_regions();
   pending_ = std::move(pending);
   setup_.policy->look(view());
 }
@@ -100,7 +108,7 @@ double Ranking::worth(const Candidate& candidate) {
 }
 
 void Ranking::rank() {
-  const auto open = candidates_.open();
+  const auto open = candidates_->open();
   priorities_.resize(open.size());
   setup_.policy->prioritise(open, view(), priorities_);
   for (double& p : priorities_) p = ranked_by(p);
@@ -108,7 +116,7 @@ void Ranking::rank() {
 
 // Equal priorities are ordered by Candidate::order, so that the result is unique.
 std::size_t Ranking::first() const {
-  const auto open = candidates_.open();
+  const auto open = candidates_->open();
   std::size_t best = 0;
   for (std::size_t i = 1; i < open.size(); ++i)
     if (priorities_[i] != priorities_[best] ? priorities_[i] > priorities_[best]
@@ -125,7 +133,7 @@ Ranking::Chosen Ranking::best() {
 
 std::vector<Candidate> Ranking::beside(std::size_t place) const {
   std::vector<std::pair<double, Candidate>> near;
-  const auto open = candidates_.open();
+  const auto open = candidates_->open();
   for (std::size_t i = 0; i < open.size(); ++i)
     if (i != place && !open[i].passing &&
         (open[i].at - open[place].at).norm() <= 1.1 * space_.options().spacing)
@@ -145,7 +153,7 @@ bool Ranking::ranks_many() const {
 void Ranking::begin_many() {
   rank();
   ranked_.clear();
-  const auto open = candidates_.open();
+  const auto open = candidates_->open();
   for (std::size_t i = 0; i < open.size(); ++i) ranked_.push_back({priorities_[i], open[i], pending_.size()});
   std::make_heap(ranked_.begin(), ranked_.end());
 }
@@ -164,7 +172,7 @@ Ranking::Chosen Ranking::best_of_many() {
       if (as_now && !again.empty()) break;
       std::pop_heap(ranked_.begin(), ranked_.end());
       ranked_.pop_back();
-      const auto place = candidates_.index_of(top.candidate);
+      const auto place = candidates_->index_of(top.candidate);
       if (!place) continue;
       if (!as_now) {
         again.push_back(top.candidate);

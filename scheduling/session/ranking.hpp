@@ -4,6 +4,7 @@
 
 #include <cstddef>
 #include <functional>
+#include <memory>
 #include <span>
 #include <string>
 #include <utility>
@@ -29,7 +30,7 @@ class Ranking {
   // future: the true motion, for policies that read it; may be empty. Setup and space must outlive it.
   Ranking(const PlannerSetup& setup, const StateSpace& space, std::function<Vec3(double)> future);
 
-  Candidates& candidates() { return candidates_; }
+  Candidates& candidates() { return *candidates_; }
 
   // Before anything is ranked at this moment. pending: where states are being solved [m].
   void look(const PlanMoment& moment, std::vector<Vec3> pending);
@@ -77,7 +78,8 @@ class Ranking {
   const PlannerSetup& setup_;
   const StateSpace& space_;
   std::function<Vec3(double)> future_;
-  Candidates candidates_;
+  std::unique_ptr<Candidates> candidates_;
+  std::function<double(const Vec3&)> estimate_;  // by the candidates; empty: that of the moment
   PlanMoment moment_;
   std::vector<Prediction> predicted_;
   std::vector<Vec3> pending_;

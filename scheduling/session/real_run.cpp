@@ -28,6 +28,7 @@
 #include "scheduling/session/run_parts.hpp"
 #include "scheduling/session/session_setup.hpp"
 #include "scheduling/shape/shape_thread.hpp"
+#include "scheduling/touch/surface_models.hpp"
 #include "scheduling/workers/rank_workers.hpp"
 #include "scheduling/workers/reference_service.hpp"
 
@@ -134,9 +135,9 @@ struct Arriving {
   std::size_t arrived = 0;
 
   void solve(ReferenceService& references, const ShowProgress& show) {
-    for (const Arrival& arrival : at) references.request(arrival.at);
+    for (const Arrival& arrival : at) references.request(arrival.at, arrival.site);
     for (const Arrival& arrival : at) {
-      states.push_back(references.get(arrival.at));
+      states.push_back(references.get(arrival.at, arrival.site));
       if (show)
         show({.phase = SessionPhase::arrivals,
               .t = static_cast<double>(states.size()),
@@ -152,7 +153,7 @@ struct Arriving {
 // The planner's thread.
 struct PlannerRun {
   Planner& planner;
-  ModelKeeper& models;
+  ModelMaker& models;
   RealWorkers& workers;
   LoopLink& link;
   Arriving arriving;
@@ -173,7 +174,7 @@ struct PlannerRun {
       planner.observe(*hip);
       if (shapes) shapes->pass(*hip, planner.space());
     }
-    link.known.store(static_cast<std::uint32_t>(planner.space().size()), std::memory_order_release);
+    link.known.store(planner.known(), std::memory_order_release);
     models.update(now(), planner.hip().at, true);
     if (dispatches && !workers.failure()) planner.plan(now());
     const double t = now();
@@ -198,7 +199,7 @@ struct PlannerRun {
         show({.phase = SessionPhase::session,
               .t = shown,
               .seconds = seconds,
-              .known = planner.space().size(),
+              .known = planner.known(),
               .solved = planner.solved(),
               .label = models.label()});
       }
@@ -259,15 +260,16 @@ void run_real(const RunSetup& setup, ReferenceService& references, SessionResult
   Nanoseconds start = 0;
   const auto session_time = [&start] { return static_cast<double>(monotonic() - start) / 1e9; };
   RenderLoop loop(*motion.device, link, setup.rendering.options, motion.frames,
-                  {.now = session_time, .spare = spare_frames});
+                  {.now = session_time, .spare = spare_frames}, setup.rendering.contact(link));
   const LockedMemory locked(result);
   start = monotonic() + 20000000;  // threads are up by then
   const std::shared_ptr<RealWorkers> given = workers_of(solving);
   RealWorkers& workers = *given;
   workers.begin([start] { return static_cast<double>(monotonic() - start) / 1e9; });
   Planner planner(setup.planning, workers, hooks_of(setup, states, logs.inputs));
-  link.known.store(static_cast<std::uint32_t>(planner.space().size()), std::memory_order_release);
-  ModelKeeper models(planner.space(), setup.rendering.model, link);
+  link.known.store(planner.known(), std::memory_order_release);
+  const std::unique_ptr<ModelMaker> maker = setup.rendering.maker(planner.space(), link);
+  ModelMaker& models = *maker;
   PlannerRun run{planner, models, workers, link, std::move(arriving), solving.dispatches, stale, start};
   FramePacer pacer(motion.clock.frame, motion.frames);
   LoopEnd end;
@@ -290,7 +292,9 @@ void run_real(const RunSetup& setup, ReferenceService& references, SessionResult
   loop_thread.join();
   if (shape_thread) shape_thread->end();
   if (!failure) run.keep_rest();
-  if (logs.inputs) logs.inputs->learn(planner.space());  // also what came after the last model
+  if (logs.inputs && setup.rendering.surface) logs.inputs->learn(setup.rendering.surface->known());
+  if (logs.inputs && !setup.rendering.surface)
+    logs.inputs->learn(planner.space());  // also what came after the last model
   states.flush();
   if (states.failure()) result.failures.push_back(*states.failure());
   if (failure) result.failures.push_back(failure_in_words("planning", failure));

@@ -33,7 +33,7 @@ double first_visits_within(const SessionResult& result, const SwitchOptions& jnd
   for (const FrameRecord& f : result.frames) {
     if (!f.judged.first_visit || !std::isfinite(f.judged.error)) continue;
     ++visits;
-    within += (f.force - f.judged.reference).norm() <=
+    within += (compared_force(f) - f.judged.reference).norm() <=
               std::max(jnd.jnd_share * f.judged.reference.norm(), jnd.jnd_floor);
   }
   return visits > 0 ? static_cast<double>(within) / static_cast<double>(visits) : -1.0;

@@ -1,5 +1,6 @@
 #include "scheduling/session/session_input.hpp"
 
+#include "scheduling/touch/surface_models.hpp"
 #include "scheduling/workers/reference_service.hpp"
 
 namespace forefeel {
@@ -12,6 +13,7 @@ ReferenceOptions reference_options(const SessionInput& input) {
           .box = touched.space.box,
           .displacements = touched.displacements,
           .jet = touched.jet,
+          .sites = touched.anywhere ? touched.anywhere->field->rest_shared() : nullptr,
           .cache_folder = input.files.cache};
 }
 

@@ -22,6 +22,7 @@ class ReferenceService;
 class VirtualWorkers;
 struct Body;
 struct ReferenceOptions;
+struct TouchTask;  // touch/surface_models.hpp
 
 // The touched body, the identity that its files carry, and the space of its states.
 struct TouchedBody {
@@ -32,6 +33,9 @@ struct TouchedBody {
   int jet = 1;                   // order of the force that states keep: with 2 to 4 also an energy jet
   Vec3 inward = -Vec3::UnitZ();  // from the contact into the body
   Viscosity viscosity = {};      // of all its tissue; states are elastic and do not depend on it
+  // Set: the body may be touched anywhere (touch/touch.hpp). Positions are those of the tip in the axes of the mesh,
+  // `space` is a box of the tip, and states have a site. Null: one place of contact.
+  std::shared_ptr<const TouchTask> anywhere = {};
 };
 
 struct SessionFiles {

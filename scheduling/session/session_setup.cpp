@@ -8,6 +8,8 @@
 #include "geometry/coverage/state_space.hpp"
 #include "scheduling/motion/predictor.hpp"
 #include "scheduling/policy/policy.hpp"
+#include "scheduling/session/input_replay.hpp"
+#include "scheduling/touch/surface_contact.hpp"
 #include "scheduling/workers/reference_service.hpp"
 #include "solver/body/body.hpp"
 #include "solver/body/contact_bound.hpp"
@@ -35,19 +37,21 @@ std::shared_ptr<const CostModel> cost_of(const SessionPlan& plan, ReferenceServi
 RunSolving solving_of(const SessionPlan& plan, ReferenceService& references) {
   const TouchedBody& touched = plan.input.touched;
   const WorkerOptions& options = plan.options.workers;
-  return {.options = options,
-          .context = {.body = touched.body,
-                      .solving = {.spacing = touched.space.spacing,
-                                  .tolerance = 1e-6,
-                                  .displacements = touched.displacements,
-                                  .jet = touched.jet},
-                      .count = options.count},
-          .real = plan.input.parts.workers,
-          .simulated = plan.input.parts.virtual_workers,
-          .cost = cost_of(plan, references),
-          .rest_first = plan.options.planning.rest_first,
-          .arrivals = plan.arrivals.list,
-          .dispatches = !plan.arrivals.given};
+  return {
+      .options = options,
+      .context = {.body = touched.body,
+                  .solving = {.spacing = touched.space.spacing,
+                              .tolerance = 1e-6,
+                              .displacements = touched.displacements,
+                              .jet = touched.jet,
+                              .sites = touched.anywhere ? touched.anywhere->field->rest_shared() : nullptr},
+                  .count = options.count},
+      .real = plan.input.parts.workers,
+      .simulated = plan.input.parts.virtual_workers,
+      .cost = cost_of(plan, references),
+      .rest_first = plan.options.planning.rest_first,
+      .arrivals = plan.arrivals.list,
+      .dispatches = !plan.arrivals.given};
 }
 
 RunRecord record_of(const SessionPlan& plan) {
@@ -63,7 +67,8 @@ RunRecord record_of(const SessionPlan& plan) {
                             .spare = real ? spare_frames : 0,
                             .render = plan.render,
                             .model = plan.model,
-                            .space = touched.space}};
+                            .space = touched.space,
+                            .surface = touched.anywhere ? settings_in_words(touched) : std::string()}};
 }
 
 std::string viscosity_in_words(const TouchedBody& touched) {
@@ -108,7 +113,8 @@ FactoryContext factory_context(const SessionInput& input, std::uint64_t seed) {
   return {.box = input.touched.space.box,
           .inward = input.touched.inward,
           .seed = seed,
-          .folder = input.files.scene};
+          .folder = input.files.scene,
+          .surface = input.touched.anywhere ? input.touched.anywhere->surface.get() : nullptr};
 }
 
 std::shared_ptr<Policy> policy_of(const SessionInput& input, const SessionOptions& options) {
@@ -134,10 +140,14 @@ StateFileHeader states_header(const TouchedBody& touched) {
 
 RunSetup divide(const SessionPlan& plan, ReferenceService& references) {
   const StateSpaceOptions& space = plan.input.touched.space;
+  const std::shared_ptr<SurfaceModels> surface =
+      plan.input.touched.anywhere ? std::make_shared<SurfaceModels>(plan.input.touched.anywhere) : nullptr;
+  PlannerSetup planning = planner_setup(plan);
+  planning.surface = surface;
   return {.motion = motion_of(plan),
-          .planning = planner_setup(plan),
+          .planning = std::move(planning),
           .solving = solving_of(plan, references),
-          .rendering = {.options = plan.render, .model = plan.model},
+          .rendering = {.options = plan.render, .model = plan.model, .surface = surface},
           .judging = judge_setup(plan),
           .record = record_of(plan),
           .bounds = {.space = space, .visit_cell = visit_cell(plan.options.judging, space.spacing)},
@@ -145,18 +155,30 @@ RunSetup divide(const SessionPlan& plan, ReferenceService& references) {
           .notes = notes_of(plan)};
 }
 
+std::unique_ptr<ModelMaker> RunRendering::maker(const StateSpace& known, LoopLink& link) const {
+  if (surface) return std::make_unique<SurfaceMaker>(surface, link);
+  return std::make_unique<ModelKeeper>(known, model, link);
+}
+
+std::unique_ptr<Contact> RunRendering::contact(LoopLink& link) const {
+  if (surface) return std::make_unique<SurfaceContact>(surface->task(), link, options.switching);
+  return std::make_unique<Grasp>(link, options.switching);
+}
+
 PlannerSetup planner_setup(const SessionPlan& plan) {
   const Body& body = *plan.input.touched.body;
-  return {.space = plan.input.touched.space,
-          .known = plan.input.known,
-          .body = {.nodes = body.mesh.nodes.size(), .stiffest = contact_stiffness_bound(body)},
-          .options = plan.options.planning,
-          .policy = policy_of(plan.input, plan.options),
-          .predictor = predictor_of(plan.input, plan.options),
-          .latency = plan.options.workers.latency,
-          .model = plan.model,
-          .jnd = plan.options.switching,
-          .seed = plan.options.seed};
+  return {
+      .space = plan.input.touched.space,
+      .known = plan.input.known,
+      .body = {.nodes = body.mesh.nodes.size(),
+               .stiffest = plan.input.touched.anywhere ? Mat3(Mat3::Zero()) : contact_stiffness_bound(body)},
+      .options = plan.options.planning,
+      .policy = policy_of(plan.input, plan.options),
+      .predictor = predictor_of(plan.input, plan.options),
+      .latency = plan.options.workers.latency,
+      .model = plan.model,
+      .jnd = plan.options.switching,
+      .seed = plan.options.seed};
 }
 
 JudgeSetup judge_setup(const SessionPlan& plan) {
@@ -164,6 +186,7 @@ JudgeSetup judge_setup(const SessionPlan& plan) {
           .judging = plan.options.judging,
           .stop = plan.options.stop,
           .viscosity = plan.input.touched.viscosity,
+          .jnd = plan.options.switching,
           .errors = !plan.input.foreign};
 }
 

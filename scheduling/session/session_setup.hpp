@@ -16,7 +16,9 @@
 #include "scheduling/common/session_result.hpp"
 #include "scheduling/judge/session_judge.hpp"
 #include "scheduling/motion/device.hpp"
+#include "scheduling/render/contact.hpp"
 #include "scheduling/render/input_format.hpp"
+#include "scheduling/render/model_keeper.hpp"
 #include "scheduling/session/planner.hpp"
 #include "scheduling/session/session_plan.hpp"
 #include "scheduling/workers/cost.hpp"
@@ -52,6 +54,10 @@ struct RunSolving {
 struct RunRendering {
   RenderOptions options = {};
   ModelRecipe model = {};
+  std::shared_ptr<SurfaceModels> surface = {};  // of a body that may be touched anywhere; null: one place
+
+  std::unique_ptr<ModelMaker> maker(const StateSpace& known, LoopLink& link) const;
+  std::unique_ptr<Contact> contact(LoopLink& link) const;
 };
 
 // The files that are written while the run goes on; none where the path is not set.

@@ -15,16 +15,19 @@ void SolveStarts::remember(Start start, const Vec3& hip) {
     return;
   }
   const auto far = std::max_element(starts_.begin(), starts_.end(), [&](const Start& a, const Start& b) {
-    return (a.at - hip).squaredNorm() < (b.at - hip).squaredNorm();
+    return (a.site + a.at - hip).squaredNorm() < (b.site + b.at - hip).squaredNorm();
   });
   *far = std::move(start);
 }
 
-const SolveStarts::Start* SolveStarts::nearest(const Vec3& x) const {
+const SolveStarts::Start* SolveStarts::nearest(const Candidate& candidate) const {
+  const Vec3 x = candidate.displacement();
   const Start* best = nullptr;
   double distance = x.squaredNorm();
   for (const Start& start : starts_) {
-    const double d = (start.at - x).squaredNorm();
+    const double apart = candidate.site.exists() ? (start.site - candidate.site.at).norm() : 0;
+    const double way = apart + (start.at - x).norm();
+    const double d = apart > 0 ? way * way : (start.at - x).squaredNorm();
     if (d < distance) {
       distance = d;
       best = &start;

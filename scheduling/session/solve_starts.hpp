@@ -16,7 +16,8 @@ namespace forefeel {
 class SolveStarts {
  public:
   struct Start {
-    Vec3 at;
+    Vec3 at;                // displacement
+    Vec3 site;              // of the pad, where a body is touched anywhere; else zero
     std::int64_t dispatch;  // its row; -1: known at the start
     std::shared_ptr<const Equilibrium> equilibrium;
   };
@@ -25,7 +26,8 @@ class SolveStarts {
 
   // Where there are too many, the one farthest from the hip is forgotten.
   void remember(Start start, const Vec3& hip);
-  const Start* nearest(const Vec3& x) const;  // null: rest, which is always known
+  // Null: rest, which is always known. The pad moves with the site, so ways over the surface count as ways of the tip.
+  const Start* nearest(const Candidate& candidate) const;
 
   void keep_partial(const Candidate& candidate, std::shared_ptr<const Equilibrium> last_iterate);
   std::shared_ptr<const Equilibrium> take_partial(const Candidate& candidate);  // null: none

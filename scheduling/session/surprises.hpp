@@ -1,26 +1,28 @@
 #pragma once
 // How far the model missed each state before it was known, in JNDs (PlannerView::surprises). One thread owns them.
 
+#include <functional>
 #include <span>
 #include <vector>
 
 #include "approx/switch/force_switch.hpp"
-#include "scheduling/render/session_model.hpp"
+#include "geometry/coverage/state_space.hpp"
 
 namespace forefeel {
 
+struct PlannerSetup;
+
 class Surprises {
  public:
-  // The space must outlive them.
-  Surprises(const StateSpace& space, const ModelRecipe& model, const SwitchOptions& jnd)
-      : space_(space), model_(space, model), jnd_(jnd) {}
+  Surprises(const StateSpace& space, const PlannerSetup& setup);  // the space must outlive them
 
-  void note(const State& state);  // before it is inserted into the space
+  // Before it is inserted into the space at this place.
+  void note(const State& state, const Vec3& at);
   std::span<const float> by_id() const { return errors_; }
 
  private:
   const StateSpace& space_;
-  SessionModel model_;
+  std::function<Vec3(const State&)> predicted_;  // by the models so far, at the state's place [N]
   SwitchOptions jnd_;
   std::vector<float> errors_;
 };

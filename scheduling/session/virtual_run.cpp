@@ -71,20 +71,22 @@ std::shared_ptr<VirtualWorkers> workers_of(const RunSolving& solving, ReferenceS
                                              .latency = options.latency});
 }
 
-// Renders in the frame itself: for a motion that depends on the force, which no renderer can follow.
+// Renders in the frame itself: for a motion that depends on the force, and for sites, which the planner must know; no
+// renderer can follow these.
 struct OwnRenderer {
   LoopLink link;
-  ModelKeeper models;
+  std::unique_ptr<ModelMaker> models;
   RenderLoop loop;
 
   OwnRenderer(const RunSetup& setup, const StateSpace& space, InputLog* inputs)
-      : models(space, setup.rendering.model, link),
-        loop(*setup.motion.device, link, setup.rendering.options, setup.motion.frames) {
+      : models(setup.rendering.maker(space, link)),
+        loop(*setup.motion.device, link, setup.rendering.options, setup.motion.frames, {},
+             setup.rendering.contact(link)) {
     link.inputs = inputs;
   }
   // From the states and the motion up to now; at most one new model per frame.
   void frame(std::size_t k, double now, std::uint32_t known) {
-    models.update(now, loop.hip().at);
+    models->update(now, loop.hip().at);
     link.known.store(known, std::memory_order_relaxed);
     link.planner_beat.store(now, std::memory_order_relaxed);
     loop.frame(k);
@@ -108,7 +110,7 @@ class VirtualRun {
 
   void run() {
     for (std::size_t i = 0; i < arrivals_.size() && arrivals_[i].t <= motion_.clock.seconds; ++i) {
-      parts_.references.request(arrivals_[i].at);
+      parts_.references.request(arrivals_[i].at, arrivals_[i].site);
       events_.push(ns(arrivals_[i].t), Kind::arrival, i);
     }
     events_.push(0, Kind::frame, 0);
@@ -118,7 +120,8 @@ class VirtualRun {
       if (event->kind == Kind::result)
         take_results(*event);
       else if (event->kind == Kind::arrival)
-        planner_.arrive(parts_.references.get(arrivals_[event->payload].at), now);
+        planner_.arrive(parts_.references.get(arrivals_[event->payload].at, arrivals_[event->payload].site),
+                        now);
       else if (event->kind == Kind::plan)
         planner_.plan(now);
       else if (!frame(event->payload, now))
@@ -140,8 +143,7 @@ class VirtualRun {
       } else {
         tip_.read(next_, Vec3::Zero());
       }
-      const std::size_t known = planner_.space().size();
-      parts_.pipeline.pass(hip().at, static_cast<std::uint32_t>(known), planner_.space(), true);
+      parts_.pipeline.pass(hip().at, planner_.known(), planner_.space(), true);
     }
   }
   bool interrupted() const { return interrupted_; }
@@ -153,7 +155,7 @@ class VirtualRun {
     }
     take_loop(own_ ? own_->loop : parts_.renderer->loop(), motion_.frames, result);
     if (states_.failure()) result.failures.push_back(*states_.failure());
-    planner_.finish(result, own_ ? own_->models : parts_.renderer->models());
+    planner_.finish(result, own_ ? *own_->models : parts_.renderer->models());
     result.loop.device_held += tip_.faults().held;
     result.solver.workers = workers_->workers();
   }
@@ -177,7 +179,7 @@ class VirtualRun {
 
   // Returns whether another frame follows.
   bool frame(std::size_t k, double now) {
-    const auto known = static_cast<std::uint32_t>(planner_.space().size());
+    const std::uint32_t known = planner_.known();
     if (own_)
       own_->frame(k, now, known);
     else
@@ -201,9 +203,9 @@ class VirtualRun {
     show_({.phase = SessionPhase::session,
            .t = now,
            .seconds = motion_.clock.seconds,
-           .known = planner_.space().size(),
+           .known = planner_.known(),
            .solved = planner_.solved(),
-           .label = behind ? behind->label() : own_->models.label(),
+           .label = behind ? behind->label() : own_->models->label(),
            .force = behind ? behind->force() : own_->loop.log()[k].force.norm()});
   }
 

@@ -9,11 +9,10 @@
 
 #include <optional>
 
+#include "scheduling/common/records.hpp"
 #include "scheduling/touch/slip.hpp"
 
 namespace forefeel {
-
-enum class TouchKind { none, stick, slip };
 
 struct Touch {
   TouchKind kind = TouchKind::none;

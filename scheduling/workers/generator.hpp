@@ -40,6 +40,7 @@ namespace forefeel {
 
 class CostModel;
 class ReferenceService;
+class RestSites;
 struct Body;
 struct Equilibrium;
 
@@ -50,6 +51,7 @@ struct Job {
   };
   std::uint32_t dispatch = 0;  // row of dispatch.csv
   Vec3 at = Vec3::Zero();      // [m]
+  SurfacePlace site = {};      // of the pad, where a body is touched anywhere; else none
   // Where to start: the nearest known solution, or the last iterate of a cancelled solve of this state. Null:
   // rest.
   std::shared_ptr<const Equilibrium> start;
@@ -110,6 +112,7 @@ struct StateSolverOptions {
   double tolerance = 1e-6;  // of from()
   bool displacements = false;
   int jet = 1;  // order of the force that a state keeps: with 2 to 4 also an energy jet
+  std::shared_ptr<const RestSites> sites = {};  // of a body that is touched anywhere: jobs have a site
 };
 
 struct RealWorkersContext {

@@ -35,6 +35,8 @@ Bytes packed(const Job& job) {
   Packer message;
   message.add(job.dispatch);
   message.add(job.at);
+  message.add(job.site.facet);
+  message.add(job.site.at);
   pack(message, job.start.get());
   message.add(std::uint32_t(job.beside.size()));
   for (const Job::Neighbour& neighbour : job.beside) {
@@ -48,6 +50,8 @@ Job unpacked_job(Unpacker message) {
   Job job;
   job.dispatch = message.number<std::uint32_t>();
   job.at = message.vector();
+  job.site.facet = message.number<std::int32_t>();
+  job.site.at = message.vector();
   job.start = unpack_equilibrium(message);
   for (auto left = message.number<std::uint32_t>(); left > 0; --left) {
     const auto dispatch = message.number<std::uint32_t>();
@@ -89,8 +93,8 @@ class RankWorkers final : public RealWorkers {
 
   void dispatch(int worker, Job job) override {
     std::vector<Given>& given = given_[worker];
-    given.push_back({job.dispatch, job.at});
-    for (const Job::Neighbour& n : job.beside) given.push_back({n.dispatch, n.at});
+    given.push_back({job.dispatch, job.at, job.site});
+    for (const Job::Neighbour& n : job.beside) given.push_back({n.dispatch, n.at, job.site});
     if (takes_jobs(worker))
       pool_.send(worker + 1, job.dispatch, packed(job));
     else
@@ -124,6 +128,7 @@ class RankWorkers final : public RealWorkers {
   struct Given {
     std::uint32_t dispatch;
     Vec3 at;
+    SurfacePlace site;
   };
 
   void take(RankEvent event, std::vector<JobResult>& out) {
@@ -140,7 +145,8 @@ class RankWorkers final : public RealWorkers {
       std::vector<Given>& given = given_[worker];
       const auto asked = std::ranges::find(given, result.dispatch, &Given::dispatch);
       if (asked == given.end()) return;  // of a rank that was lost and is back: others do it
-      if (result.state.at != asked->at) return pool_.distrust(event.rank);
+      if (result.state.at != asked->at || (asked->site.exists() && result.state.site != asked->site.at))
+        return pool_.distrust(event.rank);
       given.erase(asked);
       result.worker = worker;
       out.push_back(std::move(result));
@@ -173,7 +179,8 @@ class RankWorkers final : public RealWorkers {
 class StateRankWorker final : public RankWorker {
  public:
   StateRankWorker(std::shared_ptr<const Body> body, const StateSolverOptions& options)
-      : solver_(std::make_shared<SolverBasis>(body), linear_basis(body, options.spacing), options) {
+      : solver_(std::make_shared<SolverBasis>(body),
+                options.sites ? nullptr : linear_basis(body, options.spacing), options) {
     solver_.prepare();
   }
 

@@ -15,16 +15,18 @@
 
 namespace forefeel {
 
+class RestSites;
 struct Body;
 
 struct ReferenceOptions {
   std::shared_ptr<const Body> body;
-  BodyIdentity identity;               // key of the cache; empty: no cache
-  double spacing = 0.006;              // continuation step of the reference branch [m]
-  Box box;                             // recorded_costs() draws its positions here [m]
-  bool displacements = false;          // states hold them
-  int jet = 1;                         // order of the force that states keep
-  std::filesystem::path cache_folder;  // empty: no cache
+  BodyIdentity identity;                        // key of the cache; empty: no cache
+  double spacing = 0.006;                       // continuation step of the reference branch [m]
+  Box box;                                      // recorded_costs() draws its positions here [m]
+  bool displacements = false;                   // states hold them
+  int jet = 1;                                  // order of the force that states keep
+  std::shared_ptr<const RestSites> sites = {};  // of a body that is touched anywhere: places have a site
+  std::filesystem::path cache_folder;           // empty: no cache
 };
 
 class ReferenceCache {

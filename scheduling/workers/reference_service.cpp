@@ -17,30 +17,44 @@
 #include "solver/kernels/revision.hpp"
 
 namespace forefeel {
-std::size_t ReferenceService::Hash::operator()(const Key& key) const {
-  return random::mix(random::mix(key.bits[0], key.bits[1]), key.bits[2]);
+namespace {
+
+Vec3 place_of(const State& state) {
+  return state.has_site() ? state.site : Vec3::Zero();
 }
 
-ReferenceService::Key ReferenceService::key(const Vec3& x) {
+}  // namespace
+
+std::size_t ReferenceService::Hash::operator()(const Key& key) const {
+  std::uint64_t hash = key.bits[0];
+  for (int i = 1; i < 6; ++i) hash = random::mix(hash, key.bits[i]);
+  return hash;
+}
+
+// -0 and 0 are one place.
+ReferenceService::Key ReferenceService::key(const Vec3& x, const Vec3& site) {
   Key key;
-  for (int i = 0; i < 3; ++i)
-    key.bits[i] = std::bit_cast<std::uint64_t>(x[i] + 0.0);  // -0 and 0 are one place
+  for (int i = 0; i < 3; ++i) {
+    key.bits[i] = std::bit_cast<std::uint64_t>(x[i] + 0.0);
+    key.bits[i + 3] = std::bit_cast<std::uint64_t>(site[i] + 0.0);
+  }
   return key;
 }
 
 ReferenceService::ReferenceService(const ReferenceOptions& options, int threads)
     : solver_{.basis = std::make_shared<SolverBasis>(options.body),
-              .linear = linear_basis(options.body, options.spacing),
+              .linear = options.sites ? nullptr : linear_basis(options.body, options.spacing),
               .options = {.spacing = options.spacing,
                           .tolerance = 1e-6,
                           .displacements = options.displacements,
-                          .jet = options.jet}},
+                          .jet = options.jet,
+                          .sites = options.sites}},
       cache_(options, solver_.linear != nullptr),
       costs_([this] { return StateSolver(solver_.basis, solver_.linear, solver_.options); }, options,
              cache_.name()),
       threads_{.most = static_cast<std::size_t>(reference_threads(threads)), .running = {}} {
   for (State& state : cache_.take_states()) {
-    const Key place = key(state.at);
+    const Key place = key(state.at, place_of(state));
     entries_.try_emplace(place, Entry{.ready = true, .state = std::move(state)});
   }
 }
@@ -65,32 +79,33 @@ void ReferenceService::start_thread() {
     threads_.running.emplace_back([this](const std::stop_token& stop) { work(stop); });
 }
 
-void ReferenceService::request(const Vec3& x) {
+void ReferenceService::request(const Vec3& x, const SurfacePlace& site) {
   {
     const std::lock_guard lock(mutex_);
-    if (!entries_.try_emplace(key(x)).second) return;
-    queue_.push_back(x);
+    if (!entries_.try_emplace(key(x, site.at)).second) return;
+    queue_.push_back({x, site});
     start_thread();
   }
   wake_.notify_one();
 }
 
-State ReferenceService::get(const Vec3& x) {
-  return *get_until(x, std::chrono::steady_clock::time_point::max());
+State ReferenceService::get(const Vec3& x, const SurfacePlace& site) {
+  return *get_until(x, std::chrono::steady_clock::time_point::max(), site);
 }
 
-std::optional<State> ReferenceService::get_until(const Vec3& x, std::chrono::steady_clock::time_point end) {
-  request(x);
+std::optional<State> ReferenceService::get_until(const Vec3& x, std::chrono::steady_clock::time_point end,
+                                                 const SurfacePlace& site) {
+  request(x, site);
   std::unique_lock lock(mutex_);
-  const Entry& entry = entries_.at(key(x));  // stays valid while the map grows
+  const Key wanted = key(x, site.at);
+  const Entry& entry = entries_.at(wanted);  // stays valid while the map grows
   if (!entry.ready) {
     // A state that somebody waits for is moved to the front of the queue.
-    const Key wanted = key(x);
     const auto found =
-        std::find_if(queue_.begin(), queue_.end(), [&](const Vec3& q) { return key(q) == wanted; });
+        std::find_if(queue_.begin(), queue_.end(), [&](const Asked& q) { return key(q) == wanted; });
     if (found != queue_.end()) {
       queue_.erase(found);
-      queue_.push_front(x);
+      queue_.push_front({x, site});
     }
     const auto settled = [&] { return entry.ready || failure_; };
     if (end == std::chrono::steady_clock::time_point::max())
@@ -108,7 +123,7 @@ std::size_t ReferenceService::solved() const {
 }
 
 void ReferenceService::take(const State& state) {
-  Entry& entry = entries_[key(state.at)];
+  Entry& entry = entries_[key(state.at, place_of(state))];
   if (entry.ready) return;
   entry = {.ready = true, .state = state};
   ready_.notify_all();
@@ -132,12 +147,13 @@ void ReferenceService::work(std::stop_token stop) {
     for (;;) {
       wake_.wait(lock, [&] { return stop.stop_requested() || !queue_.empty(); });
       if (stop.stop_requested()) return;
-      const Vec3 x = queue_.front();
+      const Asked asked = queue_.front();
       queue_.pop_front();
-      if (entries_.at(key(x)).ready) continue;
+      if (entries_.at(key(asked)).ready) continue;
       lock.unlock();
-      SolveOutcome outcome = solver.reference(x);
-      outcome.state.at = x;
+      SolveOutcome outcome = solver.reference(asked.x, asked.site);
+      outcome.state.at = asked.x;
+      if (asked.site.exists()) outcome.state.site = asked.site.at;
       outcome.state.solve.parent = Vec3::Zero();
       outcome.state.force.array() += 0.0;  // the cache does not keep -0
       outcome.state.stiffness.array() += 0.0;

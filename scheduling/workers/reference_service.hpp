@@ -1,7 +1,7 @@
 #pragma once
 // Solves states to a tight tolerance on the reference branch (the primary equilibrium path), by threads, and
-// caches them on disk (reference_cache.hpp). A value depends on (body, x) alone: neither the number of threads nor the
-// order of requests changes it.
+// caches them on disk (reference_cache.hpp). A value depends on body, x and site alone: neither the number of threads
+// nor the order of requests changes it.
 
 #include <chrono>
 #include <condition_variable>
@@ -40,11 +40,14 @@ class ReferenceService {
   ReferenceService(const ReferenceService&) = delete;
   ReferenceService& operator=(const ReferenceService&) = delete;
 
-  // Any thread may call these at any time; x [m] is the position of the HIP.
-  void request(const Vec3& x);  // queues x unless it is known; returns at once
-  State get(const Vec3& x);     // waits for the state; rethrows a solving thread's exception
-  std::optional<State> get_until(const Vec3& x,
-                                 std::chrono::steady_clock::time_point end);  // nullopt: not ready in time
+  // Any thread may call these at any time; x [m] is the position of the HIP, from its site where the body is touched
+  // anywhere.
+  void request(const Vec3& x, const SurfacePlace& site = {});  // queues x unless it is known; returns at once
+  // Waits for the state; rethrows a solving thread's exception.
+  State get(const Vec3& x, const SurfacePlace& site = {});
+  // nullopt: not ready in time.
+  std::optional<State> get_until(const Vec3& x, std::chrono::steady_clock::time_point end,
+                                 const SurfacePlace& site = {});
   std::size_t solved() const;  // number of solves not found in the cache
   // Adds states solved elsewhere, tight and on the reference branch. They are not written to the file.
   void learn(std::span<const State> states);
@@ -64,7 +67,7 @@ class ReferenceService {
 
  private:
   struct Key {
-    std::uint64_t bits[3];
+    std::uint64_t bits[6];  // of x and of the site's place
     friend bool operator==(const Key&, const Key&) = default;
   };
   struct Hash {
@@ -74,7 +77,12 @@ class ReferenceService {
     bool ready = false;
     State state;
   };
-  static Key key(const Vec3& x);
+  struct Asked {
+    Vec3 x;
+    SurfacePlace site;
+  };
+  static Key key(const Vec3& x, const Vec3& site);
+  static Key key(const Asked& asked) { return key(asked.x, asked.site.at); }
   void work(std::stop_token stop);
   void start_thread();            // unless there are enough
   void take(const State& state);  // under the mutex
@@ -97,7 +105,7 @@ class ReferenceService {
   ReferenceCache cache_;  // under the mutex
   SolveCosts costs_;
   std::unordered_map<Key, Entry, Hash> entries_;
-  std::deque<Vec3> queue_;
+  std::deque<Asked> queue_;
   std::size_t solved_ = 0;
   std::exception_ptr failure_;
   Threads threads_;

@@ -42,9 +42,9 @@ class SimulatedWorkers final : public VirtualWorkers {
   void dispatch(int worker, Job job) override {
     std::vector<Solve>& solves = running_[worker];
     solves.clear();
-    Time begin = add(solves, worker, job.dispatch, job.at, 1, now_ + latency_);
+    Time begin = add(solves, worker, job.dispatch, {job.at, job.site}, 1, now_ + latency_);
     for (const Job::Neighbour& neighbour : job.beside)
-      begin = add(solves, worker, neighbour.dispatch, neighbour.at, with_.batch_share, begin);
+      begin = add(solves, worker, neighbour.dispatch, {neighbour.at, job.site}, with_.batch_share, begin);
   }
 
   void cancel(int worker) override {
@@ -52,7 +52,7 @@ class SimulatedWorkers final : public VirtualWorkers {
     bool any = false;
     for (Solve& solve : running_[worker]) {
       if (solve.returned || arrives >= solve.finished) continue;  // solved before the message arrives
-      if (arrives > solve.started) done_[solve.at] += arrives - solve.started;
+      if (arrives > solve.started) done_[solve.place] += arrives - solve.started;
       solve.cancelled = any = true;
       solve.started = std::min(solve.started, arrives);
       solve.finished = arrives;
@@ -81,14 +81,18 @@ class SimulatedWorkers final : public VirtualWorkers {
       if (solve.cancelled)
         result.state.solve.status = SolveStatus::cancelled;
       else
-        result.state = with_.references.get(solve.at);
+        result.state = with_.references.get(solve.place.x, solve.place.site);
     }
   }
 
  private:
+  struct Place {
+    Vec3 x = Vec3::Zero();
+    SurfacePlace site = {};
+  };
   struct Solve {
     std::uint32_t dispatch = 0;
-    Vec3 at = Vec3::Zero();
+    Place place = {};
     Time started{}, finished{}, due{};
     bool cancelled = false, returned = false;
   };
@@ -101,20 +105,25 @@ class SimulatedWorkers final : public VirtualWorkers {
     }
   };
   struct ByPlace {
-    bool operator()(const Vec3& a, const Vec3& b) const {
-      return std::tie(a[0], a[1], a[2]) < std::tie(b[0], b[1], b[2]);
+    bool operator()(const Place& a, const Place& b) const {
+      const auto key = [](const Place& p) {
+        return std::tie(p.x[0], p.x[1], p.x[2], p.site.at[0], p.site.at[1], p.site.at[2]);
+      };
+      return key(a) < key(b);
     }
   };
 
-  Time add(std::vector<Solve>& solves, int worker, std::uint32_t dispatch, const Vec3& at, double share,
+  // Places of a body that is touched anywhere cost what the place of the tip does.
+  Time add(std::vector<Solve>& solves, int worker, std::uint32_t dispatch, const Place& place, double share,
            Time begin) {
-    Time cost = time_of(share * (with_.rest_first && at.isZero(0) ? checked_rest_seconds(with_.cost)
-                                                                  : checked_seconds(with_.cost, at)));
-    if (const auto done = done_.find(at); done != done_.end()) cost -= done->second;
+    Time cost = time_of(share * (with_.rest_first && place.x.isZero(0)
+                                     ? checked_rest_seconds(with_.cost)
+                                     : checked_seconds(with_.cost, place.site.at + place.x)));
+    if (const auto done = done_.find(place); done != done_.end()) cost -= done->second;
     const Time end = begin + std::max(Time(1), cost);
     solves.push_back(
-        {.dispatch = dispatch, .at = at, .started = begin, .finished = end, .due = end + latency_});
-    with_.references.request(at);
+        {.dispatch = dispatch, .place = place, .started = begin, .finished = end, .due = end + latency_});
+    with_.references.request(place.x, place.site);
     events_.push({end + latency_, sequence_++, worker});
     return end;
   }
@@ -122,7 +131,7 @@ class SimulatedWorkers final : public VirtualWorkers {
   const VirtualWorkersContext with_;
   Time latency_, now_{};
   SignedVector<std::vector<Solve>> running_;
-  std::map<Vec3, Time, ByPlace> done_;  // time already spent on states whose solve was cancelled
+  std::map<Place, Time, ByPlace> done_;  // time already spent on states whose solve was cancelled
   std::priority_queue<Event, std::vector<Event>, std::greater<>> events_;
   std::uint64_t sequence_ = 0;
 };

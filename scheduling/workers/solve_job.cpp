@@ -9,6 +9,7 @@ void solve_job(StateSolver& solver, const Job& job, const std::stop_token& stop,
                const std::function<double()>& now, const std::function<void(JobResult)>& give) {
   const auto result_of = [&](std::uint32_t dispatch, const Vec3& at, double started, SolveOutcome outcome) {
     outcome.state.at = at;
+    if (job.site.exists()) outcome.state.site = job.site.at;
     return JobResult{.dispatch = dispatch,
                      .started = started,
                      .finished = now(),
@@ -17,7 +18,7 @@ void solve_job(StateSolver& solver, const Job& job, const std::stop_token& stop,
                      .partial = std::move(outcome.partial)};
   };
   const double started = now();
-  SolveOutcome first = solver.from(job.start.get(), job.at, stop);
+  SolveOutcome first = solver.from(job.start.get(), job.at, stop, job.site);
   const std::shared_ptr<const Equilibrium> near = first.equilibrium ? first.equilibrium : job.start;
   give(result_of(job.dispatch, job.at, started, std::move(first)));
   if (job.beside.empty()) return;

@@ -1,12 +1,19 @@
 #include "scheduling/workers/state_solver.hpp"
+
 #include "geometry/states/energy_jet.hpp"
+#include "scheduling/workers/site_solver.hpp"
 #include "solver/equilibrium/linear_body.hpp"
 
 namespace forefeel {
 
 StateSolver::StateSolver(std::shared_ptr<SolverBasis> basis, std::shared_ptr<LinearBasis> linear,
                          Options options)
-    : basis_(std::move(basis)), linear_(std::move(linear)), options_(options) {}
+    : basis_(std::move(basis)), linear_(std::move(linear)), options_(std::move(options)) {
+  if (options_.sites)
+    at_sites_ = std::make_unique<SiteSolver>(options_.sites, options_.spacing, options_.displacements);
+}
+StateSolver::~StateSolver() = default;
+StateSolver::StateSolver(StateSolver&&) noexcept = default;
 
 Solver& StateSolver::solver() {
   if (!solver_) solver_.emplace(*basis_);
@@ -14,7 +21,7 @@ Solver& StateSolver::solver() {
 }
 
 void StateSolver::prepare() {
-  if (!linear_) solver();
+  if (!linear_ && !at_sites_) solver();
 }
 
 SolveOutcome StateSolver::linear_outcome(const Vec3& x) {
@@ -25,7 +32,8 @@ SolveOutcome StateSolver::linear_outcome(const Vec3& x) {
   return outcome;
 }
 
-SolveOutcome StateSolver::reference(const Vec3& x) {
+SolveOutcome StateSolver::reference(const Vec3& x, const SurfacePlace& site) {
+  if (at_sites_) return at_sites_->reference(site, x);
   if (linear_) return linear_outcome(x);
   SolveOptions options;
   options.want_displacements = options_.displacements;
@@ -49,7 +57,9 @@ void StateSolver::settle(SolveOutcome& outcome, const Vec3& x, const std::stop_t
   if (outcome.state.solve.status != SolveStatus::cancelled) outcome = reference(x);
 }
 
-SolveOutcome StateSolver::from(const Equilibrium* start, const Vec3& x, std::stop_token stop) {
+SolveOutcome StateSolver::from(const Equilibrium* start, const Vec3& x, std::stop_token stop,
+                               const SurfacePlace& site) {
+  if (at_sites_) return at_sites_->solve(site, x, start, stop);
   if (linear_) return linear_outcome(x);
   SolveOutcome outcome = solver().from(start ? *start : *solver().rest(), x, quick(), stop);
   settle(outcome, x, stop);

@@ -1,6 +1,7 @@
 #pragma once
 // Solves states of one body in one thread. It uses a Solver, whose analysis all threads share; for a linear
-// body, it superposes three states that all threads share (solver/equilibrium/linear_body.hpp).
+// body, it superposes three states that all threads share (solver/equilibrium/linear_body.hpp). Of a body that is
+// touched anywhere, each state has a site (site_solver.hpp).
 
 #include <memory>
 #include <optional>
@@ -13,17 +14,22 @@
 namespace forefeel {
 
 class LinearBasis;
+class SiteSolver;
 
 class StateSolver {
  public:
   using Options = StateSolverOptions;
   // linear: null unless the body is linear.
   StateSolver(std::shared_ptr<SolverBasis> basis, std::shared_ptr<LinearBasis> linear, Options options);
+  ~StateSolver();
+  StateSolver(StateSolver&&) noexcept;
 
-  void prepare();                         // symbolic factorisation, before the first job
-  SolveOutcome reference(const Vec3& x);  // tight, on the reference branch
+  void prepare();  // symbolic factorisation, before the first job
+  // Tight, on the reference branch.
+  SolveOutcome reference(const Vec3& x, const SurfacePlace& site = {});
   // Solves from a known solution (null: rest); if that fails, along the reference branch.
-  SolveOutcome from(const Equilibrium* start, const Vec3& x, std::stop_token stop);
+  SolveOutcome from(const Equilibrium* start, const Vec3& x, std::stop_token stop,
+                    const SurfacePlace& site = {});
   // Solves neighbours of a state just solved; those that fail are solved by from().
   std::vector<SolveOutcome> beside(const Equilibrium* near, const std::vector<Vec3>& xs,
                                    std::stop_token stop);
@@ -37,6 +43,7 @@ class StateSolver {
   std::shared_ptr<LinearBasis> linear_;
   Options options_;
   std::optional<Solver> solver_;
+  std::unique_ptr<SiteSolver> at_sites_;  // null: the contact has one place
 };
 
 }  // namespace forefeel

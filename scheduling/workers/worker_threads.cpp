@@ -11,8 +11,8 @@ namespace forefeel {
 
 WorkerThreads::WorkerThreads(std::shared_ptr<const Body> body, StateSolverOptions options, Now now)
     : basis_(std::make_shared<SolverBasis>(std::move(body))),
-      options_(options),
-      linear_(linear_basis(basis_->body(), options.spacing)),
+      options_(std::move(options)),
+      linear_(options_.sites ? nullptr : linear_basis(basis_->body(), options_.spacing)),
       now_(std::move(now)) {}
 
 void WorkerThreads::serve() {

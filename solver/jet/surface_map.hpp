@@ -15,12 +15,6 @@
 
 namespace forefeel {
 
-// A point of a facet; the facet is its number in SurfaceMap::facets().
-struct SurfacePlace {
-  std::int32_t facet = -1;
-  Vec3 at = Vec3::Zero();  // [m]
-};
-
 class SurfaceMap {
  public:
   struct Facet {

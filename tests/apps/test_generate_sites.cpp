@@ -79,7 +79,7 @@ TEST_CASE("evaluate answers at sites; export and import keep them") {
   double difference = 0, size = 0;
   for (std::size_t k = 0; k < 3; ++k) {
     const auto force = solved["states"][0]["force"][k].get<double>();
-    difference += std::pow(force - found["forces"][0]["force"][k].get<double>(), 2), size += force * force;
+    difference += std::pow(force - found["forces"][0][k].get<double>(), 2), size += force * force;
   }
   CHECK(difference < 1e-4 * size);
   CHECK(shop.forefeel("evaluate b.states --scene beam.toml --points q.csv -o f.csv").code == 0);
@@ -131,6 +131,6 @@ TEST_CASE("generate --error adds jets and states where the field is not enough; 
           .json();
   CHECK(found["corrections"].get<int>() > 200);
   for (std::size_t k = 0; k < 3; ++k)
-    CHECK(std::abs(found["forces"][0]["force"][k].get<double>() - deepest.force[static_cast<int>(k)]) <
+    CHECK(std::abs(found["forces"][0][k].get<double>() - deepest.force[static_cast<int>(k)]) <
           1e-6 * deepest.force.norm());
 }

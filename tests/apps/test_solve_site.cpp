@@ -69,9 +69,15 @@ TEST_CASE("keys that say nothing beside contact.anywhere are refused") {
     shop.write("beam.toml", beam + anywhere + more);
     check_refused(shop, "solve beam.toml --site=0.06,0,0.02 --at=0,0,0", mentions);
   };
-  refused("nearest = [0.06, 0, 0.02]\n", {"contact.nearest", "anywhere"});
   refused("node = 3\n", {"contact.node"});
-  refused("[state_space]\nbox = [[0, 0, 0], [0.004, 0, 0]]\n", {"state_space.box", "depth"});
+  // What a scene of one place says besides is passed over, and said.
+  shop.write("beam.toml", beam + anywhere +
+                              "nearest = [0.06, 0, 0.02]\n[state_space]\nbox = [[-0.004, -0.005, -0.006], "
+                              "[0.004, 0.005, 0.002]]\n");
+  const Workshop::Outcome taken = shop.forefeel("solve beam.toml --site=0.06,0,0.02 --at=0,0,0");
+  CHECK(taken.code == 0);
+  CHECK(taken.err.find("contact.nearest: without effect") != std::string::npos);
+  CHECK(taken.err.find("states are placed to its depth, 0.004 m") != std::string::npos);
   refused("[state_space]\ndepth = -0.01\n", {"state_space.depth", "above 0"});
   refused("friction = -0.1\n", {"contact.friction", "at least 0"});
   refused("site_spacing = 0\n", {"contact.site_spacing", "above 0"});

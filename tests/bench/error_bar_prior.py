@@ -6,7 +6,7 @@
 check: COUNT (10) sessions of SECONDS (10), each of a body, a law, a contact and a motion drawn at random from the seed:
 how well bars cover, in the worst 2 s of a session, above and at the floor of the bars, and what they decide at the just
 noticeable difference (JND). Runs build/release/apps/forefeel under the virtual clock. FOLDER keeps the runs.
-check-anywhere: the same of sessions with contact.anywhere, whose prior is in scheduling/touch/touch_judge.cpp.
+check-anywhere: the same of sessions with contact.anywhere, whose prior is in scheduling/judge/surface_judge.cpp.
 prior: of such runs, the scores sqrt(max(0, e^2 - r^2)) / s of samples whose bar of 95 % is above its floor: e is the
 distance of the rendered force from that of a tight solve, r what the switch holds back, s the scale in frames.csv.
 """

@@ -14,8 +14,8 @@
 #include "scheduling/motion/trace_check.hpp"
 #include "scheduling/motion/trace_file.hpp"
 #include "scheduling/render/input_reader.hpp"
-#include "scheduling/render/input_replay.hpp"
 #include "scheduling/session/arrivals.hpp"
+#include "scheduling/session/input_replay.hpp"
 #include "tests/fuzz/targets.hpp"
 
 namespace forefeel::fuzz {

@@ -316,7 +316,7 @@ TEST_CASE("candidates are the unknown lattice points, each once") {
   space.insert(spring(Vec3::Zero()));
   State failed = spring(Vec3(0.006, 0, 0));
   failed.solve.status = SolveStatus::diverged;
-  Candidates candidates(space, std::vector<State>{failed});
+  LatticeCandidates candidates(space, std::vector<State>{failed});
   CHECK(candidates.open().size() == 123);
   for (const Candidate& c : candidates.open()) {
     REQUIRE(c.at.norm() > 1e-9);
@@ -325,18 +325,18 @@ TEST_CASE("candidates are the unknown lattice points, each once") {
   }
   const Vec3 x(0, 0.006, 0);
   space.insert(spring(x));
-  candidates.learn(x);
+  candidates.learn({.at = x});
   CHECK(candidates.open().size() == 122);
   const Candidate taken = candidates.take(17);
   CHECK(candidates.open().size() == 121);
-  candidates.learn(taken.at);  // already taken: nothing to remove
+  candidates.learn(taken);  // already taken: nothing to remove
   CHECK(candidates.open().size() == 121);
   candidates.put_back(taken);
   CHECK(candidates.open().size() == 122);
   std::set<std::uint32_t> orders;
   for (const Candidate& c : candidates.open()) orders.insert(c.order);
   CHECK(orders.size() == 122);
-  candidates.learn(Vec3(0.0031, 0.001, 0.0007));  // off the lattice: no candidate goes
+  candidates.learn({.at = Vec3(0.0031, 0.001, 0.0007)});  // off the lattice: no candidate goes
   CHECK(candidates.open().size() == 122);
 }
 

@@ -7,7 +7,7 @@
 
 #include "geometry/meshing/phantom.hpp"
 #include "scheduling/touch/touch.hpp"
-#include "scheduling/touch/touch_solver.hpp"
+#include "scheduling/workers/site_solver.hpp"
 #include "solver/body/pad.hpp"
 
 namespace forefeel {
@@ -41,14 +41,14 @@ const FieldOfSites& liver() {
 const FieldOfSites& session_model() {
   static const std::shared_ptr<const DeepStates> deep = [] {
     const Liver& made = made_liver();
-    TouchSolver solver(made.sites->rest_shared(), 0.006);
+    SiteSolver solver(made.sites->rest_shared(), 0.006, false);
     std::mt19937_64 random(31);
     std::vector<State> states;
-    for (std::uint32_t i = 0; i < 40; ++i) {
+    for (int i = 0; i < 40; ++i) {
       const SurfacePlace place = made.sites->rest().map().random(random);
-      states.push_back(solver.solve({.id = i, .site = place, .x = Vec3::Zero()}).state);
+      states.push_back(solver.solve(place, Vec3::Zero(), nullptr, {}).state);
       const Vec3 x = -0.014 * made.sites->rest().pad().normal(place);
-      if (State state = solver.solve({.id = i, .site = place, .x = x}).state; state.usable())
+      if (State state = solver.solve(place, x, nullptr, {}).state; state.usable())
         states.push_back(std::move(state));
     }
     return DeepStates(made.sites).with(states);

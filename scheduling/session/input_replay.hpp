@@ -6,6 +6,9 @@
 //
 // The forces are equal if the same program runs on the same instruction set; another one may round differently.
 // Error bars and labels are not replayed: no force depends on them.
+//
+// Of a body that may be touched anywhere the record does not hold the field. The caller gives it; settings_in_words()
+// must be that of the record.
 
 #include <cstddef>
 #include <cstdint>
@@ -38,9 +41,17 @@ struct ReplayReport {
   std::optional<ForceDifference> first = {};  // none: all are equal
 };
 
-// file: RUN/session.inputs. program: as in SessionFiles. progress: called with the time reached [s].
-// InputError: no such file, or it is damaged.
+struct TouchedBody;
+struct TouchTask;
+
+// What the forces of a body that may be touched anywhere depend on, beside its states; a line each.
+std::string settings_in_words(const TouchedBody& touched);
+
+// file: RUN/session.inputs. program: as in SessionFiles. progress: called with the time reached [s]. touched: called
+// for a record of a body that may be touched anywhere; empty: there is none.
+// InputError: no such file, it is damaged, or another body is touched.
 ReplayReport replay_inputs(const std::filesystem::path& file, const std::string& program = {},
-                           const std::function<void(double)>& progress = {});
+                           const std::function<void(double)>& progress = {},
+                           const std::function<TouchedBody()>& touched = {});
 
 }  // namespace forefeel

@@ -1,4 +1,4 @@
-#include "scheduling/render/input_replay.hpp"
+#include "scheduling/session/input_replay.hpp"
 
 #include <fmt/format.h>
 
@@ -16,6 +16,8 @@
 #include "scheduling/render/input_reader.hpp"
 #include "scheduling/render/render_loop.hpp"
 #include "scheduling/render/session_model.hpp"
+#include "scheduling/session/session_input.hpp"
+#include "scheduling/touch/surface_contact.hpp"
 
 namespace forefeel {
 namespace {
@@ -40,12 +42,16 @@ RealTime real_time(const InputHeader& header, const double& now) {
 
 class Replayer {
  public:
-  explicit Replayer(const InputReader& reader)
+  // surface: null: one place of contact.
+  Replayer(const InputReader& reader, const std::shared_ptr<const TouchTask>& surface)
       : reader_(reader),
         space_(reader.header().space),
         updater_(space_, reader.header().model),
+        surface_(surface ? std::make_unique<SurfaceModels>(surface) : nullptr),
         loop_(motion_, link_, reader.header().render, reader.header().frames,
-              real_time(reader.header(), now_)) {}
+              real_time(reader.header(), now_),
+              surface ? std::make_unique<SurfaceContact>(*surface, link_, reader.header().render.switching)
+                      : std::unique_ptr<Contact>()) {}
 
   void take(const InputRecord& record, ReplayReport& report) {
     try {
@@ -67,19 +73,27 @@ class Replayer {
   void insert(const InputRecord& record, Unpacker& content, ReplayReport& report) {
     const State state = unpack_state(content);
     content.expect_end();
-    if (!(state.at.norm() < farthest_state)) reader_.refuse(record, "a state far from any body");
+    if (!(state.tip().norm() < farthest_state)) reader_.refuse(record, "a state far from any body");
+    if (state.has_site() != static_cast<bool>(surface_)) reader_.refuse(record, "a state of another contact");
+    ++report.states;
+    if (surface_) return surface_->learn(state);
     try {
       if (!space_.insert(state).is_new) reader_.refuse(record, "a state that is known already");
     } catch (const InputError& problem) {
       reader_.refuse(record, "a state that cannot be known");
     }
-    ++report.states;
   }
 
   void make(const InputRecord& record, const ModelInput& input, ReplayReport& report) {
-    if (input.states != space_.size())
+    const std::size_t known_states = surface_ ? surface_->known().size() : space_.size();
+    if (input.states != known_states)
       reader_.refuse(record,
-                     fmt::format("a model of {} states where {} are known", input.states, space_.size()));
+                     fmt::format("a model of {} states where {} are known", input.states, known_states));
+    if (surface_) {
+      if (surface_->newest()->serial != input.serial) reader_.refuse(record, "a model out of turn");
+      ++report.models;
+      return;
+    }
     std::unique_ptr<Model> model = spare();
     const bool known = updater_.update(input.hip, *model);
     const std::uint64_t serial = known ? model->serial() : 0;
@@ -106,6 +120,12 @@ class Replayer {
   }
 
   void publish(const InputRecord& record, std::uint64_t serial) {
+    if (surface_) {
+      const SurfaceModel* model = surface_->made(serial);
+      if (!model) reader_.refuse(record, fmt::format("a frame with model {}, which is none", serial));
+      link_.surfaces.publish(model);
+      return;
+    }
     const auto mine = published_.find(serial);
     if (mine == published_.end())
       reader_.refuse(record, fmt::format("a frame with model {}, which is none", serial));
@@ -151,6 +171,7 @@ class Replayer {
   const InputReader& reader_;
   StateSpace space_;
   SessionModel updater_;
+  std::unique_ptr<SurfaceModels> surface_;  // null: one place of contact
   LoopLink link_;
   RecordedMotion motion_;
   double now_ = 0;
@@ -161,12 +182,47 @@ class Replayer {
 
 }  // namespace
 
+std::string settings_in_words(const TouchedBody& touched) {
+  std::string text;
+  for (const auto& [name, value] : touched.identity) text += fmt::format("{}: {}\n", name, value);
+  const TouchTask& task = *touched.anywhere;
+  return text + fmt::format("site_spacing: {}\ndepth: {}\nfriction: {}\n", task.site_spacing(), task.depth,
+                            task.friction ? fmt::format("{}", *task.friction) : "none");
+}
+
+namespace {
+
+std::shared_ptr<const TouchTask> surface_of(const std::filesystem::path& file, const InputRecord& record,
+                                            const std::function<TouchedBody()>& touched) {
+  if (!touched)
+    throw InputError({.file = file.string()},
+                     "is of a body that may be touched anywhere, expected its scene: --scene SCENE");
+  const TouchedBody given = touched();
+  const std::string ours = given.anywhere ? settings_in_words(given) : "";
+  const std::string theirs(record.content.begin(), record.content.end());
+  if (ours != theirs)
+    throw InputError(
+        {.file = file.string()},
+        fmt::format("is of another body, pad or friction than the scene, expected one with\n{}", theirs));
+  return given.anywhere;
+}
+
+}  // namespace
+
 ReplayReport replay_inputs(const std::filesystem::path& file, const std::string& program,
-                           const std::function<void(double)>& progress) {
+                           const std::function<void(double)>& progress,
+                           const std::function<TouchedBody()>& touched) {
   InputReader reader(file);
   ReplayReport report{.made_by = reader.header().made_by, .replayed_by = inputs_made_by(program)};
-  Replayer replay(reader);
-  while (const std::optional<InputRecord> record = reader.next()) {
+  std::optional<InputRecord> record = reader.next();
+  std::shared_ptr<const TouchTask> surface;
+  if (record && record->kind == InputKind::surface) {
+    surface = surface_of(file, *record, touched);
+    record = reader.next();
+  }
+  Replayer replay(reader, surface);
+  for (; record; record = reader.next()) {
+    if (record->kind == InputKind::surface) reader.refuse(*record, "a second body");
     replay.take(*record, report);
     if (progress && record->kind == InputKind::frame && report.frames % 1000 == 0) progress(report.seconds);
   }
