@@ -222,10 +222,10 @@ TEST_CASE("a session that touches anywhere has its workers in other processes",
   INFO(by_two.err);
   REQUIRE(by_two.code == 0);
   const nlohmann::json summary = by_two.json();
-  CHECK(summary["settings"]["workers"] == 2);
-  CHECK(summary["states"]["jets"].get<int>() > 0);
+  CHECK(summary["workers"] == 2);
+  CHECK(summary["touch"]["jets"].get<int>() > 0);
   CHECK(summary["states"]["solved"].get<int>() > 3);
-  CHECK(summary["error"]["samples"]["p95"].get<double>() < 0.05);
+  CHECK(summary["error"]["p95"].get<double>() < 0.05);
   const Workshop::Outcome simulated = ranks(shop, 3, session + "--clock virtual -o no --quiet");
   CHECK(simulated.code != 0);
   CHECK(simulated.err.find("--clock real") != std::string::npos);
