@@ -54,6 +54,15 @@ struct LoopReport {
   double last_force = 0;           // |F| sent in the last frame [N]
 };
 
+// Touches of a body that may be touched anywhere. Shares: `time` of the frames, `slipping` of those in touch.
+struct TouchNumbers {
+  std::size_t count = 0, jets = 0;  // that began; jets at rest that were made at the hand's place
+  double time = unknown, slipping = unknown;
+  double slid = 0, lost = 0, stored = 0;  // way of the site [m]; energy lost, the most that was stored [J]
+  double cone = unknown;                  // |(|g| / f . n) - mu| / mu while sliding on a facet, the largest
+  double angle_p50 = unknown, angle_p95 = unknown;  // of the force to the normal [rad]
+};
+
 struct SolverReport {
   std::vector<double> seconds;  // of each solve, virtual or real; without the first one at rest [s]
   std::size_t jobs = 0;         // number of jobs of these solves; each job also costs two messages

@@ -26,7 +26,6 @@
 #include "scheduling/motion/prediction_score.hpp"
 #include "scheduling/record/control_summary.hpp"
 #include "scheduling/record/stability.hpp"
-#include "scheduling/record/touch_summary.hpp"
 #include "scheduling/session/session_options.hpp"
 
 namespace forefeel {
