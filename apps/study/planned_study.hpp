@@ -4,6 +4,7 @@
 #include <string>
 #include <vector>
 
+#include "apps/console/console.hpp"
 #include "apps/scene/scene_session.hpp"
 #include "apps/study/study_file.hpp"
 #include "scheduling/study/study_plan.hpp"
