@@ -17,7 +17,6 @@
 //   command.hpp                              the command `forefeel` as a function
 //   geometry/common/csv_table.hpp            tables
 //   geometry/common/declared.hpp             columns and parts with their meanings, as declared_policies() returns them
-//   geometry/coverage/estimate_spacing.hpp   the spacing of given states
 //   geometry/coverage/regions.hpp            StateSpace::regions()
 //   geometry/index/adaptive_lattice.hpp      StateSpaceOptions::lattice
 //   geometry/index/delaunay_index.hpp        StateSpace::delaunay()
@@ -41,7 +40,7 @@
 #include "geometry/mesh/mesh_file.hpp"
 #include "geometry/mesh/tet_mesh.hpp"
 #include "geometry/meshing/phantom.hpp"
-#include "geometry/meshing/surface.hpp"
+#include "geometry/meshing/tetrahedralise.hpp"
 #include "geometry/states/state.hpp"
 #include "geometry/states/state_file.hpp"
 // What is the force at x?

@@ -16,7 +16,7 @@
 #include "approx/model/updater.hpp"
 #include "geometry/common/error.hpp"
 #include "geometry/common/quantiles.hpp"
-#include "geometry/coverage/estimate_spacing.hpp"
+#include "geometry/coverage/state_space.hpp"
 
 namespace forefeel {
 namespace {

@@ -251,9 +251,9 @@ int bench_coverage(const Globals& globals) {
     for (BenchRow& row : bench.run()) rows.push_back(std::move(row));
     if (sizes[i] <= 100'000)
       for (const RegionCost& cost : bench_regions(sizes[i], globals.seed)) {
-        rows.push_back(coverage_row("region update " + cost.name, "delaunay insert", cost.look_us,
+        rows.push_back(coverage_row("region labels " + cost.name, "delaunay insert", cost.look_us,
                                     bench.insert_time(), cost.states));
-        rows.push_back(coverage_row("region settle " + cost.name, "delaunay insert", cost.whole_us,
+        rows.push_back(coverage_row("regions " + cost.name, "delaunay insert", cost.whole_us,
                                     bench.insert_time(), cost.states));
         sum += cost.sum;
       }

@@ -11,11 +11,9 @@
 #include "apps/bench/bench_row.hpp"
 #include "apps/console/console.hpp"
 #include "geometry/common/quantiles.hpp"
-#include "geometry/coverage/agreement.hpp"
+#include "geometry/coverage/octree_index.hpp"
 #include "geometry/coverage/regions.hpp"
 #include "geometry/coverage/setups.hpp"
-#include "geometry/index/delaunay_index.hpp"
-#include "geometry/index/point_octree.hpp"
 
 namespace forefeel {
 namespace {
@@ -73,16 +71,13 @@ std::vector<Situation> situations(std::size_t n, std::uint64_t seed) {
 }
 
 RegionCost measure(const Situation& situation) {
-  PointOctree points;
-  DelaunayIndex delaunay;
-  std::uint32_t count = 0;
+  StateSpace space({.spacing = h, .box = situation.box});
   const auto add = [&](const Vec3& at) {
-    delaunay.insert({count}, at, {points.nearest(at).id});
-    points.insert(count++, at);
+    State state;
+    state.at = at;
+    space.insert(std::move(state));
   };
   for (const Vec3& at : situation.known) add(at);
-  Regions regions(points, delaunay, {.spacing = h, .box = situation.box});
-  regions.settle();
   std::vector<double> look, whole;
   const auto since = [](Clock::time_point start) {
     return std::chrono::duration<double, std::micro>(Clock::now() - start).count();
@@ -92,10 +87,12 @@ RegionCost measure(const Situation& situation) {
   for (const Vec3& at : situation.fresh) {
     add(at);
     const auto start = Clock::now();
-    regions.inserted(at, delaunay.disturbed());
-    for (int i = 0; i <= 8; ++i) sum += static_cast<double>(regions.label_at(at + 0.25 * h * i * ahead));
+    for (int i = 0; i <= 8; ++i) sum += static_cast<double>(space.region_label(at + 0.25 * h * i * ahead));
     look.push_back(since(start));
-    regions.settle();
+  }
+  for (int i = 0; i < 3; ++i) {
+    const auto start = Clock::now();
+    sum += static_cast<double>(space.regions().label_at(situation.box.centre()));
     whole.push_back(since(start));
   }
   return {situation.name, median(look), median(whole), situation.known.size(), sum};
@@ -148,7 +145,7 @@ void report_agreement(const Globals& globals, nlohmann::ordered_json& out) {
         state.at = at;
         octree.insert(space.insert(std::move(state)).id, at);
       }
-      const Agreement agreement = compare_indexes(space, octree);
+      const Agreement agreement = compare_indexes(space.regions(), octree);
       agreements.push_back({name, width, agreement.share, setup.states.size()});
       say(globals, fmt::format("{:<10}{:>10.3g}{:>12.4f}", name, 1e3 * width, agreement.share));
     }

@@ -1,5 +1,5 @@
 #pragma once
-// Two further measurements of `forefeel-bench coverage`: the cost of updating regions, and the agreement of the two
+// Two further measurements of `forefeel-bench coverage`: the cost of regions, and the agreement of the two
 // indexes on the built-in setups.
 
 #include <cstdint>
@@ -13,14 +13,13 @@ namespace forefeel {
 
 struct RegionCost {
   std::string name;
-  double look_us = 0;   // an insertion, then labels every h/4 over the next 2 h of the path
-  double whole_us = 0;  // the same, then all other labels that may have changed; nothing is left pending
+  double look_us = 0;   // after an insertion, the labels of regions every h/4 over the next 2 h of the path
+  double whole_us = 0;  // all regions
   std::size_t states = 0;
   double sum = 0;  // of the labels, so that the compiler does not remove the work
 };
 
-// Medians over insertions into n states. The regions have 24 spacings a side; all labels are up to date
-// before each insertion. setup:
+// Medians over insertions into n states. The regions have 24 spacings a side. setup:
 //   path       along a path through a populated area
 //   scattered  anywhere in an area where two thirds of the volume is sparse
 //   front      states that advance from the populated area into the blank

@@ -13,7 +13,7 @@
 
 #include "apps/bench/newton_baseline.hpp"
 #include "geometry/common/quantiles.hpp"
-#include "geometry/coverage/state_space_options.hpp"
+#include "geometry/coverage/state_space.hpp"
 #include "solver/body/body.hpp"
 
 namespace forefeel {

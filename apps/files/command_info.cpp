@@ -18,8 +18,8 @@
 #include "geometry/common/scanner.hpp"
 #include "geometry/mesh/length_unit.hpp"
 #include "geometry/mesh/mesh_file.hpp"
-#include "geometry/mesh/mesh_summary.hpp"
-#include "geometry/meshing/surface_summary.hpp"
+#include "geometry/mesh/tet_mesh.hpp"
+#include "geometry/meshing/surface.hpp"
 #include "geometry/segmentation/label_volume.hpp"
 #include "geometry/states/state_file.hpp"
 #include "geometry/states/state_summary.hpp"
@@ -168,7 +168,7 @@ int run_info(const Globals& globals, const std::string& file) {
   throw InputError(
       file,
       "unknown kind of file, expected a scene (.toml), states (.states .csv), a mesh (.msh .vtk .vtu "
-      ".mesh), a surface (.obj .off .stl .ply .vtp) or a label volume (.nii .mha .nrrd .vti)");
+      ".mesh), a surface (.obj .off .stl .ply .vtk) or a label volume (.nii .mha .nrrd .vti)");
 }
 
 }  // namespace

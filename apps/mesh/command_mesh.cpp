@@ -17,18 +17,16 @@
 #include "apps/mesh/extent.hpp"
 #include "apps/mesh/mesh_labels.hpp"
 #include "apps/mesh/mesh_toward.hpp"
-#include "apps/mesh/repair_keys.hpp"
 #include "geometry/common/error.hpp"
 #include "geometry/common/output_file.hpp"
 #include "geometry/mesh/length_unit.hpp"
 #include "geometry/mesh/mesh_file.hpp"
-#include "geometry/mesh/mesh_summary.hpp"
+#include "geometry/mesh/tet_mesh.hpp"
 #include "geometry/meshing/deviation.hpp"
-#include "geometry/meshing/meshing_progress.hpp"
 #include "geometry/meshing/phantom.hpp"
 #include "geometry/meshing/remeshed_body.hpp"
 #include "geometry/meshing/size_field.hpp"
-#include "geometry/meshing/surface.hpp"
+#include "geometry/meshing/tetrahedralise.hpp"
 #include "geometry/segmentation/label_volume.hpp"
 
 namespace forefeel {
@@ -202,7 +200,7 @@ MadeMesh make(const Globals& globals, const MeshArguments& arguments) {
                         progress);
   if (!is_mesh_file(arguments.input) && std::filesystem::exists(arguments.input))
     throw InputError(arguments.input,
-                     "unknown kind of file, expected a surface (.obj .off .stl .ply .vtp .vtk), a mesh "
+                     "unknown kind of file, expected a surface (.obj .off .stl .ply .vtk), a mesh "
                      "(.msh .vtk .vtu .mesh) or a label volume (.nii .nii.gz .mha .nrrd .vti)");
   TetMesh mesh = read_mesh(arguments.input);
   for (Vec3& node : mesh.nodes) node *= unit_in(arguments);
@@ -219,6 +217,21 @@ MadeMesh make(const Globals& globals, const MeshArguments& arguments) {
   }
   for (const std::string& warning : check.warnings) made.warnings.push_back(arguments.input + ": " + warning);
   return made;
+}
+
+const JsonKeys<RepairReport>& repair_keys() {
+  using R = RepairReport;
+  static const JsonKeys<R> keys{
+      {"self_intersections", "", "pairs of triangles that intersected", &R::self_intersections},
+      {"holes", "", "holes that were closed", &R::holes},
+      {"components", "", "connected parts of the input", &R::components},
+      {"crossing", "", "parts that crossed another one", &R::crossing},
+      {"united", "", "true: the body is the union of these", &R::united},
+      {"reoriented", "", "true: triangles were turned", &R::reoriented},
+      {"wrapped", "", "true: the surface was wrapped anew, since it could not be repaired", &R::wrapped},
+      {"triangles_before", "", "of the input", &R::triangles_before},
+      {"triangles_after", "", "of the repaired surface", &R::triangles_after}};
+  return keys;
 }
 
 struct WrittenMesh {
@@ -338,7 +351,7 @@ void add_mesh(CommandLine& line) {
       "mesh", "Make a tetrahedral mesh from a surface, a label volume, a volume mesh or a built-in body");
   sub.runs([arguments](const Globals& globals) { return run_mesh(globals, *arguments); });
   sub.option("SURFACE", arguments->input,
-             "Surface (.obj .off .stl .ply .vtp .vtk), label volume (.nii .nii.gz .mha .nrrd .vti) or mesh "
+             "Surface (.obj .off .stl .ply .vtk), label volume (.nii .nii.gz .mha .nrrd .vti) or mesh "
              "(.msh .vtk .vtu .mesh)")
       .shows("SURFACE");
   sub.option("-o,--output", arguments->output, "Mesh to write: Gmsh 2.2 (.msh) or VTK (.vtu)")

@@ -10,8 +10,6 @@
 #include "approx/model/model_options.hpp"
 #include "apps/console/console.hpp"
 #include "apps/console/document_keys.hpp"
-#include "geometry/coverage/agreement.hpp"
-#include "geometry/coverage/coverage_map.hpp"
 #include "geometry/coverage/octree_index.hpp"
 #include "geometry/coverage/regions.hpp"
 #include "geometry/coverage/state_space.hpp"
@@ -59,10 +57,9 @@ struct Holes {
   std::optional<EmptyBall> largest;
 };
 
-// With the index `delaunay`, regions come from a map, which needs little memory, or from a state space; questions about
-// single places need the state space.
+// Questions about single places need the state space, which takes more memory than the regions.
 struct ChosenIndex {
-  std::unique_ptr<CoverageMap> map;     // delaunay, one spacing
+  std::optional<Regions> regions;       // delaunay; octree: for holes and for the agreement
   std::unique_ptr<StateSpace> space;    // delaunay, where it is needed
   std::unique_ptr<OctreeIndex> octree;  // octree
 };
@@ -87,9 +84,7 @@ struct Classified {
   Label label(const Vec3& q) const { return index.space ? index.space->label(q) : index.octree->label(q); }
   // Of the leaf that contains q, a place of the box.
   Label region_label(const Vec3& q) const {
-    return index.map     ? index.map->label_at(q)
-           : index.space ? index.space->regions().label_at(q)
-                         : index.octree->label(q);
+    return index.octree ? index.octree->label(q) : index.regions->label_at(q);
   }
 };
 
@@ -116,9 +111,13 @@ Classified classify_states(const Globals& globals, const ClassifyArguments& argu
 // Spacing, box and outline, without labels. If a box is given, the states may be empty.
 Classified prepare_states(const ClassifyArguments& arguments, const std::string& where,
                           std::vector<State> states, const OwnFrame& own, const Globals& globals);
-// Sorts the states by place, then builds the index (a state space or an octree) and the regions.
-void label_regions(Classified& result, const ClassifyArguments& arguments, const Globals& globals,
-                   bool with_holes);
+// What to make beside the regions: holes, the regions' leaves, a state space.
+struct LabelWork {
+  bool holes = true, leaves = true, space = false;
+};
+void label_regions(Classified& result, const ClassifyArguments& arguments, const LabelWork& wanted,
+                   const Globals& globals);
+Holes holes_of(const Regions& regions);
 
 // The JSON keys volume, components, gaps, fill_distance and largest_hole.
 struct RegionsShown {

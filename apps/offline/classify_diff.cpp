@@ -109,7 +109,7 @@ DiffResult make_diff(const Globals& globals, const ClassifyArguments& arguments)
   for (std::size_t i = 0; i < 2; ++i) {
     result.set[i] = prepare_states(common, arguments.input.diff[i], std::move(loaded[i].states),
                                    {frame.spacing, frame.box}, globals);
-    label_regions(result.set[i], common, globals, i == 1);
+    label_regions(result.set[i], common, {.holes = i == 1, .leaves = i == 1}, globals);
   }
   compare(result);
   if (arguments.output.ends_with(".vtu")) write_changes_vtu(arguments.output, result.changed);

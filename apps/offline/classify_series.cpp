@@ -211,19 +211,19 @@ SeriesResult make_series(const Globals& globals, const ClassifyArguments& argume
   result.series = arguments.output.empty() ? folder / "coverage.pvd" : fs::path(arguments.output);
   SeriesFiles files(result.series);
   Progress progress(globals, "classify");
-  std::size_t next = 0;
+  std::size_t next = 0, labelled = ~std::size_t{0};
   const std::size_t count = std::min(arguments.places.snapshots.value_or(40), hip.t.size());
   for (std::size_t i = 0; i < count; ++i) {
     const std::size_t frame = count == 1 ? hip.t.size() - 1 : i * (hip.t.size() - 1) / (count - 1);
     const double t = hip.t[frame];
     for (; next < past.arrivals.size() && past.arrivals[next].time <= t; ++next)
       add(past.arrivals[next].state);
-    const RegionSummary regions = space.regions().summary();
+    if (std::exchange(labelled, space.size()) != space.size()) result.regions = space.regions().summary();
     State probe;
     probe.at = hip.at[frame];
     probe.force = hip.force[frame];
-    files.add(i, t, regions, so_far, probe);
-    result.moments.push_back({t, space.size(), probe.at, space.label(probe.at), regions.volume});
+    files.add(i, t, result.regions, so_far, probe);
+    result.moments.push_back({t, space.size(), probe.at, space.label(probe.at), result.regions.volume});
     progress.show(double(i + 1) / double(count), fmt::format("t = {:.3g} s, {} states", t, space.size()));
   }
   files.finish();
@@ -231,11 +231,7 @@ SeriesResult make_series(const Globals& globals, const ClassifyArguments& argume
   result.spacing = set.spacing;
   result.box = set.box;
   result.seconds = seconds_since(start);
-  if (!globals.json) return result;
-  result.holes.fill_distance = space.regions().fill_distance();
-  result.holes.fill_bound = result.holes.fill_distance + 1e-3 * result.spacing;
-  result.regions = space.regions().summary();
-  result.holes.largest = space.regions().largest_hole();
+  if (globals.json) result.holes = holes_of(space.regions());
   return result;
 }
 

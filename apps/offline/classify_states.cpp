@@ -17,13 +17,12 @@
 #include "apps/scene/scene.hpp"
 #include "geometry/common/error.hpp"
 #include "geometry/common/memory.hpp"
-#include "geometry/coverage/bridge.hpp"
 #include "geometry/coverage/coverage.hpp"
-#include "geometry/coverage/estimate_spacing.hpp"
+#include "geometry/coverage/region_summary.hpp"
 #include "geometry/coverage/regions.hpp"
 #include "geometry/coverage/setups.hpp"
-#include "geometry/coverage/voxel_grid.hpp"
-#include "geometry/coverage/voxel_summary.hpp"
+#include "geometry/coverage/state_space.hpp"
+#include "geometry/coverage/voxels.hpp"
 #include "geometry/index/morton_order.hpp"
 #include "geometry/states/check_solves.hpp"
 #include "geometry/states/misleading.hpp"
@@ -90,35 +89,31 @@ bool has_points(const ClassifyArguments& arguments) {
          arguments.places.grid.has_value();
 }
 
-// What a classification with the index `delaunay` has to make.
-struct Wanted {
-  bool map = false, space = false, leaves = false;
-
-  Wanted(const Classified& set, const ClassifyArguments& arguments) {
-    const bool vtu = arguments.output.ends_with(".vtu");
-    map = arguments.space.index == "delaunay" && !set.lattice;
-    space = !map || has_points(arguments) || arguments.agreement || vtu;
-    leaves = vtu || (arguments.output.ends_with(".csv") && !has_points(arguments));
-  }
-};
+LabelWork work_of(const ClassifyArguments& arguments) {
+  const bool vtu = arguments.output.ends_with(".vtu"), points = has_points(arguments);
+  return {.holes = true,
+          .leaves = vtu || (arguments.output.ends_with(".csv") && !points),
+          .space = points || vtu};
+}
 
 // Memory of a classification (measured): for each state its values, twice as much while a file is read, and for each
 // voxel its label and a share of the runs of equal labels.
-double bytes_needed(const Classified& set, const Wanted& wanted) {
+double bytes_needed(const Classified& set, const ClassifyArguments& arguments, const LabelWork& wanted) {
   const auto states = static_cast<double>(set.states.size());
   const VoxelGrid grid(set.box, set.spacing / 4);
   const double voxels = grid.count[0] * grid.count[1] * grid.count[2];
   double bytes = 400 * states;
-  if (wanted.map) bytes += 4 * voxels + std::min(states, 9e4) * 1e3 * omp_get_max_threads();
-  if (wanted.space) bytes += 900 * states;
+  const bool delaunay = arguments.space.index == "delaunay";
+  if (delaunay) bytes += 4 * voxels + std::min(states, 9e4) * 1e3 * omp_get_max_threads();
+  if (delaunay ? wanted.space : true) bytes += 900 * states;
   if (wanted.leaves) bytes += 30 * voxels;
   return bytes;
 }
 
-void check_memory(const Classified& set, const Wanted& wanted, const std::string& where,
-                  const Globals& globals) {
+void check_memory(const Classified& set, const ClassifyArguments& arguments, const LabelWork& wanted,
+                  const std::string& where, const Globals& globals) {
   const std::size_t states = set.states.size();
-  const double bytes = bytes_needed(set, wanted), left = available_memory();
+  const double bytes = bytes_needed(set, arguments, wanted), left = available_memory();
   if (bytes > left)
     throw InputError(
         where, fmt::format("the coverage of its {} states needs about {}, expected fewer states, a larger "
@@ -152,14 +147,18 @@ std::unique_ptr<StateSpace> make_space(const Classified& set, const ClassifyArgu
   return space;
 }
 
-// Fill distance and largest hole depend on states and box, not on the index.
-void measure_holes(Classified& result, const StateSpace& space) {
-  result.holes.fill_distance = space.regions().fill_distance();
-  result.holes.fill_bound = result.holes.fill_distance + 1e-3 * result.spacing;
-  result.holes.largest = space.regions().largest_hole();
+Regions make_regions(const Classified& set, const ClassifyArguments& arguments,
+                     const std::function<void(double)>& progress) {
+  std::vector<Vec3> at;
+  at.reserve(set.states.size());
+  for (const State& state : set.states) at.push_back(state.at);
+  return Regions(
+      std::move(at),
+      {.spacing = set.spacing, .box = set.box, .coverage = arguments.space.coverage, .lattice = set.lattice},
+      progress);
 }
 
-void label_octree(Classified& result, const ClassifyArguments& arguments, bool with_holes) {
+void label_octree(Classified& result, const ClassifyArguments& arguments) {
   result.index.octree = make_octree(result, arguments);
   const double rim = rim_reach(arguments.space.coverage.sparse_distance,
                                result.lattice ? result.lattice->coarsest() : result.spacing);
@@ -173,22 +172,14 @@ void label_octree(Classified& result, const ClassifyArguments& arguments, bool w
                const double h = result.lattice ? result.lattice->spacing_at(place) : result.spacing;
                result.index.octree->points().offsets_within(place, coverage.gap_cone_radius * h, offsets);
              });
-  if (!with_holes) return;
-  const std::unique_ptr<StateSpace> space = make_space(result, arguments, [](double) {});
-  measure_holes(result, *space);
 }
 
 }  // namespace
 
 Agreement agreement_of(const Classified& set, const ClassifyArguments& arguments) {
   std::unique_ptr<OctreeIndex> octree;
-  std::unique_ptr<StateSpace> space;
   if (!set.index.octree) octree = make_octree(set, arguments);
-  if (!set.index.space) {
-    space = make_space(set, arguments, [](double) {});
-  }
-  return compare_indexes(set.index.space ? *set.index.space : *space,
-                         set.index.octree ? *set.index.octree : *octree);
+  return compare_indexes(*set.index.regions, set.index.octree ? *set.index.octree : *octree);
 }
 
 const JsonKeys<Agreement>& agreement_keys() {
@@ -268,40 +259,28 @@ Classified prepare_states(const ClassifyArguments& arguments, const std::string&
   return result;
 }
 
-void label_regions(Classified& result, const ClassifyArguments& arguments, const Globals& globals,
-                   bool with_holes) {
-  if (arguments.space.index == "octree") return label_octree(result, arguments, with_holes);
-  Progress progress(globals, "classify");
-  result.index.space =
-      make_space(result, arguments, [&](double share) { progress.show(0.5 * share, "states"); });
-  result.index.space->regions().settle([&](double share) { progress.show(0.5 + 0.5 * share, "regions"); });
-  result.regions = result.index.space->regions().summary();
-  if (with_holes) measure_holes(result, *result.index.space);
+// Fill distance and largest hole depend on states and box, not on the index.
+Holes holes_of(const Regions& regions) {
+  const double fill = regions.fill_distance();
+  return {.fill_distance = fill,
+          .fill_bound = fill + 1e-3 * regions.options().spacing,
+          .largest = regions.largest_hole()};
 }
 
-namespace {
-
-// Regions from a map. The state space, where it is needed too, has no regions.
-void label_by_map(Classified& result, const ClassifyArguments& arguments, const Wanted& wanted,
-                  const Globals& globals) {
+void label_regions(Classified& result, const ClassifyArguments& arguments, const LabelWork& wanted,
+                   const Globals& globals) {
   Progress progress(globals, "classify");
-  std::vector<Vec3> at;
-  at.reserve(result.states.size());
-  for (const State& state : result.states) at.push_back(state.at);
-  result.index.map = std::make_unique<CoverageMap>(
-      std::move(at),
-      StateSpaceOptions{.spacing = result.spacing, .box = result.box, .coverage = arguments.space.coverage},
-      [&](double share) { progress.show(0.8 * share, "regions"); });
-  result.regions = result.index.map->summary(wanted.leaves);
-  result.holes.fill_distance = result.index.map->fill_distance();
-  result.holes.fill_bound = result.holes.fill_distance + 1e-3 * result.spacing;
-  result.holes.largest = result.index.map->largest_hole();
-  if (wanted.space)
+  const bool octree = arguments.space.index == "octree";
+  if (octree) label_octree(result, arguments);
+  if (!octree || wanted.holes)
+    result.index.regions =
+        make_regions(result, arguments, [&](double share) { progress.show(0.8 * share, "regions"); });
+  if (!octree) result.regions = result.index.regions->summary(wanted.leaves);
+  if (wanted.holes) result.holes = holes_of(*result.index.regions);
+  if (!octree && wanted.space)
     result.index.space =
         make_space(result, arguments, [&](double share) { progress.show(0.8 + 0.2 * share, "states"); });
 }
-
-}  // namespace
 
 StatesInFrame load_set(const std::string& file) {
   StatesInFrame set;
@@ -329,12 +308,9 @@ StatesInFrame load_set(const std::string& file) {
 Classified classify_states(const Globals& globals, const ClassifyArguments& arguments,
                            const std::string& file, StatesInFrame set) {
   Classified result = prepare_states(arguments, file, std::move(set.states), set.own, globals);
-  const Wanted wanted(result, arguments);
-  check_memory(result, wanted, file, globals);
-  if (wanted.map)
-    label_by_map(result, arguments, wanted, globals);
-  else
-    label_regions(result, arguments, globals, true);
+  const LabelWork wanted = work_of(arguments);
+  check_memory(result, arguments, wanted, file, globals);
+  label_regions(result, arguments, wanted, globals);
   return result;
 }
 

@@ -11,7 +11,7 @@
 #include "apps/python/bindings.hpp"
 #include "apps/python/space.hpp"
 #include "geometry/common/error.hpp"
-#include "geometry/coverage/estimate_spacing.hpp"
+#include "geometry/coverage/state_space.hpp"
 #include "geometry/index/morton_order.hpp"
 #include "geometry/index/path_walk.hpp"
 #include "geometry/states/energy_jet.hpp"

@@ -18,6 +18,7 @@
 #include "geometry/mesh/length_unit.hpp"
 #include "geometry/mesh/mesh_file.hpp"
 #include "geometry/meshing/phantom.hpp"
+#include "geometry/meshing/tetrahedralise.hpp"
 #include "solver/body/pad.hpp"
 
 namespace forefeel {
@@ -131,7 +132,7 @@ TetMesh read_volume_or_surface(const SceneTable& body, const BodyKeys& keys, con
                      fmt::format("no such file '{}', expected a mesh, relative to the scene", file.string()));
   if (!is_surface_file(file)) {
     if (keys.elements)
-      throw body.wrong("elements", "only with a surface (.obj .off .stl .ply .vtp) or a phantom");
+      throw body.wrong("elements", "only with a surface (.obj .off .stl .ply .vtk) or a phantom");
     return read_mesh(file);
   }
   if (!keys.elements)

@@ -212,12 +212,12 @@ ShowContent gather(const Globals& globals, const ShowRequest& request) {
   if (!request.scene.empty())
     throw InputError("--scene", "gives the body of states or of a run, expected one of these to show");
   if (extension == ".toml") return of_scene(globals, request);
-  if (is_mesh_file(request.what)) return of_mesh(request.what);
   if (is_surface_file(request.what)) return of_surface(request.what);
+  if (is_mesh_file(request.what)) return of_mesh(request.what);
   throw InputError(
       {.file = request.what},
       "unknown kind of file, expected a scene (.toml), a mesh (.msh .vtk .vtu .mesh), a surface (.obj "
-      ".off .stl .ply), states (.states .csv) or the folder of a run");
+      ".off .stl .ply .vtk), states (.states .csv) or the folder of a run");
 }
 
 }  // namespace forefeel

@@ -77,7 +77,7 @@ void take_states(const Globals& globals, const LabelFrame& frame, std::vector<Sh
   for (const ShownState& s : states)
     if (s.state.usable()) usable.push_back(s.state);
   Classified set = prepare_states(arguments, frame.where, std::move(usable), {}, globals);
-  label_regions(set, arguments, globals, false);
+  label_regions(set, arguments, {.holes = false, .leaves = true, .space = true}, globals);
   ShownStates shown;
   shown.regions = std::move(set.regions);
   for (ShownState& s : states) s.label = set.index.space->label(s.state.at);

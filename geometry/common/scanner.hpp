@@ -9,6 +9,7 @@
 #include <filesystem>
 #include <string>
 #include <string_view>
+#include <vector>
 
 #include "geometry/common/error.hpp"
 
@@ -23,7 +24,8 @@ std::string read_start(const std::filesystem::path& file,
                        std::size_t bytes);  // only the first bytes; the same errors
 std::string lower_case(std::string_view text);
 std::string_view trimmed(std::string_view text);
-bool parse_real(std::string_view text, double& value);  // whole text is one number (nan, inf allowed)
+std::vector<std::string_view> words_of(std::string_view line);  // between blanks
+bool parse_real(std::string_view text, double& value);          // whole text is one number (nan, inf allowed)
 bool parse_integer(std::string_view text, std::int64_t& value);
 
 template <class T>

@@ -1,15 +1,52 @@
 #include "geometry/coverage/cell_raster.hpp"
 
+#include <omp.h>
+
 #include <Eigen/Geometry>
 #include <algorithm>
 #include <cmath>
 
+#include "geometry/index/adaptive_lattice.hpp"
+
 namespace forefeel {
+
+VoxelLimits::VoxelLimits(const StateSpaceOptions& options, const VoxelLabels& voxels)
+    : all_{Thresholds(options.coverage, options.spacing, options.merge_distance * options.spacing)} {
+  if (!options.lattice) return;
+  const AdaptiveLattice& lattice = *options.lattice;
+  level_.resize(voxels.label.size());
+  int deepest = 0;
+#pragma omp parallel for schedule(dynamic, 1) reduction(max : deepest)
+  for (std::int64_t k = 0; k < voxels.count[2]; ++k)
+    for (std::int64_t j = 0; j < voxels.count[1]; ++j)
+      for (std::int64_t i = 0; i < voxels.count[0]; ++i) {
+        const int level = std::ilogb(lattice.coarsest() / lattice.spacing_at(voxels.centre_of(i, j, k)));
+        level_[voxels.index(i, j, k)] = static_cast<std::uint8_t>(level);
+        deepest = std::max(deepest, level);
+      }
+  const Thresholds usual = all_[0];
+  all_.clear();
+  for (int level = 0; level <= deepest; ++level)
+    all_.push_back(usual.scaled(std::ldexp(lattice.coarsest(), -level) / options.spacing));
+}
+
+const Thresholds* VoxelLimits::over(const VoxelLabels& voxels, const Voxel& low, const Voxel& end) const {
+  if (level_.empty()) return &all_[0];
+  const std::uint8_t first = level_[voxels.index(low[0], low[1], low[2])];
+  for (std::int64_t k = low[2]; k < end[2]; ++k)
+    for (std::int64_t j = low[1]; j < end[1]; ++j) {
+      const std::uint8_t* const row = level_.data() + voxels.index(low[0], j, k);
+      if (std::any_of(row, row + (end[0] - low[0]), [&](std::uint8_t level) { return level != first; }))
+        return nullptr;
+    }
+  return &all_[first];
+}
+
 namespace {
 
-constexpr double beside = 1e-10;  // a weight above minus this may belong to a place in the cell
-constexpr double thin = 1e-5;     // relative height of cells whose weights rounding may change by more
-constexpr double unsure = 1e-7;   // relative doubt of pi^2 and of distances
+constexpr double in_cell = 1e-10;  // a weight above minus this may belong to a place in the cell
+constexpr double thin = 1e-5;      // relative height of cells whose weights rounding may change by more
+constexpr double unsure = 1e-7;    // relative doubt of pi^2 and of distances
 
 double squared_longest(const std::array<Vec3, 4>& c) {
   double longest = 0;
@@ -73,7 +110,7 @@ void CellRaster::add_flat(const std::array<Vec3, 4>& corners) {
       }
 }
 
-std::uint8_t CellRaster::mark_at(const Vec3& q) const {
+std::uint8_t CellRaster::mark_at(const Vec3& q, const Thresholds& limits) const {
   const Vec3 d = q - cell_.corner[0];
   double squared = 0, nearest = 1e300, farthest = 0;
   for (std::size_t i = 0; i < 4; ++i) {
@@ -83,16 +120,16 @@ std::uint8_t CellRaster::mark_at(const Vec3& q) const {
     nearest = std::min(nearest, away);
     farthest = std::max(farthest, away);
   }
-  const double excess = squared - limits_.safe_spread * limits_.safe_spread;
+  const double excess = squared - limits.safe_spread * limits.safe_spread;
   if (std::abs(excess) <= cell_.doubt) return mark::ask;
   if (excess > 0) {
     if (!cell_.exact) return mark::ask;
-    const double near = limits_.sparse_distance * limits_.sparse_distance;
+    const double near = limits.sparse_distance * limits.sparse_distance;
     return nearest < near * (1 - unsure) ? mark::sparse : mark::unset;
   }
-  const bool encloses = limits_.cell_suffices &&
-                        farthest < limits_.safe_radius * limits_.safe_radius * (1 - unsure) &&
-                        nearest > 4 * limits_.merge * limits_.merge;
+  const bool encloses = limits.cell_suffices &&
+                        farthest < limits.safe_radius * limits.safe_radius * (1 - unsure) &&
+                        nearest > 4 * limits.merge * limits.merge;
   return encloses ? mark::safe : mark::ask_cone;
 }
 
@@ -103,7 +140,9 @@ void CellRaster::add_row(std::int32_t j, std::int32_t k, double first, double la
   for (std::int32_t i = first_[0]; i < end_[0]; ++i) {
     q.x() = x[static_cast<std::size_t>(i)];
     if (q.x() > last) break;
-    if (q.x() >= first) set(row + static_cast<std::size_t>(i), mark_at(q));
+    if (q.x() < first) continue;
+    const std::size_t index = row + static_cast<std::size_t>(i);
+    set(index, mark_at(q, limits_.at(index)));
   }
 }
 
@@ -114,7 +153,7 @@ void CellRaster::add(const std::array<Vec3, 4>& corners, bool exact) {
   if (!(volume > (thin * longest + 64 * grain_) * squared)) return add_flat(corners);
   cell_.corner = corners;
   cell_.exact = exact;
-  cell_.doubt = unsure * std::max(squared, limits_.safe_spread * limits_.safe_spread);
+  cell_.doubt = unsure * std::max(squared, limits_.widest().safe_spread * limits_.widest().safe_spread);
   cell_.slope[1] = bc / volume;
   cell_.slope[2] = c.cross(a) / volume;
   cell_.slope[3] = a.cross(b) / volume;
@@ -128,7 +167,8 @@ void CellRaster::add(const std::array<Vec3, 4>& corners, bool exact) {
                    dz = voxels_.centre[2][static_cast<std::size_t>(k)] - corners[0].z();
       double first = -1e300, last = 1e300;
       for (std::size_t i = 0; i < 4; ++i) {
-        const double rest = (i == 0 ? 1.0 : 0.0) + cell_.slope[i].y() * dy + cell_.slope[i].z() * dz + beside;
+        const double rest =
+            (i == 0 ? 1.0 : 0.0) + cell_.slope[i].y() * dy + cell_.slope[i].z() * dz + in_cell;
         const double end = -rest * inverse[i];  // relative to corner 0
         if (cell_.slope[i].x() > 0)
           first = std::max(first, end);

@@ -16,18 +16,36 @@
 #include <vector>
 
 #include "geometry/coverage/coverage_query.hpp"
-#include "geometry/coverage/voxel_labels.hpp"
+#include "geometry/coverage/voxels.hpp"
 
 namespace forefeel {
 
+// The thresholds at the centres of the voxels. On an adaptive lattice they follow h(q).
+class VoxelLimits {
+ public:
+  VoxelLimits(const StateSpaceOptions& options, const VoxelLabels& voxels);
+
+  const Thresholds& at(std::size_t voxel) const { return all_[level_.empty() ? 0 : level_[voxel]]; }
+  const Thresholds& widest() const { return all_[0]; }
+  // Of all voxels from low to below end; null where they differ.
+  const Thresholds* over(const VoxelLabels& voxels, const Voxel& low, const Voxel& end) const;
+
+ private:
+  std::vector<Thresholds> all_;      // by level: at the coarsest spacing, half of it, a quarter, ...
+  std::vector<std::uint8_t> level_;  // by voxel; empty where the spacing is the same everywhere
+};
+
+inline constexpr std::uint8_t unset_label = 0xff;
+
 namespace mark {
-inline constexpr std::uint8_t safe = 0, sparse = 1, ask_cone = 0x40, ask = 0x41, unset = 0xff;
+constexpr std::uint8_t safe = 0, sparse = 1, ask_cone = 0x40, ask = 0x41, unset = unset_label;
 }
 
 class CellRaster {
  public:
   // The block: voxels from low to below high. grain: rounding of the states' coordinates [m].
-  CellRaster(VoxelLabels& voxels, const Thresholds& limits, const Voxel& low, const Voxel& high, double grain)
+  CellRaster(VoxelLabels& voxels, const VoxelLimits& limits, const Voxel& low, const Voxel& high,
+             double grain)
       : voxels_(voxels), limits_(limits), low_(low), high_(high), grain_(grain) {}
 
   // True if a voxel centre of the block may lie in the box around the corners.
@@ -39,11 +57,11 @@ class CellRaster {
  private:
   void add_flat(const std::array<Vec3, 4>& corners);
   void add_row(std::int32_t j, std::int32_t k, double first, double last);
-  std::uint8_t mark_at(const Vec3& q) const;
+  std::uint8_t mark_at(const Vec3& q, const Thresholds& limits) const;
   void set(std::size_t index, std::uint8_t value);
 
   VoxelLabels& voxels_;
-  const Thresholds& limits_;
+  const VoxelLimits& limits_;
   Voxel low_, high_, first_{}, end_{};
   double grain_;
   struct Cell {

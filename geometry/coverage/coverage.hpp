@@ -14,11 +14,14 @@
 #include <array>
 #include <cstdint>
 #include <limits>
+#include <memory>
 #include <string_view>
 
 #include "geometry/common/types.hpp"
 
 namespace forefeel {
+
+class AdaptiveLattice;
 
 inline constexpr double threshold_slack = 1e-9;  // relative tolerance of the thresholds of labels
 
@@ -56,5 +59,19 @@ struct Coverage {
   double delta = std::numeric_limits<double>::infinity();       // [m]
   double gamma_deg = std::numeric_limits<double>::quiet_NaN();  // gamma(q, 8 h); NaN if no test needed it
 };
+
+// Spacing, box and the thresholds of the labels.
+struct StateSpaceOptions {
+  double spacing = 0.006;  // h [m]
+  Box box{};               // where states are placed [m]; the HIP may leave it
+  CoverageOptions coverage{};
+  double merge_distance = 1e-9;  // states nearer than this count as one [spacings]
+  // If given, labels use its h(q) instead of `spacing`, which then sets only the side of the finest regions
+  // (spacing / 4) and the merge distance. Shared, never changed.
+  std::shared_ptr<const AdaptiveLattice> lattice = nullptr;
+};
+
+// InputError for a spacing that is not a positive length, and for a sparse distance below the safe spread.
+void check_options(const StateSpaceOptions& options);
 
 }  // namespace forefeel

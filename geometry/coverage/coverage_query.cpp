@@ -3,6 +3,10 @@
 #include <algorithm>
 #include <cmath>
 #include <numbers>
+#include <string>
+
+#include "geometry/common/enum_names.hpp"
+#include "geometry/common/error.hpp"
 
 namespace forefeel {
 namespace {
@@ -30,6 +34,20 @@ void gather(const PointOctree& points, const Vec3& q, double radius, double merg
 }
 
 }  // namespace
+
+void check_options(const StateSpaceOptions& options) {
+  if (!(options.spacing > 0) || !std::isfinite(options.spacing))
+    throw InputError("spacing",
+                     "is " + std::to_string(options.spacing) + ", expected a positive length in metres");
+  // A safe place is within kappa_s h of a state; regions need it to be at least sparse.
+  if (!(options.coverage.sparse_distance >= options.coverage.safe_spread))
+    throw InputError("coverage",
+                     "the sparse distance is below the safe spread, expected it to be at least as large");
+}
+
+std::string_view name(Label label) {
+  return name_in<Label::blank>({"safe", "sparse", "gap", "blank"}, label);
+}
 
 Thresholds::Thresholds(const CoverageOptions& options, double spacing, double merge_distance)
     : safe_spread(options.safe_spread * spacing * (1 + threshold_slack)),

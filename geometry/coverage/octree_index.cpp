@@ -6,6 +6,8 @@
 #include <numbers>
 
 #include "geometry/common/error.hpp"
+#include "geometry/coverage/regions.hpp"
+#include "geometry/coverage/voxels.hpp"
 #include "geometry/index/cone.hpp"
 
 namespace forefeel {
@@ -166,6 +168,31 @@ Coverage OctreeIndex::coverage(const Vec3& q) const {
   const double least = std::clamp(least_side(q, options_.gap_cone_radius * s, 2), -1.0, 1.0);
   result.gamma_deg = std::acos(least) * 180 / std::numbers::pi;
   if (result.gamma_deg <= options_.gap_angle_deg) result.label = Label::gap;
+  return result;
+}
+
+Agreement compare_indexes(const Regions& regions, const OctreeIndex& octree) {
+  Agreement result;
+  const VoxelGrid grid(regions.options().box, regions.options().spacing / 4);
+  double same = 0, known = 0;
+  int longest = 0;
+  PathWalk walk;
+  for (std::int32_t k = 0; k < grid.count[2]; ++k)
+    for (std::int32_t j = 0; j < grid.count[1]; ++j)
+      for (std::int32_t i = 0, run = 0; i < grid.count[0]; ++i) {
+        const Vec3 q = grid.centre({i, j, k});
+        const Label d = regions.label_at(q), o = octree.label(q, walk);
+        const double volume = grid.cube({i, j, k}, 1).size().prod();
+        result.volume[d][o] += volume;
+        if (d != Label::blank || o != Label::blank) known += volume;
+        if (d == o && d != Label::blank) same += volume;
+        run = d == o ? 0 : run + 1;
+        if (run <= longest) continue;
+        longest = run;
+        const Vec3 middle = grid.centre({i - (run - 1) / 2, j, k});
+        result.worst = {middle, regions.label_at(middle), octree.label(middle)};
+      }
+  if (known > 0) result.share = same / known;
   return result;
 }
 

@@ -9,15 +9,15 @@
 //            within the gap radius
 //   blank    otherwise
 // In a Coverage made here, spread is pi_rho, alpha the circumradius of its tetrahedron if that proves the
-// place safe, and gamma is over the 26 directions. compare_indexes() in agreement.hpp shows where the labels
-// differ from coverage.hpp.
+// place safe, and gamma is over the 26 directions. compare_indexes() shows where the labels differ from
+// coverage.hpp.
 
 #include <cmath>
 #include <memory>
-#include <span>
+#include <optional>
 #include <vector>
 
-#include "geometry/coverage/coverage.hpp"
+#include "geometry/coverage/state_space.hpp"
 #include "geometry/index/adaptive_lattice.hpp"
 #include "geometry/index/local_spread.hpp"
 #include "geometry/index/path_walk.hpp"
@@ -63,5 +63,22 @@ class OctreeIndex {
   std::vector<Vec3> at_;                    // by id
   std::uint64_t version_ = next_version();  // for walks; erase() changes it
 };
+
+// The labels of both indexes compared by volume:
+//   share = (volume that both label alike, and not blank) / (volume that at least one of them does not label blank) [1]
+struct Agreement {
+  // volume[d][o]: the triangulation says label d, the octree says label o [m^3]
+  ByLabel<ByLabel<double>> volume{};
+  double share = 1;
+  // The cube in the middle of the longest run of differing cubes along x, and its two labels.
+  struct Difference {
+    Vec3 at;  // [m]
+    Label delaunay, octree;
+  };
+  std::optional<Difference> worst;  // nothing if no label differs
+};
+
+// Over the cubes of side h/4 that regions consist of (voxels.hpp), so the volumes are those of the regions.
+Agreement compare_indexes(const Regions& regions, const OctreeIndex& octree);
 
 }  // namespace forefeel

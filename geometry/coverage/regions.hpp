@@ -1,52 +1,52 @@
 #pragma once
-// Regions: the box of a state space, divided into labelled octree leaves. The finest cells are voxels of side
-// h/4 with the label of their centre; eight children of one label are merged into one leaf. If the box is not a
-// multiple of h/4, voxels at its faces are cut off (voxel_grid.hpp). Volumes, components and pictures are sums
-// over leaves.
+// Regions: the box of a state space, divided into labelled cubes. The finest are voxels of side h/4 with the label of
+// their centre (coverage.hpp); eight cubes of one label are merged into one leaf. If the box is not a multiple of h/4,
+// voxels at its faces are cut off (voxels.hpp). Volumes, components and pictures are sums over leaves.
 //
 //   fill distance   sup over the box of delta(q)                        [m]
 //   largest hole    the largest ball that contains no state and whose centre lies in the box and in the hull of
 //                   the states: the largest circumscribed ball of a Delaunay cell
 //
-// Regions are updated, not rebuilt. A new state is stored with the cells in its reach. The leaves whose label it
-// may change are resolved later: label_at() resolves those on one path from the root, settle() all of them.
-// Const members resolve pending leaves, so only one thread may use the regions at a time.
+// Of a fixed set of states: labels of all voxels are computed once, block by block (block_labels.hpp), by all threads;
+// the results do not depend on their number. For the label of single places use StateSpace::region_label().
+// Memory: 80 bytes a state, 1 byte a voxel (2 on an adaptive lattice), 8 bytes for each run of equal labels along x
+// while components are found, and for each thread the triangulation of a block (up to 60 thousand states and those
+// around them).
 
-#include <cstdint>
 #include <functional>
 #include <memory>
 #include <optional>
-#include <span>
 #include <vector>
 
 #include "geometry/coverage/region_summary.hpp"
 
 namespace forefeel {
 
-class DelaunayIndex;
-class PointOctree;
-struct StateSpaceOptions;
-
 class Regions {
  public:
-  // The indexes must outlive the regions; StateSpace::regions() makes and keeps one.
-  Regions(const PointOctree& points, DelaunayIndex& delaunay, const StateSpaceOptions& options);
+  // States nearer than the merge distance to an earlier one are ignored. One thread calls progress with the share done.
+  Regions(std::vector<Vec3> states, const StateSpaceOptions& options,
+          const std::function<void(double)>& progress = {});
   ~Regions();
+  Regions(Regions&&) noexcept;
+  Regions& operator=(Regions&&) noexcept;
 
-  // Label of the leaf that contains q; outside the box, the label at q itself.
-  Label label_at(const Vec3& q) const;
-
-  void settle(const std::function<void(double)>& progress = {}) const;  // resolves all leaves
-  RegionSummary summary() const;                                        // settles first; O(voxels)
+  const StateSpaceOptions& options() const;
+  Label label_at(const Vec3& q) const;                   // of the voxel that holds q, a place of the box
+  RegionSummary summary(bool with_leaves = true) const;  // without them, `leaves` is empty; O(voxels)
   double fill_distance() const;                   // [m]; at most 1e-3 h too small; infinite without states
   std::optional<EmptyBall> largest_hole() const;  // nullopt if no cell has its circumcentre in box and hull
-
-  // To be called after each insertion into the indexes; disturbed: of DelaunayIndex.
-  void inserted(const Vec3& at, std::span<const std::uint32_t> disturbed);
 
  private:
   struct Impl;
   std::unique_ptr<Impl> impl_;
 };
+
+// The largest delta in the box, at most `tolerance` too small [m]. By branch and bound: delta, the distance to the
+// nearest state [m], is 1-Lipschitz, so over a part of the box with centre c and half-diagonal e it lies between
+// delta(c) and delta(c) + e. known: a value that delta is known to reach [m]; parts where delta is below it are
+// skipped.
+double largest_distance(const std::function<double(const Vec3&)>& delta, const Box& box, double known,
+                        double tolerance);
 
 }  // namespace forefeel

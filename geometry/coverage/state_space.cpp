@@ -1,14 +1,15 @@
 #include "geometry/coverage/state_space.hpp"
 
 #include <algorithm>
-#include <atomic>
 #include <cmath>
 #include <string>
+#include <utility>
 
 #include "geometry/common/error.hpp"
+#include "geometry/common/quantiles.hpp"
 #include "geometry/coverage/coverage_query.hpp"
 #include "geometry/coverage/regions.hpp"
-#include "geometry/coverage/voxel_grid.hpp"
+#include "geometry/coverage/voxels.hpp"
 #include "geometry/index/adaptive_lattice.hpp"
 
 namespace forefeel {
@@ -20,8 +21,7 @@ struct StateSpace::Impl {
   DelaunayIndex delaunay;
   Thresholds limits;
   VoxelGrid voxels;  // of the regions
-  std::unique_ptr<Regions> regions;
-  StateId last;  // of the last insert(): the next state is often close
+  StateId last;      // of the last insert(): the next state is often close
 
   explicit Impl(StateSpaceOptions given)
       : options(std::move(given)),
@@ -42,16 +42,6 @@ struct StateSpace::Impl {
   }
 };
 
-void check_options(const StateSpaceOptions& options) {
-  if (!(options.spacing > 0) || !std::isfinite(options.spacing))
-    throw InputError("spacing",
-                     "is " + std::to_string(options.spacing) + ", expected a positive length in metres");
-  // A safe place is within kappa_s h of a state; regions need it to be at least sparse.
-  if (!(options.coverage.sparse_distance >= options.coverage.safe_spread))
-    throw InputError("coverage",
-                     "the sparse distance is below the safe spread, expected it to be at least as large");
-}
-
 StateSpace::StateSpace(StateSpaceOptions options) {
   check_options(options);
   impl_ = std::make_unique<Impl>(std::move(options));
@@ -71,6 +61,9 @@ const State& StateSpace::operator[](StateId id) const {
 }
 const DelaunayIndex& StateSpace::delaunay() const {
   return impl_->delaunay;
+}
+const PointOctree& StateSpace::points() const {
+  return impl_->points;
 }
 
 namespace {
@@ -96,7 +89,6 @@ StateSpace::Insertion StateSpace::insert(State state) {
   my.points.insert(id.value, state.at);
   my.states.push_back(std::move(state));
   my.last = id;
-  if (my.regions) my.regions->inserted(my.states.back().at, my.delaunay.disturbed());
   return {id, true};
 }
 
@@ -115,7 +107,6 @@ Label StateSpace::label(const Vec3& q, PathWalk& walk) const {
                                 : query.label(q, walk, impl_->limits);
 }
 
-// All voxels of a leaf have the leaf's label, which is the label at their centres.
 Label StateSpace::region_label(const Vec3& q) const {
   return label(impl_->options.box.contains(q) ? impl_->voxels.centre(impl_->voxels.voxel_of(q)) : q);
 }
@@ -136,10 +127,11 @@ StateId StateSpace::find(const Vec3& q) const {
   return {impl_->points.nearest(q, impl_->limits.merge).id};
 }
 
-const Regions& StateSpace::regions() const {
-  if (!impl_->regions)
-    impl_->regions = std::make_unique<Regions>(impl_->points, impl_->delaunay, impl_->options);
-  return *impl_->regions;
+Regions StateSpace::regions(const std::function<void(double)>& progress) const {
+  std::vector<Vec3> at;
+  at.reserve(impl_->states.size());
+  for (const State& state : impl_->states) at.push_back(state.at);
+  return Regions(std::move(at), impl_->options, progress);
 }
 
 std::vector<Vec3> lattice(const Box& box, double spacing) {
@@ -161,6 +153,26 @@ std::vector<Vec3> lattice(const Box& box, double spacing) {
     result.emplace_back(static_cast<double>(e.x) * spacing, static_cast<double>(e.y) * spacing,
                         static_cast<double>(e.z) * spacing);
   return result;
+}
+
+double estimate_spacing(std::span<const State> states) {
+  constexpr std::size_t most_measured = 20'000;
+  PointOctree points;
+  std::vector<Vec3> positions;
+  std::vector<PointOctree::Neighbour> near;
+  for (const State& state : states) {
+    if (!positions.empty()) points.nearest(state.at, 1, near);
+    if (!near.empty() && near[0].squared == 0) continue;
+    points.insert(static_cast<std::uint32_t>(positions.size()), state.at);
+    positions.push_back(state.at);
+  }
+  std::vector<double> distance;
+  const std::size_t step = 1 + positions.size() / most_measured;
+  for (std::size_t i = 0; i < positions.size(); i += step) {
+    points.nearest(positions[i], 2, near);
+    if (near.size() == 2) distance.push_back(std::sqrt(near[1].squared));
+  }
+  return median(std::move(distance));
 }
 
 }  // namespace forefeel

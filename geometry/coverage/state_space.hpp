@@ -1,25 +1,24 @@
 #pragma once
 // The state space: the known equilibria over positions of the tip, indexed by position (Peterlík: configuration space).
-// One thread (that of the planner) inserts. While it does not insert, many threads may call const members except
-// regions(). Ids are numbers from 0 in order of insertion.
+// One thread (that of the planner) inserts. While it does not insert, many threads may call const members. Ids are
+// numbers from 0 in order of insertion.
 
 #include <cstddef>
+#include <functional>
 #include <memory>
 #include <optional>
 #include <span>
 #include <vector>
 
-#include "geometry/coverage/state_space_options.hpp"
+#include "geometry/coverage/coverage.hpp"
 #include "geometry/states/state.hpp"
 
 namespace forefeel {
 
 class DelaunayIndex;
+class PointOctree;
 class Regions;
 struct PathWalk;
-
-// InputError for a spacing that is not a positive length, and for a sparse distance below the safe spread.
-void check_options(const StateSpaceOptions& options);
 
 class StateSpace {
  public:
@@ -44,16 +43,18 @@ class StateSpace {
   Coverage coverage(const Vec3& q) const;  // label and measures at q
   Label label(const Vec3& q) const;        // the same label, cheaper
   Label label(const Vec3& q,
-              PathWalk& walk) const;        // the same, even cheaper along a path (index/path_walk.hpp)
-  Label region_label(const Vec3& q) const;  // what regions().label_at(q) returns, without making regions
-  double spacing_at(const Vec3& q) const;   // h(q) [m]
+              PathWalk& walk) const;  // the same, even cheaper along a path (index/path_walk.hpp)
+  Label region_label(
+      const Vec3& q) const;  // of the voxel that holds q (regions.hpp); outside the box, label(q)
+  double spacing_at(const Vec3& q) const;                                       // h(q) [m]
   void nearest(const Vec3& q, std::size_t n, std::vector<StateId>& out) const;  // by distance, ties by id
   void within(const Vec3& q, double radius, std::vector<StateId>& out) const;   // the same order
   StateId find(const Vec3& q) const;  // the state within merge_distance of q, or an invalid id
 
   const DelaunayIndex& delaunay() const;
-  // The labelled leaves of the box. Made by the first call; from then on insert() keeps them up to date.
-  const Regions& regions() const;
+  const PointOctree& points() const;
+  Regions regions(
+      const std::function<void(double)>& progress = {}) const;  // of the box, made anew by each call
 
  private:
   struct Impl;
@@ -62,5 +63,12 @@ class StateSpace {
 
 // The positions of the lattice {k h}^3 within the box, outward from rest, ties by (z, y, x).
 std::vector<Vec3> lattice(const Box& box, double spacing);
+
+// The spacing h [m] of states that come without one: the median distance of a position to the nearest other position,
+//   h = median over i of min over j of ||x_i - x_j||,  x_i != x_j
+// For a lattice that is mostly full, this is the lattice spacing. `unknown` with fewer than two positions. With more
+// than 20 000 states only every k-th is measured, at most 20 000 of them; all states count as neighbours. States at one
+// position count once. O(n log n).
+double estimate_spacing(std::span<const State> states);
 
 }  // namespace forefeel

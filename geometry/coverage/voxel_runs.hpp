@@ -6,7 +6,7 @@
 #include <cstdint>
 #include <vector>
 
-#include "geometry/coverage/voxel_labels.hpp"
+#include "geometry/coverage/voxels.hpp"
 
 namespace forefeel {
 

@@ -6,7 +6,6 @@
 #include <CGAL/Delaunay_triangulation_3.h>
 #include <CGAL/Delaunay_triangulation_cell_base_3.h>
 #include <CGAL/Exact_predicates_inexact_constructions_kernel.h>
-#include <CGAL/Triangulation_cell_base_with_info_3.h>
 #include <CGAL/Triangulation_vertex_base_with_info_3.h>
 
 #include <Eigen/Geometry>
@@ -83,45 +82,13 @@ struct CGAL::Triangulation_structural_filtering_traits<
 namespace forefeel {
 namespace {
 
-struct CellNote {
-  std::int32_t watches = -1;  // head of a list in Impl::links
-};
 using VertexBase = CGAL::Triangulation_vertex_base_with_info_3<std::uint32_t, Kernel>;
-using CellBase = CGAL::Triangulation_cell_base_with_info_3<CellNote, Kernel,
-                                                           CGAL::Delaunay_triangulation_cell_base_3<Kernel>>;
-using Tds = CGAL::Triangulation_data_structure_3<VertexBase, CellBase>;
+using Tds =
+    CGAL::Triangulation_data_structure_3<VertexBase, CGAL::Delaunay_triangulation_cell_base_3<Kernel>>;
 using Delaunay = CGAL::Delaunay_triangulation_3<Kernel, Tds>;
 using Point = Kernel::Point_3;
 using CellHandle = Delaunay::Cell_handle;
 using VertexHandle = Delaunay::Vertex_handle;
-
-// Receives the cells that an insertion destroys. CGAL calls such a class a visitor of hidden points (a Delaunay
-// triangulation has none). CGAL's own insertion with this visitor is faster than find_conflicts() and
-// insert_in_hole().
-template <class Gone>
-struct ConflictVisitor {
-  Gone gone;
-  template <class Iterator>
-  void process_cells_in_conflict(Iterator first, Iterator last) const {
-    for (; first != last; ++first) gone(*first);
-  }
-  void reinsert_vertices(VertexHandle) const {}
-  VertexHandle replace_vertex(CellHandle cell, int i, const Point&) const { return cell->vertex(i); }
-  void hide_point(CellHandle, const Point&) const {}
-};
-
-struct Triangulation : Delaunay {
-  // In dimension 3. Calls gone(cell) for every cell that the new point destroys, before the cell is destroyed.
-  template <class Gone>
-  VertexHandle insert_in_space(const Point& p, CellHandle start, Gone&& gone) {
-    Locate_type type;
-    int i = 0, j = 0;
-    const CellHandle cell = locate(p, type, i, j, start);
-    const Conflict_tester_3 tester(p, this);
-    ConflictVisitor<Gone&> visitor{gone};
-    return insert_in_conflict(p, type, cell, i, j, tester, visitor);
-  }
-};
 
 constexpr double flat = 1e-7;         // relative height of cells whose circumcentre rounding decides
 constexpr double thin = 1e-12;        // relative height of cells that count as coplanar

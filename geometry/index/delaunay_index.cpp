@@ -2,10 +2,8 @@
 
 #include <algorithm>
 #include <atomic>
-#include <cassert>
 #include <cmath>
 
-#include "geometry/common/signed_vector.hpp"
 #include "geometry/index/delaunay_cgal.hpp"
 
 namespace forefeel {
@@ -31,17 +29,9 @@ std::uint64_t next_version() {
 }
 
 struct DelaunayIndex::Impl {
-  Triangulation triangulation;
+  Delaunay triangulation;
   std::uint64_t version = next_version();
   std::vector<VertexHandle> vertex;  // by id
-  struct Link {
-    std::uint32_t token;
-    std::int32_t next;
-  };
-  SignedVector<Link> links;
-  std::int32_t free_link = -1;
-  std::vector<std::uint32_t> disturbed;
-
   Inside inside;
 
   // Heights that rounding of the states' coordinates may have made [m].
@@ -51,36 +41,10 @@ struct DelaunayIndex::Impl {
       return vertex[near.value]->cell();
     return {};
   }
-  void add_watch(CellHandle cell, std::uint32_t token);
-  void release_watches(CellHandle cell);
   CellHandle solid_cell(const Vec3& q, CellHandle from, Simplex& simplex) const;
   CellHandle inner_cell(CellHandle cell, const Vec3& q, double longest, Simplex& simplex) const;
   double least_circumradius(CellHandle cell, const Simplex& simplex) const;
 };
-
-void DelaunayIndex::Impl::add_watch(CellHandle cell, std::uint32_t token) {
-  std::int32_t link = free_link;
-  if (link >= 0) {
-    free_link = links[link].next;
-  } else {
-    link = links.count();
-    links.emplace_back();
-  }
-  links[link] = {token, cell->info().watches};
-  cell->info().watches = link;
-}
-
-void DelaunayIndex::Impl::release_watches(CellHandle cell) {
-  for (std::int32_t link = cell->info().watches; link >= 0;) {
-    Link& here = links[link];
-    disturbed.push_back(here.token);
-    const std::int32_t next = here.next;
-    here.next = free_link;
-    free_link = link;
-    link = next;
-  }
-  cell->info().watches = -1;
-}
 
 // A cell for q that is not flat, if the cell found is flat, or infinite because q lies outside the hull by
 // rounding. It is the cell of a place beside q, towards the inside of the hull. Over the flat cells of a face
@@ -168,21 +132,10 @@ DelaunayIndex& DelaunayIndex::operator=(DelaunayIndex&&) noexcept = default;
 int DelaunayIndex::dimension() const {
   return impl_->triangulation.dimension();
 }
-std::span<const std::uint32_t> DelaunayIndex::disturbed() const {
-  return impl_->disturbed;
-}
-
 StateId DelaunayIndex::insert(StateId id, const Vec3& at, StateId near) {
   Impl& my = *impl_;
-  my.disturbed.clear();
   const std::size_t before = my.triangulation.number_of_vertices();
-  VertexHandle vertex;
-  if (my.triangulation.dimension() == 3) {
-    vertex = my.triangulation.insert_in_space(point(at), my.start(near),
-                                              [&my](CellHandle gone) { my.release_watches(gone); });
-  } else {
-    vertex = my.triangulation.insert(point(at));
-  }
+  const VertexHandle vertex = my.triangulation.insert(point(at), my.start(near));
   if (my.triangulation.number_of_vertices() == before) return {vertex->info()};
   my.version = next_version();
   my.inside.add(at);
@@ -236,31 +189,6 @@ Spread DelaunayIndex::spread(const Vec3& q, PathWalk& walk) const {
   walk.near = result.states[0];
   walk.keep(result.at);
   return result;
-}
-
-bool DelaunayIndex::watch(const Vec3& q, StateId near, std::uint32_t token) {
-  Impl& my = *impl_;
-  Simplex simplex;
-  if (my.triangulation.dimension() < 3) return false;
-  CellHandle cell = my.solid_cell(q, my.start(near), simplex);
-  if (cell == CellHandle()) {
-    cell = my.triangulation.locate(point(q), my.start(near));
-    if (!my.triangulation.is_infinite(cell)) return false;
-    // If q lies in the plane of a facet, a later state may put q into the hull without destroying the facet.
-    const Exit exit(my.triangulation, cell, q);
-    if (exit.height <= 1e-6 * exit.longest + my.grain()) return false;
-  }
-  my.add_watch(cell, token);
-  return true;
-}
-
-void DelaunayIndex::watch(const PathWalk& walk, std::uint32_t token) {
-  assert(walk.version == impl_->version && walk.cell);
-  watch(walk.cell, token);
-}
-
-void DelaunayIndex::watch(const void* cell, std::uint32_t token) {
-  impl_->add_watch(Tds::Cell_range::s_iterator_to(*static_cast<Tds::Cell*>(const_cast<void*>(cell))), token);
 }
 
 std::vector<DelaunayIndex::Cell> DelaunayIndex::cells() const {

@@ -20,7 +20,6 @@
 #include <cstdint>
 #include <limits>
 #include <memory>
-#include <span>
 #include <vector>
 
 #include "geometry/index/path_walk.hpp"
@@ -55,14 +54,6 @@ class DelaunayIndex {
   Spread spread(const Vec3& q, StateId near, bool with_alpha = false) const;
   // The same along a path: starts at the last place of the walk and moves the walk to q.
   Spread spread(const Vec3& q, PathWalk& walk) const;
-
-  // Watches the cell that contains q: the insert() that destroys the cell reports the token. (Other
-  // insertions do not change the spread at q.) False, and no watch, in flat cells and below dimension 3.
-  bool watch(const Vec3& q, StateId near, std::uint32_t token);
-  // The same after spread(q, walk) has found q inside.
-  void watch(const PathWalk& walk, std::uint32_t token);
-  void watch(const void* cell, std::uint32_t token);  // walk.cell of such a walk; no insert() in between
-  std::span<const std::uint32_t> disturbed() const;   // tokens that the last insert() reports, each once
 
   // The ball through the corners of a cell holds no state; it is infinite where the cell is flat.
   struct Cell {

@@ -1,5 +1,6 @@
-// Legacy .vtk, DATASET UNSTRUCTURED_GRID (vtk_legacy.hpp). Points, lines and faces among the cells are passed over;
-// other volume cells are refused. Arrays of CELL_DATA that label the tetrahedra become element groups.
+// Meshes of VTK: legacy .vtk with DATASET UNSTRUCTURED_GRID (vtk_legacy.hpp), and .vtu (vtk_xml.hpp), read and written.
+// Points, lines and faces among the cells are passed over; other volume cells are refused. Cell arrays that label the
+// tetrahedra become element groups, arrays of 0 and 1 in PointData of .vtu node groups. Pieces of .vtu are joined.
 
 #include <fmt/format.h>
 
@@ -7,12 +8,19 @@
 #include <array>
 #include <map>
 #include <set>
+#include <span>
+#include <vector>
 
 #include "geometry/common/error.hpp"
+#include "geometry/mesh/mesh_file.hpp"
 #include "geometry/mesh/mesh_formats.hpp"
 #include "geometry/mesh/vtk_legacy.hpp"
+#include "geometry/mesh/vtk_xml.hpp"
+#include "geometry/mesh/vtu_writer.hpp"
 
 namespace forefeel {
+
+// ---- cells, and legacy files
 
 namespace {
 
@@ -81,6 +89,139 @@ TetMesh read_vtk_legacy(Scanner in) {
     add_label_groups(mesh, name, labels);
   }
   return mesh;
+}
+
+// ---- .vtu
+
+namespace {
+
+class VtuReader {
+ public:
+  explicit VtuReader(Scanner in) : in_(std::move(in), "UnstructuredGrid") {}
+
+  TetMesh read() {
+    in_.read([&](const VtkXmlPiece& piece) {
+      const std::size_t first = mesh_.nodes.size();
+      take_labels(piece, join(piece));
+      take_masks(piece, first);
+    });
+    for (const auto& [name, labels] : labels_) add_label_groups(mesh_, name, labels);
+    return std::move(mesh_);
+  }
+
+ private:
+  // The tetrahedron of each cell of the piece; no_tet for other cells.
+  std::vector<TetIndex> join(const VtkXmlPiece& piece) {
+    const std::size_t n_points = in_.count(piece, "NumberOfPoints"),
+                      n_cells = in_.count(piece, "NumberOfCells");
+    const auto first = static_cast<std::int64_t>(mesh_.nodes.size());
+    const std::vector<double> points = in_.reals(in_.array(piece, "Points", ""));
+    if (points.size() != 3 * n_points)
+      throw InputError({.file = in_.name()},
+                       fmt::format("{} coordinates, expected {}", points.size(), 3 * n_points));
+    for (std::size_t i = 0; i < n_points; ++i)
+      mesh_.nodes.emplace_back(points[3 * i], points[3 * i + 1], points[3 * i + 2]);
+    if (n_cells == 0) return {};
+    std::vector<std::int64_t> connectivity = in_.integers(in_.array(piece, "Cells", "connectivity"));
+    const std::vector<std::int64_t> offsets = in_.integers(in_.array(piece, "Cells", "offsets")),
+                                    types = in_.integers(in_.array(piece, "Cells", "types"));
+    if (offsets.size() != n_cells || types.size() != n_cells)
+      throw InputError({.file = in_.name()}, fmt::format("{} offsets and {} types, expected {}",
+                                                         offsets.size(), types.size(), n_cells));
+    for (auto& node : connectivity) {
+      if (node < 0 || node >= static_cast<std::int64_t>(n_points))
+        throw InputError({.file = in_.name()}, fmt::format("a cell names point {}, expected 0 to {}", node,
+                                                           static_cast<std::int64_t>(n_points) - 1));
+      node += first;
+    }
+    std::vector<TetIndex> tet_of_cell(n_cells, no_tet);
+    std::int64_t begin = 0;
+    for (std::size_t i = 0; i < n_cells; begin = offsets[i], ++i) {
+      if (offsets[i] < begin || offsets[i] > static_cast<std::int64_t>(connectivity.size()))
+        throw InputError({.file = in_.name()}, fmt::format("cell offset {} is out of order", offsets[i]));
+      const std::size_t before = mesh_.tets.size();
+      add_vtk_cell(
+          mesh_, types[i],
+          std::span(connectivity)
+              .subspan(static_cast<std::size_t>(begin), static_cast<std::size_t>(offsets[i] - begin)),
+          in_.name());
+      if (mesh_.tets.size() > before) tet_of_cell[i] = static_cast<TetIndex>(before);
+    }
+    return tet_of_cell;
+  }
+
+  // tet_of_cell: no_tet for cells that are not tetrahedra.
+  void take_labels(const VtkXmlPiece& piece, const std::vector<TetIndex>& tet_of_cell) {
+    const auto section = piece.arrays.find("CellData");
+    if (section == piece.arrays.end()) return;
+    for (const auto& [name, array] : section->second) {
+      const std::string type = array.attribute("type"), width = array.attribute("NumberOfComponents");
+      const bool whole = type.starts_with("Int") || type.starts_with("UInt");
+      if ((!whole && !type.starts_with("Float")) || (!width.empty() && width != "1") || name.empty())
+        continue;
+      std::vector<double> values;
+      if (whole)
+        for (const std::int64_t value : in_.integers(array)) values.push_back(static_cast<double>(value));
+      else
+        values = in_.reals(array);
+      if (values.size() != tet_of_cell.size())
+        throw InputError({.file = in_.name()}, fmt::format("cell array {:.40} has {} values, expected {}",
+                                                           name, values.size(), tet_of_cell.size()));
+      for (std::size_t i = 0; i < values.size(); ++i)
+        if (tet_of_cell[i] != no_tet) labels_[name].push_back({tet_of_cell[i], values[i]});
+    }
+  }
+
+  // Node groups: arrays of whole numbers in the point data that are 0 or 1.
+  void take_masks(const VtkXmlPiece& piece, std::size_t first) {
+    const auto section = piece.arrays.find("PointData");
+    if (section == piece.arrays.end()) return;
+    for (const auto& [name, array] : section->second) {
+      const std::string type = array.attribute("type"), width = array.attribute("NumberOfComponents");
+      const bool whole = type.starts_with("Int") || type.starts_with("UInt");
+      if (!whole || (!width.empty() && width != "1") || name.empty()) continue;
+      const std::vector<std::int64_t> values = in_.integers(array);
+      const bool mask = std::ranges::all_of(values, [](std::int64_t v) { return v == 0 || v == 1; });
+      if (!mask || values.size() != mesh_.nodes.size() - first) continue;
+      for (std::size_t i = 0; i < values.size(); ++i)
+        if (values[i] == 1) mesh_.groups[name].push_back(static_cast<NodeIndex>(first + i));
+    }
+  }
+
+  VtkXmlReader in_;
+  TetMesh mesh_;
+  std::map<std::string, std::vector<CellLabel>> labels_;  // by cell array
+};
+
+}  // namespace
+
+namespace {
+
+template <class Index>
+void put_masks(VtuWriter& out, const std::map<std::string, std::vector<Index>>& groups, std::size_t n) {
+  for (const auto& [name, members] : groups) {
+    std::vector<std::uint8_t> in(n, 0);
+    for (const Index member : members) in[member] = 1;
+    out.array<std::uint8_t>(name, 1, in);
+  }
+}
+
+}  // namespace
+
+void write_vtu(const std::filesystem::path& file, const TetMesh& mesh) {
+  VtuWriter out(file, VtuData::text);
+  out.begin(mesh.nodes.size(), mesh.tets.size());
+  out.section("PointData");
+  put_masks(out, mesh.groups, mesh.nodes.size());
+  out.section("CellData");
+  put_masks(out, mesh.element_groups, mesh.tets.size());
+  out.points(mesh.nodes, "");
+  out.cells(mesh.tets, vtk_cell::tetra);
+  out.finish();
+}
+
+TetMesh read_vtu(Scanner in) {
+  return VtuReader(std::move(in)).read();
 }
 
 }  // namespace forefeel

@@ -3,6 +3,7 @@
 // V = det[X_b - X_a, X_c - X_a, X_d - X_a] / 6 > 0. Nodes are numbered from 0 in file order.
 
 #include <array>
+#include <cstddef>
 #include <cstdint>
 #include <map>
 #include <string>
@@ -63,6 +64,25 @@ struct MeshCheck {
 // negative volume are turned; those with the same four nodes are united, and are in the element groups of both; nodes
 // of no tetrahedron leave the groups. Warnings say so.
 MeshCheck check_and_orient(TetMesh& mesh, const std::string& where);
+
+// What a mesh is made of.
+struct MeshSummary {
+  std::size_t nodes = 0, elements = 0;
+  MeshQuality quality;
+  Box box;             // [m]
+  int components = 0;  // connected parts
+  std::size_t surface_nodes = 0, surface_triangles = 0;
+  std::map<std::string, std::size_t> groups;  // name -> number of nodes
+  struct Region {
+    std::string name;
+    std::size_t elements = 0;
+    double volume = 0;  // [m^3]
+  };
+  std::vector<Region> regions = {};  // element groups
+};
+
+// The mesh has at least one tetrahedron.
+MeshSummary summarise(const TetMesh& mesh);
 
 // Node sets by geometry; sorted.
 // share: of the extent along the axis, from its low end, in [0, 1]; nodes within 1e-9 of the extent above it count.

@@ -63,8 +63,7 @@ class LegacyReader {
     std::string_view line;
     const bool any = in_.line(line);
     if (any && line.starts_with("<"))
-      in_.fail(
-          "is XML, expected '# vtk DataFile Version' of a legacy file; an XML file ends in .vtu or .vtp");
+      in_.fail("is XML, expected '# vtk DataFile Version' of a legacy file; an XML file ends in .vtu");
     if (!any || !lower_case(line).starts_with("# vtk datafile version"))
       in_.fail("is not a legacy VTK file, expected '# vtk DataFile Version'");
     if (!in_.line(line)) in_.fail("the file ends where a title was expected");

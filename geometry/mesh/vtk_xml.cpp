@@ -108,10 +108,7 @@ void VtkXmlReader::read(const std::function<void(const VtkXmlPiece&)>& take) {
   }
   if (!grid)
     throw InputError({.file = in_.name()}, fmt::format("is not a {} file, expected <VTKFile type=\"{}\">",
-                                                       type_ == "PolyData"    ? "VTP"
-                                                       : type_ == "ImageData" ? "VTI"
-                                                                              : "VTU",
-                                                       type_));
+                                                       type_ == "ImageData" ? "VTI" : "VTU", type_));
   if (!closed)
     throw InputError({.file = in_.name()}, fmt::format("ends before </{}>, the file is cut short", type_));
 }

@@ -1,5 +1,5 @@
 #pragma once
-// VTK's XML files (.vtu, .vtp): their pieces and data arrays, ascii, inline binary (base64) or appended (raw or
+// VTK's XML files (.vtu, .vti): their pieces and data arrays, ascii, inline binary (base64) or appended (raw or
 // base64), plain or compressed by vtkZLibDataCompressor (if the build has zlib). Errors are InputError and name
 // the file.
 
@@ -40,7 +40,7 @@ struct VtkXmlPiece {
 
 class VtkXmlReader {
  public:
-  VtkXmlReader(Scanner in, std::string type);  // type: "UnstructuredGrid", "PolyData"
+  VtkXmlReader(Scanner in, std::string type);  // type: "UnstructuredGrid", "ImageData"
   VtkXmlReader(const VtkXmlReader&) = delete;  // has views of its own content
   VtkXmlReader& operator=(const VtkXmlReader&) = delete;
   // Calls `take` for each piece in turn.

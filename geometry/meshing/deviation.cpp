@@ -5,7 +5,6 @@
 #include <cmath>
 
 #include "geometry/mesh/tet_mesh.hpp"
-#include "geometry/meshing/surface_summary.hpp"
 
 namespace forefeel {
 namespace {

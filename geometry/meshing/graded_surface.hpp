@@ -4,13 +4,15 @@
 // (Botsch and Kobbelt 2004, A remeshing approach to multiresolution modeling). Nodes lie on the exact surface, those of
 // lines on the lines. The mean edge comes out at 0.7 to 1 h. Deterministic. Private to this room.
 
+#include <array>
 #include <functional>
 #include <vector>
 
-#include "geometry/meshing/feature_lines.hpp"
 #include "geometry/meshing/size_field.hpp"
 
 namespace forefeel {
+
+using Link = std::array<NodeIndex, 2>;  // an edge, lower node first
 
 struct GradedInput {
   Surface start;  // closed, manifold, outward

@@ -7,7 +7,7 @@
 #include <set>
 
 #include "geometry/common/error.hpp"
-#include "geometry/meshing/nearest_point.hpp"
+#include "geometry/meshing/surface_process.hpp"
 
 namespace forefeel {
 namespace {

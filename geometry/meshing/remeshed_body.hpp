@@ -2,7 +2,7 @@
 // A volume mesh made anew from its boundary, finer or graded toward a contact, with its groups. Edges of the new mesh
 // run along the borders of groups of surface nodes: the triangles whose three nodes are in a group keep their union.
 
-#include "geometry/meshing/surface.hpp"
+#include "geometry/meshing/tetrahedralise.hpp"
 
 namespace forefeel {
 

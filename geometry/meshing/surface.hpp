@@ -1,11 +1,8 @@
 #pragma once
-// Triangle surfaces: reading, repair, and tetrahedralisation with a given number of elements. Lengths in [m].
+// Triangle surfaces: reading, measures and repair. Lengths in [m].
 
-#include <atomic>
 #include <cstddef>
 #include <filesystem>
-#include <optional>
-#include <string>
 #include <vector>
 
 #include "geometry/mesh/tet_mesh.hpp"
@@ -17,17 +14,30 @@ struct Surface {
   std::vector<Triangle> triangles;
 };
 
-inline constexpr const char* surface_extensions = ".obj .off .stl .ply .vtp, or .vtk with DATASET POLYDATA";
+inline constexpr const char* surface_extensions = ".obj .off .stl .ply, or .vtk with DATASET POLYDATA";
 // Decided by the extension; for .vtk also by the content.
 bool is_surface_file(const std::filesystem::path& file);
 
-// .obj .off .stl .ply .vtp, legacy .vtk; ASCII, binary. Coinciding points are one node. InputError: file, line.
+// .obj .off .stl .ply, legacy .vtk; ASCII, binary. Coinciding points are one node. InputError: file, line.
 Surface read_surface(const std::filesystem::path& file);
 
 Surface boundary_surface(const TetMesh& mesh);   // outward; nodes in the order of the mesh, renumbered
 double enclosed_volume(const Surface& surface);  // [m^3], positive where the triangles face outward
 Box bounding_box(const Surface& surface);        // of its triangles; other nodes do not count
 Vec3 nearest_point(const Surface& surface, const Vec3& point);  // of the surface
+
+// What a surface is made of, and whether it is closed: every edge belongs to exactly two triangles.
+struct SurfaceSummary {
+  std::size_t nodes = 0, triangles = 0;
+  std::size_t border_edges = 0;        // of one triangle
+  std::size_t non_manifold_edges = 0;  // of more than two
+  double volume = 0;                   // [m^3]; NaN if the surface is not closed
+  Box box;                             // [m]
+
+  bool closed() const { return border_edges == 0 && non_manifold_edges == 0; }
+};
+
+SurfaceSummary summarise(const Surface& surface);
 
 struct RepairReport {
   std::size_t self_intersections = 0;  // pairs of triangles in the input
@@ -62,32 +72,5 @@ struct LowEnd {
   Axis axis = Axis::z;
   double share = 0;  // between 0 and 1
 };
-
-struct TetrahedraliseOptions {
-  std::size_t elements = 0;                     // wanted number, met within 5 %; 0: as the surface is
-  std::optional<double> length = std::nullopt;  // rescale so that the longest side is this [m]
-  std::string name = "surface";                 // what errors call it
-  // For everything, repair and all tries included [s]. Not given: default_time_limit(elements).
-  std::optional<double> time_limit = std::nullopt;
-  const std::atomic<bool>* stop = nullptr;  // once true, it ends with an InputError "interrupted"
-  // With any of these the triangles are remeshed by graded_surface.hpp, and `elements` is needed.
-  std::optional<Toward> toward = std::nullopt;  // small elements there; otherwise edges are even
-  std::optional<LowEnd> rim = std::nullopt;     // of the clamp: edges of the mesh run along it
-  std::vector<int> marks = {};                  // by triangle; borders between different marks stay edges
-  std::vector<Vec3> pins = {};                  // places of nodes that stay [m]
-};
-double default_time_limit(std::size_t elements);  // 120, or 1 for each 5000 elements if that is more [s]
-
-struct TetrahedraliseReport {
-  RepairReport repair;
-  double hausdorff = 0;      // between the input surface and the boundary of the mesh [m]
-  double near = 0, far = 0;  // edges wanted at the contact and far from it [m]; 0: not graded
-};
-
-// Repairs and decimates a surface and fills it with TetGen. Bisection finds the volume bound that gives the
-// wanted number of elements. Runs in a child process, because CGAL and TetGen hang, crash or print on some inputs.
-// InputError if the number cannot be met, if the time is up, or if the body is not 1e-6 to 1e6 m long.
-TetMesh tetrahedralise(const Surface& surface, const TetrahedraliseOptions& options,
-                       TetrahedraliseReport* report = nullptr);
 
 }  // namespace forefeel

@@ -1,6 +1,5 @@
 #pragma once
-// Conversions between Surface and CGAL's types. Only the two files that process surfaces with CGAL include
-// this.
+// Conversions between Surface and CGAL's types. Only the files that process surfaces with CGAL include this.
 
 #include <CGAL/Exact_predicates_inexact_constructions_kernel.h>
 #include <CGAL/Surface_mesh.h>
@@ -48,5 +47,11 @@ inline Mesh to_mesh(const Surface& surface) {
                   Mesh::Vertex_index(static_cast<Mesh::size_type>(c)));
   return mesh;
 }
+
+// Unites the parts of a closed surface that cross each other, such as segments that were appended to one file: the body
+// is what any of them encloses. Parts that lie apart, or one inside another, stay as they are.
+// Number of parts that cross another one. 0: the mesh is unchanged. Otherwise `united` says whether the mesh is now
+// their union; false if a part crosses itself or CGAL's corefinement fails, and then the mesh is unchanged, too.
+std::size_t unite_crossing_parts(Mesh& mesh, bool& united);
 
 }  // namespace forefeel::cgal

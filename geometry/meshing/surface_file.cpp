@@ -1,18 +1,28 @@
-// Readers of .obj, .off and .stl surfaces; surface_ply.cpp and surface_vtk.cpp hold the others. Polygons are cut into
-// fans of triangles.
+// Readers of surfaces: .obj .off .stl .ply, and legacy .vtk with DATASET POLYDATA. Polygons are cut into fans of
+// triangles.
+//
+// CGAL's readers of polygon soups (5.5) are not used: of .obj they drop faces whose corners are separated by tabs and
+// refuse files with lines, of .ply they take indices beyond the vertices and end in a crash where coordinates are
+// whole numbers, of .stl they refuse upper case; none says the line.
 
 #include <fmt/format.h>
 
 #include <algorithm>
 #include <array>
+#include <bit>
 #include <cmath>
+#include <cstdint>
+#include <limits>
+#include <map>
 #include <numeric>
+#include <span>
 #include <utility>
 
 #include "geometry/common/error.hpp"
 #include "geometry/common/scanner.hpp"
+#include "geometry/mesh/vtk_legacy.hpp"
 #include "geometry/meshing/surface.hpp"
-#include "geometry/meshing/surface_formats.hpp"
+#include "geometry/meshing/surface_ply.hpp"
 
 namespace forefeel {
 namespace {
@@ -146,6 +156,43 @@ void read_stl(Scanner& in, SurfaceBuilder& out) {
   }
 }
 
+// Polygons and triangle strips of alternating orientation; points and lines are passed over.
+void read_polydata(Scanner in, SurfaceBuilder& out) {
+  const std::string where = in.name();
+  VtkLegacyFile file = read_vtk_file(std::move(in));
+  if (!file.polydata)
+    throw InputError({.file = where}, "DATASET UNSTRUCTURED_GRID is a mesh, expected POLYDATA");
+  out.surface.nodes = std::move(file.points);
+  const auto known = static_cast<std::int64_t>(out.surface.nodes.size());
+  const auto corner = [&](std::int64_t point) {
+    if (point < 0 || point >= known)
+      throw InputError({.file = where},
+                       fmt::format("a face names point {}, expected 0 to {}", point, known - 1));
+    out.polygon.push_back(point);
+  };
+  const auto polygon = [&](std::span<const std::int64_t> face) {
+    if (face.size() > static_cast<std::size_t>(most_corners))
+      throw InputError({.file = where},
+                       fmt::format("a face with {} corners, expected at most {}", face.size(), most_corners));
+    for (const std::int64_t point : face) corner(point);
+    out.end_polygon();
+  };
+  const auto strip = [&](std::span<const std::int64_t> face) {
+    for (std::size_t i = 0; i + 2 < face.size(); ++i) {
+      const bool turned = i % 2 == 1;
+      corner(face[turned ? i + 1 : i]), corner(face[turned ? i : i + 1]), corner(face[i + 2]);
+      out.end_polygon();
+    }
+  };
+  const auto for_each = [&](const char* kind, auto&& add) {
+    const VtkCells& of = file.cells[kind];
+    for (std::size_t i = 0; i < of.size(); ++i)
+      add(std::span(of.connectivity).subspan(of.offsets[i], of.offsets[i + 1] - of.offsets[i]));
+  };
+  for_each("polygons", polygon);
+  for_each("triangle_strips", strip);
+}
+
 void check_surface(const Surface& surface, std::int64_t greatest, const std::string& where) {
   if (surface.triangles.empty()) throw InputError({.file = where}, "holds no triangles, expected a surface");
   if (greatest >= static_cast<std::int64_t>(surface.nodes.size()))
@@ -196,20 +243,10 @@ bool holds_polydata(const std::filesystem::path& file) {
 
 }  // namespace
 
-std::vector<std::string_view> words_of(std::string_view line) {
-  std::vector<std::string_view> result;
-  while (!(line = trimmed(line)).empty()) {
-    const std::size_t end = std::min(line.find_first_of(" \t"), line.size());
-    result.push_back(line.substr(0, end));
-    line.remove_prefix(end);
-  }
-  return result;
-}
-
 bool is_surface_file(const std::filesystem::path& file) {
   const std::string extension = lower_case(file.extension().string());
   return extension == ".obj" || extension == ".off" || extension == ".stl" || extension == ".ply" ||
-         extension == ".vtp" || (extension == ".vtk" && holds_polydata(file));
+         (extension == ".vtk" && holds_polydata(file));
 }
 
 Surface read_surface(const std::filesystem::path& file) {
@@ -227,8 +264,6 @@ Surface read_surface(const std::filesystem::path& file) {
     read_stl(in, out);
   else if (extension == ".vtk")
     read_polydata(std::move(in), out);
-  else if (extension == ".vtp")
-    read_vtp(std::move(in), out);
   else
     read_ply(in, out);
   check_surface(out.surface, out.greatest, file.string());

@@ -1,17 +1,14 @@
-// Reader of .ply surfaces: faces, and triangle strips as VTK and Stanford's tools write them (element tristrips, a list
-// of vertices; -1 ends a strip).
+#include "geometry/meshing/surface_ply.hpp"
 
 #include <fmt/format.h>
 
 #include <bit>
 #include <cmath>
-#include <cstdint>
 #include <limits>
 #include <map>
+#include <string>
 
 #include "geometry/common/error.hpp"
-#include "geometry/common/scanner.hpp"
-#include "geometry/meshing/surface_formats.hpp"
 
 namespace forefeel {
 namespace {
@@ -94,6 +91,8 @@ class PlyReader {
 
   // An announced count must fit into the file, whatever its items hold.
   void check_element(const Element& element) {
+    if (element.name == "tristrips" && element.count > 0)
+      in_.fail("triangle strips are not read, expected faces (element face)");
     std::size_t least = 0;
     for (const Property& property : element.properties)
       least += !binary_ ? 1 : size_of(property.count_type.empty() ? property.type : property.count_type);
@@ -123,13 +122,8 @@ class PlyReader {
     binary_ ? in_.fail_binary(problem) : in_.fail(problem);
   }
 
-  static bool holds_corners(const Property& property) {
-    return property.name == "vertex_indices" || property.name == "vertex_index";
-  }
-
   void read_item(const Element& element) {
-    const bool is_vertex = element.name == "vertex", is_face = element.name == "face",
-               is_strips = element.name == "tristrips";
+    const bool is_vertex = element.name == "vertex", is_face = element.name == "face";
     Vec3 node = Vec3::Constant(std::numeric_limits<double>::quiet_NaN());
     for (const Property& property : element.properties) {
       if (property.count_type.empty()) {
@@ -142,19 +136,14 @@ class PlyReader {
       const double entries = value(property.count_type);
       if (!(entries >= 0) || entries > static_cast<double>(in_.remaining()))
         fail(fmt::format("a list of {} entries does not fit", entries));
-      const bool wanted = (is_face || is_strips) && holds_corners(property);
+      const bool corners = is_face && (property.name == "vertex_indices" || property.name == "vertex_index");
       for (std::size_t k = 0; k < static_cast<std::size_t>(entries); ++k) {
         const double entry = value(property.type);
-        if (!wanted) continue;
-        if (is_strips)
-          strip_corner(entry);
-        else
-          out_.polygon.push_back(vertex(entry));
+        if (corners) out_.polygon.push_back(vertex(entry));
       }
     }
     if (is_vertex) out_.surface.nodes.push_back(node);
     if (is_face) out_.end_polygon();
-    strip_length_ = 0;
   }
 
   std::int64_t vertex(double index) {
@@ -163,28 +152,10 @@ class PlyReader {
     return static_cast<std::int64_t>(index);
   }
 
-  // The next corner of a strip: it makes a triangle with the two before it, of alternating orientation.
-  void strip_corner(double entry) {
-    if (entry == -1) {
-      strip_length_ = 0;
-      return;
-    }
-    const std::int64_t corner = vertex(entry);
-    if (strip_length_ >= 2) {
-      const bool turned = strip_length_ % 2 == 1;
-      out_.polygon = {last_[turned ? 1 : 0], last_[turned ? 0 : 1], corner};
-      out_.end_polygon();
-    }
-    last_[0] = last_[1], last_[1] = corner;
-    ++strip_length_;
-  }
-
   Scanner& in_;
   SurfaceBuilder& out_;
   bool formatted_ = false, binary_ = false;
   std::vector<Element> elements_;
-  std::size_t strip_length_ = 0;
-  std::int64_t last_[2] = {};  // corners of the strip
 };
 
 }  // namespace

@@ -1,5 +1,7 @@
 #pragma once
-// Steps of tetrahedralise(), for repaired surfaces: closed, manifold, outward. Private to this room.
+// Steps of tetrahedralise() by CGAL, for repaired surfaces: closed, manifold, outward. Private to this room.
+
+#include <functional>
 
 #include "geometry/meshing/surface.hpp"
 
@@ -15,5 +17,14 @@ Surface decimated(const Surface& surface, double share);
 // edge collapse (Garland and Heckbert 1997). Then it is remeshed isotropically and projected onto the input.
 // Edges sharper than 50 degrees are kept.
 Surface resample_surface(const Surface& surface, double edge);
+
+// The nearest point of a surface, by a tree of its triangles; see nearest_point() in surface.hpp.
+struct NearestPoint {
+  Vec3 point = Vec3::Zero();  // [m]
+  std::size_t triangle = 0;   // of the surface
+};
+
+// The surface has at least one triangle that is not flat, and outlives nothing: it is copied.
+std::function<NearestPoint(const Vec3&)> nearest_on(const Surface& surface);
 
 }  // namespace forefeel

@@ -15,7 +15,6 @@
 #include "geometry/common/error.hpp"
 #include "geometry/meshing/surface_cgal.hpp"
 #include "geometry/meshing/surface_process.hpp"
-#include "geometry/meshing/surface_union_cgal.hpp"
 
 namespace forefeel {
 namespace {

@@ -1,4 +1,4 @@
-#include "geometry/meshing/surface_union_cgal.hpp"
+#include "geometry/meshing/surface_cgal.hpp"
 
 #include <CGAL/Polygon_mesh_processing/connected_components.h>
 #include <CGAL/Polygon_mesh_processing/corefinement.h>

@@ -1,19 +1,22 @@
+#include "geometry/meshing/tetrahedralise.hpp"
+
 #include <fmt/format.h>
 
+#include <algorithm>
 #include <atomic>
 #include <chrono>
 #include <cmath>
 #include <cstdint>
 #include <cstring>
 #include <limits>
+#include <map>
 #include <new>
+#include <set>
 #include <type_traits>
 
 #include "geometry/common/error.hpp"
 #include "geometry/meshing/child_process.hpp"
 #include "geometry/meshing/graded_fill.hpp"
-#include "geometry/meshing/meshing_progress.hpp"
-#include "geometry/meshing/surface.hpp"
 #include "geometry/meshing/surface_process.hpp"
 #include "geometry/meshing/tet_fill.hpp"
 
@@ -22,6 +25,24 @@ namespace {
 
 constexpr double share = 0.05;         // accepted relative deviation of the count
 constexpr double close_enough = 0.02;  // deviation at which the search stops
+
+bool is_graded(const TetrahedraliseOptions& options) {
+  return options.toward || options.rim || !options.marks.empty() || !options.pins.empty();
+}
+
+// Of a repaired surface. Without a contact all edges are wanted alike.
+SizeField size_field_of(const Surface& closed, const TetrahedraliseOptions& options) {
+  if (!options.toward) {
+    const double edge = uniform_edge(closed, options.elements);
+    return {.near = edge, .far = edge};
+  }
+  Toward toward = *options.toward;
+  if (!(toward.radius > 0) || !std::isfinite(toward.radius))
+    throw InputError(options.name,
+                     fmt::format("radius of the contact {} m, expected a positive number", toward.radius));
+  toward.site = nearest_point(closed, toward.site);
+  return size_field(closed, toward, options.elements);
+}
 
 void scale(Surface& surface, double length, const std::string& name) {
   const double side = bounding_box(surface).size().maxCoeff();
@@ -305,11 +326,6 @@ const char* name(MeshingStep step) {
       break;
   }
   return "comparing with the surface";
-}
-
-TetMesh tetrahedralise(const Surface& surface, const TetrahedraliseOptions& options,
-                       TetrahedraliseReport* report) {
-  return tetrahedralise(surface, options, report, {});
 }
 
 TetMesh tetrahedralise(const Surface& surface, const TetrahedraliseOptions& options,

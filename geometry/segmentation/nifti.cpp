@@ -12,7 +12,6 @@
 
 #include "geometry/common/error.hpp"
 #include "geometry/common/scanner.hpp"
-#include "geometry/segmentation/inflate.hpp"
 #include "geometry/segmentation/raw_image.hpp"
 
 namespace forefeel {

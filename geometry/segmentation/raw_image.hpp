@@ -64,6 +64,12 @@ LabelVolume labels_of(const ImageHeader& header, std::string_view data, const st
 LabelVolume labels_in(const ImageHeader& header, std::string_view content, bool compressed,
                       const std::string& file);
 
+// Decompresses the data of images: gzip or zlib streams.
+bool is_compressed(std::string_view data);  // begins with the two bytes that mark gzip
+// Returns the first `bytes` of the content, or fewer if the stream is shorter. InputError, with the name of the file,
+// if the stream is damaged or if this build has no zlib. Memory grows with the decompressed content, not with `bytes`.
+std::string inflate(std::string_view data, std::size_t bytes, const std::string& file);
+
 LabelVolume read_nifti(std::string_view content, const std::string& file);
 LabelVolume read_meta_image(std::string_view content, const std::filesystem::path& file);
 LabelVolume read_nrrd(std::string_view content, const std::filesystem::path& file);

@@ -8,7 +8,6 @@
 #include <utility>
 
 #include "geometry/common/error.hpp"
-#include "geometry/coverage/regions.hpp"
 
 namespace forefeel {
 
@@ -207,7 +206,7 @@ void LatticeCandidates::refresh_regions() {
   if (!changed_) return;
   changed_ = false;
   for (Candidate& c : open_)
-    if (c.region != Label::safe) c.region = space_.regions().label_at(c.at);
+    if (c.region != Label::safe) c.region = space_.region_label(c.at);
 }
 
 Candidate LatticeCandidates::refreshed(Candidate candidate) const {

@@ -8,7 +8,6 @@
 #include <utility>
 
 #include "geometry/common/in_best_set.hpp"
-#include "geometry/coverage/coverage_query.hpp"
 #include "scheduling/motion/random.hpp"
 #include "scheduling/policy/candidate_rows.hpp"
 #include "scheduling/policy/prediction_weight.hpp"
@@ -18,7 +17,6 @@ namespace {
 
 constexpr double reach = 2;                                 // of a state, in spacings H
 constexpr double least_need = 1e-15;                        // a need below this counts as none
-constexpr std::uint32_t nobody = 0xffffffffu;               // no point, in PointOctree
 constexpr int multiples[CoverageNeed::scales] = {4, 2, 1};  // H / h
 
 double lack(Label label, int scale) {
@@ -55,52 +53,34 @@ FOREFEEL_INLINE void add_worth(std::size_t first, std::size_t last, std::size_t 
 
 }  // namespace
 
-struct CoverageNeed::Index {
-  PointOctree points;
-  DelaunayIndex delaunay;
-  std::vector<Thresholds> limits;  // by scale
-
-  explicit Index(const StateSpaceOptions& options) {
-    const double h = options.spacing;
-    for (const int multiple : multiples)
-      limits.emplace_back(options.coverage, multiple * h, options.merge_distance * h);
-  }
-  void insert(std::size_t k, const Vec3& at) {
-    const StateId id{static_cast<std::uint32_t>(k)};
-    if (delaunay.insert(id, at, {points.nearest(at).id}) == id) points.insert(id.value, at);
-  }
-  // axis: of a blank place, the axis of an empty cone that proves the label; zero where none was found.
-  Label label(const Vec3& q, std::size_t scale, Vec3* axis = nullptr) const {
-    return label(q, scale, points.nearest(q, limits[scale].sparse_distance), axis);
-  }
-  // nearest: the nearest state, searched within the sparse distance of this scale or of a coarser one.
-  Label label(const Vec3& q, std::size_t scale, const PointOctree::Neighbour& nearest, Vec3* axis) const {
-    const CoverageQuery query(points, delaunay);
-    const Thresholds& limit = limits[scale];
-    if (nearest.id != nobody && nearest.squared <= limit.sparse_distance * limit.sparse_distance)
-      return query.label(q, {nearest.id}, limit);  // safe places lie within this distance, too
-    if (points.size() == 0) return Label::blank;
-    Vec3 witness = Vec3::Zero();
-    const bool gap =
-        query.enclosed(q, limit.gap_radius, limit.gap_cos, limit.merge, axis ? &witness : nullptr);
-    if (axis) *axis = witness.allFinite() ? witness : Vec3(Vec3::Zero());
-    return gap ? Label::gap : Label::blank;
-  }
-  // Whether a state at p may change the label of the place q. For a sparse place or a gap: p is within 2 H.
-  // For a blank place: p is near enough to make it sparse, or within 8 H and inside the empty cone.
-  bool may_change(const Vec3& q, Label now, const Vec3& axis, const Vec3& p, std::size_t scale,
-                  double h) const {
-    const Vec3 to = p - q;
-    const double distance = to.norm(), H = multiples[scale] * h;
-    if (distance > (now == Label::blank ? 8 : 2) * H) return false;
-    if (now != Label::blank || axis.isZero(0) || distance <= 1.001 * limits[scale].sparse_distance)
-      return true;
-    return axis.dot(to) > (limits[scale].gap_cos - 1e-6) * distance;
-  }
-};
-
 CoverageNeed::CoverageNeed(NeedOptions options) : options_(options) {}
-CoverageNeed::~CoverageNeed() = default;
+
+// nearest: the nearest state, searched within the sparse distance of this scale or of a coarser one. axis: of a blank
+// place, the axis of an empty cone that proves the label; zero where none was found.
+Label CoverageNeed::label_at(const Vec3& q, std::size_t s, const PointOctree::Neighbour& nearest,
+                             Vec3& axis) const {
+  const PointOctree& points = space_->points();
+  const CoverageQuery query(points, space_->delaunay());
+  const Thresholds& limit = limits_[s];
+  if (nearest.id != PointOctree::nobody && nearest.squared <= limit.sparse_distance * limit.sparse_distance)
+    return query.label(q, {nearest.id}, limit);  // safe places lie within this distance, too
+  if (points.size() == 0) return Label::blank;
+  Vec3 witness = Vec3::Zero();
+  const bool gap = query.enclosed(q, limit.gap_radius, limit.gap_cos, limit.merge, &witness);
+  axis = witness.allFinite() ? witness : Vec3(Vec3::Zero());
+  return gap ? Label::gap : Label::blank;
+}
+
+// Whether a state at p may change the label of a place. Where it is sparse or a gap: p is within 2 H. Where it is
+// blank: p is near enough to make it sparse, or within 8 H and inside the empty cone.
+bool CoverageNeed::may_change(const Place& place, std::size_t s, const Vec3& p) const {
+  const Vec3 to = p - place.at;
+  const double distance = to.norm(), H = multiples[s] * space_->options().spacing;
+  const bool blank = place.label[s] == Label::blank;
+  if (distance > (blank ? 8 : 2) * H) return false;
+  if (!blank || place.axis[s].isZero(0) || distance <= 1.001 * limits_[s].sparse_distance) return true;
+  return place.axis[s].dot(to) > (limits_[s].gap_cos - 1e-6) * distance;
+}
 
 void CoverageNeed::begin(const StateSpace& space) {
   space_ = &space;
@@ -109,7 +89,9 @@ void CoverageNeed::begin(const StateSpace& space) {
   box_.clear();
   const StateSpaceOptions& options = space.options();
   const double h = options.spacing;
-  index_ = std::make_unique<Index>(options);
+  limits_.clear();
+  for (const int multiple : multiples)
+    limits_.emplace_back(options.coverage, multiple * h, options.merge_distance * h);
   // Cubes of 2 h that fill the box; larger ones where that gives more than 2000.
   const Vec3 size = options.box.size();
   double side = 2 * h;
@@ -124,33 +106,33 @@ void CoverageNeed::begin(const StateSpace& space) {
       }
 }
 
-void CoverageNeed::relabel(Place& place, std::size_t s) const {
-  if (place.label[s] != Label::safe) place.label[s] = index_->label(place.at, s, &place.axis[s]);
-}
-
 // Labels never get worse: places that are safe at a spacing, and those that no new state can change, keep
 // their label.
-void CoverageNeed::learn(const StateSpace& space, std::span<const float> surprises) {
-  const double h = space.options().spacing;
-  for (; known_ < space.size(); ++known_) {
-    const State& state = space[StateId{static_cast<std::uint32_t>(known_)}];
+void CoverageNeed::learn(std::span<const float> surprises) {
+  for (; known_ < space_->size(); ++known_) {
+    const State& state = (*space_)[StateId{static_cast<std::uint32_t>(known_)}];
     if (known_ < surprises.size() && std::isfinite(surprises[known_])) teach(state.at, surprises[known_]);
-    index_->insert(known_, state.at);
     for (Place& place : box_)
       for (std::size_t s = 0; s < scales; ++s)
-        if (!place.due[s] && place.label[s] != Label::safe)
-          place.due[s] = index_->may_change(place.at, place.label[s], place.axis[s], state.at, s, h);
+        if (!place.due[s] && place.label[s] != Label::safe) place.due[s] = may_change(place, s, state.at);
   }
   for (Place& place : box_)
     for (std::size_t s = 0; s < scales; ++s)
-      if (std::exchange(place.due[s], false)) relabel(place, s);
+      if (std::exchange(place.due[s], false) && place.label[s] != Label::safe)
+        place.label[s] = label_at(place.at, s, space_->points().nearest(place.at, limits_[s].sparse_distance),
+                                  place.axis[s]);
 }
 
-// Counts the surprise at the coarsest spacing at which the place was blank or a gap before its state came.
+// Counts the surprise of state `known_` at the coarsest spacing at which its place was blank or a gap before it came:
+// where no earlier state was within the sparse distance.
 void CoverageNeed::teach(const Vec3& at, double surprise) {
+  double nearest = std::numeric_limits<double>::infinity();  // squared [m^2]
+  space_->points().for_each_within(at, limits_[0].sparse_distance,
+                                   [&](std::uint32_t id, const Vec3&, double squared) {
+                                     if (id < known_) nearest = std::min(nearest, squared);
+                                   });
   for (std::size_t s = 0; s < scales; ++s) {
-    const Label label = index_->label(at, s);
-    if (label == Label::safe || label == Label::sparse) continue;
+    if (nearest <= limits_[s].sparse_distance * limits_[s].sparse_distance) continue;
     seen_[s] += 1;
     missed_[s] += surprise > 1 ? 1 : 0;
     return;
@@ -181,10 +163,9 @@ void CoverageNeed::weigh(const PlannerView& view) {
     const double weight = weight_at(p.horizon);
     const double sure = sureness(p.deviation, h), width = std::max(p.deviation, h);
     Place place{.at = folded(p.at, box), .weight = weight * sure};
-    const auto nearest = index_->points.nearest(
-        place.at, index_->limits[0].sparse_distance);  // the coarsest scale's, the largest distance
-    for (std::size_t s = 0; s < scales; ++s)
-      place.label[s] = index_->label(place.at, s, nearest, &place.axis[s]);
+    const auto nearest = view.space.points().nearest(
+        place.at, limits_[0].sparse_distance);  // the coarsest scale's, the largest distance
+    for (std::size_t s = 0; s < scales; ++s) place.label[s] = label_at(place.at, s, nearest, place.axis[s]);
     places_.push_back(place);
     if (!(weight > 0) || sure > 0.99) continue;
     constexpr double nothing = -40;  // e^-40, 4e-18
@@ -210,7 +191,7 @@ void CoverageNeed::shuffle_labels() {
 
 void CoverageNeed::look(const PlannerView& view) {
   if (space_ != &view.space || known_ > view.space.size()) begin(view.space);
-  learn(view.space, view.surprises);
+  learn(view.surprises);
   weigh_scales(view.with_stiffness);
   weigh(view);
   if (options_.shuffle) shuffle_labels();

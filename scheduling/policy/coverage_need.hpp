@@ -24,11 +24,11 @@
 
 #include <array>
 #include <cstdint>
-#include <memory>
 #include <span>
 #include <utility>
 #include <vector>
 
+#include "geometry/coverage/coverage_query.hpp"
 #include "scheduling/policy/need_left.hpp"
 #include "scheduling/policy/policy.hpp"
 
@@ -44,7 +44,6 @@ class CoverageNeed {
  public:
   static constexpr int scales = 3;
   explicit CoverageNeed(NeedOptions options);
-  ~CoverageNeed();
 
   // Call once per planning step. Reads new states, labels all places, sets w and the states being solved.
   void look(const PlannerView& view);
@@ -62,9 +61,10 @@ class CoverageNeed {
     std::array<bool, scales> due{};  // the label may have changed
   };
   void begin(const StateSpace& space);
-  void learn(const StateSpace& space, std::span<const float> surprises);
+  void learn(std::span<const float> surprises);
   void teach(const Vec3& at, double surprise);
-  void relabel(Place& place, std::size_t scale) const;
+  Label label_at(const Vec3& q, std::size_t scale, const PointOctree::Neighbour& nearest, Vec3& axis) const;
+  bool may_change(const Place& place, std::size_t scale, const Vec3& p) const;
   void weigh_scales(bool with_stiffness);
   void weigh(const PlannerView& view);
   void shuffle_labels();
@@ -73,8 +73,7 @@ class CoverageNeed {
 
   NeedOptions options_;
   const StateSpace* space_ = nullptr;
-  struct Index;
-  std::unique_ptr<Index> index_;                  // one triangulation of the states serves the three spacings
+  std::vector<Thresholds> limits_;                // by scale; the space's triangulation serves all of them
   std::array<double, scales> importance_{};       // N_H
   std::array<double, scales> missed_{}, seen_{};  // states solved in a blank or gap at H: misses, all
   std::size_t known_ = 0;

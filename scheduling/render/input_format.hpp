@@ -17,7 +17,7 @@
 #include <string_view>
 
 #include "geometry/common/packer.hpp"
-#include "geometry/coverage/state_space_options.hpp"
+#include "geometry/coverage/state_space.hpp"
 #include "scheduling/render/frame_input.hpp"
 #include "scheduling/render/render_options.hpp"
 #include "scheduling/render/session_model_options.hpp"

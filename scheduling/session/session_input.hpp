@@ -8,7 +8,7 @@
 #include <vector>
 
 #include "approx/switch/relaxation.hpp"
-#include "geometry/coverage/state_space_options.hpp"
+#include "geometry/coverage/state_space.hpp"
 #include "geometry/states/state_header.hpp"
 
 namespace forefeel {

@@ -11,7 +11,7 @@
 #include "apps/scene/scene.hpp"
 #include "geometry/common/error.hpp"
 #include "geometry/mesh/mesh_file.hpp"
-#include "geometry/mesh/mesh_summary.hpp"
+#include "geometry/mesh/tet_mesh.hpp"
 #include "solver/equilibrium/solver.hpp"
 #include "tests/solver/block_body.hpp"
 #include "tests/support/error_of.hpp"

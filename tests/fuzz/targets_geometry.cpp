@@ -24,7 +24,7 @@ namespace fs = std::filesystem;
 
 const std::vector<std::string> mesh_extensions{".msh", ".vtk", ".vtu", ".mesh"},
     label_extensions{".nii", ".mha", ".nrrd", ".vti"},
-    surface_extensions{".obj", ".off", ".stl", ".ply", ".vtp", ".vtk"};
+    surface_extensions{".obj", ".off", ".stl", ".ply", ".vtk"};
 
 void read_any_mesh(std::string_view input) {
   const NamedInput named = named_input(input, mesh_extensions);

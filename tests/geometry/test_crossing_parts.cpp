@@ -9,7 +9,7 @@
 #include <random>
 
 #include "geometry/meshing/deviation.hpp"
-#include "geometry/meshing/surface.hpp"
+#include "geometry/meshing/tetrahedralise.hpp"
 
 using namespace forefeel;
 

@@ -4,6 +4,7 @@
 
 #include "geometry/meshing/deviation.hpp"
 #include "geometry/meshing/phantom.hpp"
+#include "geometry/meshing/tetrahedralise.hpp"
 #include "tests/support/mesh_samples.hpp"
 
 using namespace forefeel;

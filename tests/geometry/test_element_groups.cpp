@@ -11,7 +11,7 @@
 
 #include "geometry/mesh/mesh_file.hpp"
 #include "geometry/mesh/mesh_formats.hpp"
-#include "geometry/mesh/mesh_summary.hpp"
+#include "geometry/mesh/tet_mesh.hpp"
 #include "tests/support/error_of.hpp"
 #include "tests/support/labelled_meshes.hpp"
 #include "tests/support/mesh_samples.hpp"

@@ -8,7 +8,7 @@
 
 #include "geometry/meshing/phantom.hpp"
 #include "geometry/meshing/size_field.hpp"
-#include "geometry/meshing/surface.hpp"
+#include "geometry/meshing/tetrahedralise.hpp"
 #include "tests/support/error_of.hpp"
 #include "tests/support/mesh_samples.hpp"
 #include "tests/support/slow.hpp"

@@ -4,8 +4,8 @@
 #include <map>
 #include <random>
 
-#include "geometry/coverage/agreement.hpp"
 #include "geometry/coverage/octree_index.hpp"
+#include "geometry/coverage/regions.hpp"
 #include "geometry/coverage/setups.hpp"
 
 using namespace forefeel;
@@ -30,7 +30,7 @@ TEST_CASE("octree and Delaunay labels agree on 95 % of the volume of every built
       state.at = p;
       octree.insert(space.insert(state).id, p);
     }
-    const Agreement agreement = compare_indexes(space, octree);
+    const Agreement agreement = compare_indexes(space.regions(), octree);
     INFO(name << ": " << agreement.share);
     CHECK(agreement.share >= 0.95);
     double all = 0;

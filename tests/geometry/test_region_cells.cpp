@@ -6,7 +6,7 @@
 #include <set>
 
 #include "geometry/common/union_find.hpp"
-#include "geometry/coverage/region_cells.hpp"
+#include "geometry/coverage/region_file.hpp"
 #include "geometry/coverage/regions.hpp"
 #include "geometry/coverage/state_space.hpp"
 

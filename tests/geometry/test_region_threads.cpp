@@ -1,4 +1,4 @@
-// Regions that several threads settle.
+// Regions that several threads make.
 
 #include <omp.h>
 
@@ -29,7 +29,7 @@ StateSpace scattered(std::size_t n) {
   return space;
 }
 
-RegionSummary settled_by(int threads, const StateSpace& space) {
+RegionSummary made_by(int threads, const StateSpace& space) {
   const int before = omp_get_max_threads();
   omp_set_num_threads(threads);
   const RegionSummary summary = space.regions().summary();
@@ -59,18 +59,18 @@ bool same(const RegionSummary& a, const RegionSummary& b) {
 
 TEST_CASE("regions are the same to the last bit for any number of threads") {
   const StateSpace one = scattered(9000), three = scattered(9000), seven = scattered(9000);
-  const RegionSummary alone = settled_by(1, one);
+  const RegionSummary alone = made_by(1, one);
   CHECK(alone.component_count[0] > 0);
   CHECK(alone.component_count[2] > 0);
   CHECK(alone.leaves.size() > 10'000);
-  CHECK(same(alone, settled_by(3, three)));
-  CHECK(same(alone, settled_by(7, seven)));
+  CHECK(same(alone, made_by(3, three)));
+  CHECK(same(alone, made_by(7, seven)));
 }
 
-TEST_CASE("regions that threads settled notice every later state",
+TEST_CASE("regions of states that came in two parts equal those of all at once",
           SLOW("makes regions of thousands of states for several numbers of threads")) {
   StateSpace grown = scattered(6000), fresh = scattered(6000);
-  settled_by(3, grown);
+  made_by(3, grown);
   std::mt19937_64 random(8);
   std::uniform_real_distribution<double> uniform(-0.05, 0.05);
   for (int i = 0; i < 300; ++i) {
@@ -79,5 +79,5 @@ TEST_CASE("regions that threads settled notice every later state",
     grown.insert(state);
     fresh.insert(state);
   }
-  CHECK(same_leaves(settled_by(3, grown), settled_by(1, fresh)));
+  CHECK(same_leaves(made_by(3, grown), made_by(1, fresh)));
 }

@@ -12,7 +12,7 @@
 #include "geometry/common/error.hpp"
 #include "geometry/meshing/child_process.hpp"
 #include "geometry/meshing/phantom.hpp"
-#include "geometry/meshing/surface.hpp"
+#include "geometry/meshing/tetrahedralise.hpp"
 #include "tests/support/error_of.hpp"
 #include "tests/support/mesh_samples.hpp"
 #include "tests/support/paths.hpp"

@@ -267,22 +267,6 @@ static std::string polydata(const Surface& surface, bool binary, bool offsets) {
          }());
 }
 
-static std::string vtp(const Surface& surface) {
-  std::string points, corners, ends;
-  for (const Vec3& n : surface.nodes) points += fmt::format("{} {} {}\n", n.x(), n.y(), n.z());
-  for (const auto& [a, b, c] : surface.triangles) corners += fmt::format("{} {} {}\n", a, b, c);
-  for (std::size_t i = 1; i <= surface.triangles.size(); ++i) ends += fmt::format("{} ", 3 * i);
-  return fmt::format(
-      "<VTKFile type=\"PolyData\" version=\"0.1\" byte_order=\"LittleEndian\">\n<PolyData>\n"
-      "<Piece NumberOfPoints=\"{}\" NumberOfVerts=\"0\" NumberOfLines=\"0\" NumberOfStrips=\"0\" "
-      "NumberOfPolys=\"{}\">\n<Points>\n<DataArray type=\"Float64\" NumberOfComponents=\"3\" "
-      "format=\"ascii\">\n{}</DataArray>\n</Points>\n<Polys>\n"
-      "<DataArray type=\"Int64\" Name=\"connectivity\" format=\"ascii\">\n{}</DataArray>\n"
-      "<DataArray type=\"Int64\" Name=\"offsets\" format=\"ascii\">\n{}</DataArray>\n"
-      "</Polys>\n</Piece>\n</PolyData>\n</VTKFile>\n",
-      surface.nodes.size(), surface.triangles.size(), points, corners, ends);
-}
-
 std::map<std::string, std::string> surface_files(const Surface& surface) {
   std::string obj = "# a surface\no body\n",
               off = fmt::format("OFF\n{} {} 0\n", surface.nodes.size(), surface.triangles.size()),
@@ -331,7 +315,6 @@ std::map<std::string, std::string> surface_files(const Surface& surface) {
           {"old.vtk", polydata(surface, false, false)},
           {"old_binary.vtk", polydata(surface, true, false)},
           {"new.vtk", polydata(surface, false, true)},
-          {"s.vtp", vtp(surface)},
           {"binary.stl", stl_binary},
           {"text.ply", header("ascii") + ply_body},
           {"little.ply", header("binary_little_endian") + ply_binary},

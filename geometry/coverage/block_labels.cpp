@@ -1,14 +1,136 @@
-#include "geometry/coverage/block_cover.hpp"
+#include "geometry/coverage/block_labels.hpp"
+
+#include <omp.h>
 
 #include <Eigen/Geometry>
 #include <algorithm>
+#include <array>
 #include <cmath>
+#include <exception>
+#include <memory>
+#include <numeric>
+#include <span>
 
-#include "geometry/coverage/fill_distance.hpp"
 #include "geometry/index/morton_order.hpp"
 
 namespace forefeel {
 namespace {
+
+// ---- blocks of about equally many states, by cuts at medians
+
+struct CoverBlock {
+  Voxel low{}, high{};                // voxels from low to below high
+  std::uint32_t first = 0, last = 0;  // its states: order[first] to below order[last]
+  Box extent;  // of these states [m]; those outside the box belong to the nearest voxel
+  std::size_t states() const { return last - first; }
+};
+
+constexpr std::size_t most_in_block = 60'000;
+constexpr std::int64_t voxels_in_block = std::int64_t{1} << 25;
+
+class Division {
+ public:
+  Division(const VoxelGrid& grid, std::span<const Vec3> states, std::vector<std::uint32_t>& order)
+      : grid_(grid), states_(states), order_(order) {}
+
+  void divide(CoverBlock block) {
+    std::array<std::size_t, 3> axes{0, 1, 2};
+    const auto width = [&](std::size_t axis) { return block.high[axis] - block.low[axis]; };
+    std::ranges::sort(axes, std::greater(), width);
+    const bool many = block.states() > most_in_block;
+    const bool large = std::int64_t{width(0)} * width(1) * width(2) > voxels_in_block;
+    if ((!many && !large) || width(axes[0]) == 1) return keep(block);
+    const std::size_t axis = axes[0];
+    const std::int32_t cut = many ? median(block, axis) : block.low[axis] + width(axis) / 2;
+    const auto begin = order_.begin();
+    const auto middle = std::stable_partition(begin + block.first, begin + block.last,
+                                              [&](std::uint32_t i) { return voxel(i, axis) < cut; });
+    CoverBlock upper = block;
+    block.high[axis] = upper.low[axis] = cut;
+    block.last = upper.first = static_cast<std::uint32_t>(middle - begin);
+    divide(block);
+    divide(upper);
+  }
+  std::vector<CoverBlock> blocks;
+
+ private:
+  std::int32_t voxel(std::uint32_t state, std::size_t axis) const {
+    return grid_.voxel_of(states_[state])[axis];
+  }
+  // Between the first and the last voxel.
+  std::int32_t median(const CoverBlock& block, std::size_t axis) {
+    std::vector<std::int32_t> at;
+    const std::size_t step = 1 + block.states() / 4096;
+    for (std::size_t i = block.first; i < block.last; i += step) at.push_back(voxel(order_[i], axis));
+    const auto middle = at.begin() + static_cast<std::ptrdiff_t>(at.size() / 2);
+    std::ranges::nth_element(at, middle);
+    return std::clamp(*middle, block.low[axis] + 1, block.high[axis] - 1);
+  }
+  void keep(CoverBlock& block) {
+    for (std::size_t i = block.first; i < block.last; ++i) {
+      const Vec3& at = states_[order_[i]];
+      if (i == block.first) block.extent = {at, at};
+      block.extent = {block.extent.low.cwiseMin(at), block.extent.high.cwiseMax(at)};
+    }
+    blocks.push_back(block);
+  }
+
+  const VoxelGrid& grid_;
+  std::span<const Vec3> states_;
+  std::vector<std::uint32_t>& order_;
+};
+
+// order: indices of the states; reordered so that the states of a block follow each other.
+std::vector<CoverBlock> cover_blocks(const VoxelGrid& grid, std::span<const Vec3> states,
+                                     std::vector<std::uint32_t>& order) {
+  CoverBlock whole;
+  whole.last = static_cast<std::uint32_t>(order.size());
+  for (std::size_t axis = 0; axis < 3; ++axis) whole.high[axis] = static_cast<std::int32_t>(grid.count[axis]);
+  Division division(grid, states, order);
+  division.divide(whole);
+  return std::move(division.blocks);
+}
+
+// ---- one block
+
+// What the blocks share.
+struct CoverTask {
+  const CoveredStates& states;
+  std::span<const CoverBlock> blocks;
+  std::span<const std::uint32_t> order;  // of the states
+  const VoxelLimits& limits;
+  VoxelLabels& voxels;
+};
+
+class BlockCover {
+ public:
+  explicit BlockCover(const CoverTask& task) : task_(task), seen_(task.states.at.size(), 0) {}
+  // Sets the labels safe and sparse of the block's voxels, and mark::unset for the others.
+  BlockFindings run(std::size_t block);
+
+ private:
+  void gather(const CoverBlock& block);
+  void triangulate();
+  void label(CellRaster& raster, const CoverBlock& block, BlockFindings& found);
+  void keep_balls(std::vector<EmptyBall>& balls, BlockFindings& found);
+  void answer(std::vector<std::size_t>& asked);
+  void answer_brick(std::span<const std::size_t> asked);
+  std::uint8_t mark_at(const Vec3& q, const Thresholds& limits);
+  bool foreign(const Vec3& centre, double radius, std::uint32_t& state) const;
+  bool extend(const Spread& spread);
+
+  CoverTask task_;
+  Box known_;                         // all states in it are triangulated [m]
+  std::vector<std::uint32_t> local_;  // state of each number of the triangulation
+  std::vector<std::uint32_t> seen_;   // by state: the last run that included it
+  std::uint32_t runs_ = 0;
+
+  std::unique_ptr<DelaunayIndex> delaunay_;
+  PathWalk walk_;
+  std::vector<Vec3> around_;  // states near a brick
+  Directions directions_;
+  ConeSolver solver_;
+};
 
 constexpr double touching = 1e-9;  // relative width of the shell of a ball where rounding decides
 
@@ -28,8 +150,6 @@ Vec3 circumcentre(const std::array<Vec3, 4>& at) {
   return at[0] + (aa * b.cross(c) + bb * c.cross(a) + cc * a.cross(b)) / (2 * a.dot(b.cross(c)));
 }
 
-}  // namespace
-
 // The states within reach of the block. The cells around a state of even density seldom reach beyond 2.5 mean
 // distances.
 void BlockCover::gather(const CoverBlock& block) {
@@ -37,7 +157,7 @@ void BlockCover::gather(const CoverBlock& block) {
   const Vec3 low = grid.low_of(block.low), high = grid.low_of(block.high);
   const double apart =
       std::cbrt((high - low).prod() / static_cast<double>(std::max<std::size_t>(block.states(), 1)));
-  const double cone = task_.limits.safe_radius * (1 + 1e-6) + 2 * grid.side;
+  const double cone = task_.limits.widest().safe_radius * (1 + 1e-6) + 2 * grid.side;
   const double reach = std::max(cone, std::min(2.5 * apart, 0.5 * (high - low).maxCoeff()));
   known_ = {low - Vec3::Constant(reach), high + Vec3::Constant(reach)};
   ++runs_;
@@ -63,7 +183,8 @@ void BlockCover::triangulate() {
   for (const std::uint32_t i : morton_order(at, known_, apart)) sorted.push_back(local_[i]);
   local_ = std::move(sorted);
   delaunay_ = std::make_unique<DelaunayIndex>();
-  walk_ = {};
+  walk_.version = 0;
+  walk_.near = {};
   StateId last;
   for (std::uint32_t i = 0; i < local_.size(); ++i)
     last = delaunay_->insert({i}, task_.states.at[local_[i]], last);
@@ -95,16 +216,16 @@ bool BlockCover::extend(const Spread& spread) {
   return true;
 }
 
-std::uint8_t BlockCover::mark_at(const Vec3& q) {
+std::uint8_t BlockCover::mark_at(const Vec3& q, const Thresholds& limits) {
   const CoverageQuery query(task_.states.points, *delaunay_);
   for (;;) {
     const Spread spread = delaunay_->spread(q, walk_);
-    if (!spread.inside || !query.safe_cone(q, spread, task_.limits)) break;
-    if (spread.spread <= task_.limits.safe_spread) return mark::safe;
+    if (!spread.inside || !query.safe_cone(q, spread, limits)) break;
+    if (spread.spread <= limits.safe_spread) return mark::safe;
     if (!extend(spread)) break;
   }
-  return task_.states.points.nearest(q, task_.limits.sparse_distance).id != PointOctree::nobody ? mark::sparse
-                                                                                                : mark::unset;
+  return task_.states.points.nearest(q, limits.sparse_distance).id != PointOctree::nobody ? mark::sparse
+                                                                                          : mark::unset;
 }
 
 // Voxels of one brick share the states around it.
@@ -114,27 +235,29 @@ void BlockCover::answer_brick(std::span<const std::size_t> asked) {
     return task_.voxels.centre_of(v[0], v[1], v[2]);
   };
   Box box{place(asked.front()), place(asked.front())};
-  for (const std::size_t index : asked)
+  double radius = 0;
+  for (const std::size_t index : asked) {
     box = {box.low.cwiseMin(place(index)), box.high.cwiseMax(place(index))};
+    radius = std::max(radius, task_.limits.at(index).safe_radius);
+  }
   around_.clear();
   task_.states.points.for_each_within(
-      box.centre(), task_.limits.safe_radius + (0.5 + 1e-9) * box.size().norm(),
+      box.centre(), radius + (0.5 + 1e-9) * box.size().norm(),
       [&](std::uint32_t id, const Vec3&, double) { around_.push_back(task_.states.at[id]); });
   for (const std::size_t index : asked) {
     const Vec3 q = place(index);
+    const Thresholds& limits = task_.limits.at(index);
     if (task_.voxels.label[index] == mark::ask) {
-      task_.voxels.label[index] = mark_at(q);
+      task_.voxels.label[index] = mark_at(q, limits);
       continue;
     }
     directions_.clear();
     for (const Vec3& at : around_) {
       const double squared = (at - q).squaredNorm();
-      if (squared <= task_.limits.safe_radius * task_.limits.safe_radius &&
-          squared > task_.limits.merge * task_.limits.merge)
+      if (squared <= limits.safe_radius * limits.safe_radius && squared > limits.merge * limits.merge)
         directions_.push((at - q) / std::sqrt(squared));
     }
-    task_.voxels.label[index] =
-        solver_.at_most(directions_, task_.limits.safe_cos) ? mark::safe : mark::sparse;
+    task_.voxels.label[index] = solver_.at_most(directions_, limits.safe_cos) ? mark::safe : mark::sparse;
   }
 }
 
@@ -153,6 +276,10 @@ void BlockCover::answer(std::vector<std::size_t>& asked) {
     for (std::size_t i = begin; i < end; ++i) asked.push_back(sorted[i].second);
     answer_brick(asked);
   }
+}
+
+bool smaller(const EmptyBall& a, const EmptyBall& b) {
+  return a.radius < b.radius;
 }
 
 void BlockCover::keep_balls(std::vector<EmptyBall>& balls, BlockFindings& found) {
@@ -209,6 +336,50 @@ BlockFindings BlockCover::run(std::size_t number) {
   answer(raster.asked());
   delaunay_.reset();
   return found;
+}
+
+// No exception may leave a parallel loop.
+template <class Work>
+void guarded(std::exception_ptr& failed, Work&& work) {
+  try {
+    work();
+  } catch (...) {
+#pragma omp critical(forefeel_label_blocks)
+    if (!failed) failed = std::current_exception();
+  }
+}
+
+}  // namespace
+
+BlockFindings label_blocks(const CoveredStates& states, const VoxelLimits& limits, VoxelLabels& voxels,
+                           const std::function<void(double)>& progress) {
+  std::vector<std::uint32_t> order(states.at.size());
+  std::iota(order.begin(), order.end(), 0u);
+  const std::vector<CoverBlock> blocks = cover_blocks(voxels.grid, states.at, order);
+  std::vector<BlockFindings> found(blocks.size());
+  std::exception_ptr failed;
+  std::size_t done = 0;
+#pragma omp parallel
+  {
+    BlockCover cover({states, blocks, order, limits, voxels});
+#pragma omp for schedule(dynamic, 1)
+    for (std::size_t b = 0; b < blocks.size(); ++b) {
+      guarded(failed, [&] { found[b] = cover.run(b); });
+      std::size_t now = 0;
+#pragma omp atomic capture
+      now = ++done;
+      if (progress && omp_get_thread_num() == 0)
+        progress(static_cast<double>(now) / static_cast<double>(blocks.size()));
+    }
+  }
+  if (failed) std::rethrow_exception(failed);
+  BlockFindings all;
+  for (const BlockFindings& f : found) {
+    all.fill = std::max(all.fill, f.fill);
+    all.balls.insert(all.balls.end(), f.balls.begin(), f.balls.end());
+    all.open.insert(all.open.end(), f.open.begin(), f.open.end());
+  }
+  return all;
 }
 
 }  // namespace forefeel

@@ -1,14 +1,120 @@
-#include "geometry/coverage/voxel_summary.hpp"
+#include "geometry/coverage/region_summary.hpp"
 
 #include <algorithm>
 #include <cmath>
+#include <map>
+#include <numbers>
 #include <numeric>
+#include <utility>
 
 #include "geometry/common/error.hpp"
 #include "geometry/common/signed_vector.hpp"
+#include "geometry/common/union_find.hpp"
+#include "geometry/coverage/voxel_runs.hpp"
 
 namespace forefeel {
 namespace {
+
+// ---- safe components next to the others
+
+// Those that share a facet, and for a gap those within its rim: pairs of a component that is not safe and a safe one
+// (RegionComponent::safe_neighbours).
+using Pair = std::pair<std::uint32_t, std::uint32_t>;
+constexpr auto safe_label = static_cast<std::uint8_t>(Label::safe),
+               gap_label = static_cast<std::uint8_t>(Label::gap);
+
+class Search {
+ public:
+  Search(const VoxelLabels& voxels, const VoxelRuns& runs, const RimReach& rim)
+      : voxels_(voxels), runs_(runs), rim_of_(rim) {}
+
+  void plane(std::int64_t k) {
+    for (std::int64_t j = 0; j < voxels_.count[1]; ++j) {
+      const auto row = static_cast<std::size_t>(k * voxels_.count[1] + j);
+      for (std::uint32_t run = runs_.first_run(row); run + 1 < runs_.end_run(row); ++run)
+        meet(row, run, row, run + 1, runs_.start(run + 1) - 1, 1);
+      const auto with = [&](std::size_t other) {
+        runs_.for_each_overlap(row, other, [&](std::uint32_t a, std::uint32_t b, std::int32_t i) {
+          meet(row, a, other, b, i, 0);
+        });
+      };
+      if (j > 0) with(row - 1);
+      if (k > 0) with(row - static_cast<std::size_t>(voxels_.count[1]));
+      for (std::uint32_t run = runs_.first_run(row); run < runs_.end_run(row); ++run)
+        if (label(row, runs_.start(run)) == gap_label) look_around(j, k, row, run);
+    }
+    thin_out();
+  }
+  std::vector<Pair> found;
+
+ private:
+  std::uint8_t label(std::size_t row, std::int32_t i) const {
+    return voxels_.label[row * static_cast<std::size_t>(voxels_.count[0]) + static_cast<std::size_t>(i)];
+  }
+  void add(std::uint32_t component, std::uint32_t of_safe) {
+    const Pair pair{component, of_safe};
+    if (!found.empty() && found.back() == pair) return;
+    found.push_back(pair);
+    if (found.size() > 2 * thinned_ + (1u << 20)) thin_out();
+  }
+  void thin_out() {
+    std::ranges::sort(found);
+    found.erase(std::unique(found.begin(), found.end()), found.end());
+    thinned_ = found.size();
+  }
+  // Runs a and b share a facet where a has voxel i and b voxel i + step.
+  void meet(std::size_t row_a, std::uint32_t a, std::size_t row_b, std::uint32_t b, std::int32_t i,
+            std::int32_t step) {
+    const std::uint8_t la = label(row_a, i), lb = label(row_b, i + step);
+    if (la == lb || (la != safe_label && lb != safe_label)) return;
+    if (lb == safe_label) add(runs_.component(a), runs_.component(b));
+    if (la == safe_label) add(runs_.component(b), runs_.component(a));
+  }
+  // The safe runs within the rim of a run of a gap. A voxel d voxels away is max(0, |d| - 1) sides away.
+  void look_around(std::int64_t j, std::int64_t k, std::size_t row, std::uint32_t run) {
+    const std::int32_t first = runs_.start(run), end = runs_.end(row, run);
+    const double rim = rim_of_(voxels_.centre_of((first + end) / 2, j, k)) / voxels_.grid.side;  // [voxels]
+    const auto reach = static_cast<std::int64_t>(std::floor(rim * (1 + 1e-12))) + 1;
+    const auto apart = [](std::int64_t d) {
+      return static_cast<double>(std::max<std::int64_t>(0, std::abs(d) - 1));
+    };
+    for (std::int64_t dk = -reach; dk <= reach; ++dk)
+      for (std::int64_t dj = -reach; dj <= reach; ++dj) {
+        if (j + dj < 0 || j + dj >= voxels_.count[1] || k + dk < 0 || k + dk >= voxels_.count[2]) continue;
+        const double left = rim * rim * (1 + 1e-12) - apart(dj) * apart(dj) - apart(dk) * apart(dk);
+        if (left < 0) continue;
+        const auto along = static_cast<std::int32_t>(std::floor(std::sqrt(left))) + 1;
+        const auto other = static_cast<std::size_t>((k + dk) * voxels_.count[1] + j + dj);
+        const std::int32_t from = std::max(0, first - along),
+                           to = std::min(static_cast<std::int32_t>(voxels_.count[0]), end + along);
+        for (std::uint32_t r = runs_.run_at(other, from); r < runs_.end_run(other) && runs_.start(r) < to;
+             ++r)
+          if (label(other, runs_.start(r)) == safe_label) add(runs_.component(run), runs_.component(r));
+      }
+  }
+
+  const VoxelLabels& voxels_;
+  const VoxelRuns& runs_;
+  const RimReach& rim_of_;
+  std::size_t thinned_ = 0;
+};
+
+std::vector<Pair> safe_neighbours(const VoxelLabels& voxels, const VoxelRuns& runs, const RimReach& rim) {
+  std::vector<Pair> all;
+#pragma omp parallel
+  {
+    Search search(voxels, runs, rim);
+#pragma omp for schedule(dynamic, 1)
+    for (std::int64_t k = 0; k < voxels.count[2]; ++k) search.plane(k);
+#pragma omp critical(forefeel_safe_neighbours)
+    all.insert(all.end(), search.found.begin(), search.found.end());
+  }
+  std::ranges::sort(all);
+  all.erase(std::unique(all.begin(), all.end()), all.end());
+  return all;
+}
+
+// ---- leaves and components
 
 // Increases along the order in which leaves are listed.
 std::uint64_t key_of(const RootCubes& roots, const Voxel& v) {
@@ -155,6 +261,37 @@ std::vector<RegionLeaf> find_leaves(const VoxelLabels& voxels, const VoxelRuns& 
   return all;
 }
 
+// ---- sides of gaps
+
+constexpr double degrees = 180 / std::numbers::pi;
+constexpr std::size_t most_bridges = 1000;  // gaps whose sides are found, largest first
+
+// Directions in one cell of this side are merged, because clustering up to 2000 single directions would be slow.
+constexpr double grain = 0.04;
+
+struct Ray {
+  Vec3 unit;        // mean of the cell
+  double distance;  // of its nearest state [m]
+  std::size_t states;
+};
+
+std::vector<Ray> gather_rays(std::span<const Vec3> offsets) {
+  std::map<std::array<int, 3>, Ray> cells;
+  for (const Vec3& d : offsets) {
+    const double length = d.norm();
+    if (!(length > 0)) continue;
+    const Vec3 u = d / length;
+    const auto cell = [&](int axis) { return static_cast<int>(std::floor(u[axis] / grain)); };
+    auto [entry, fresh] = cells.try_emplace({cell(0), cell(1), cell(2)}, Ray{Vec3::Zero(), length, 0});
+    entry->second.unit += u;
+    entry->second.distance = std::min(entry->second.distance, length);
+    ++entry->second.states;
+  }
+  std::vector<Ray> rays;
+  for (auto& [cell, ray] : cells) rays.push_back({ray.unit.normalized(), ray.distance, ray.states});
+  return rays;
+}
+
 }  // namespace
 
 RegionSummary summarise(const VoxelLabels& voxels, const RimReach& rim, bool with_leaves) {
@@ -203,6 +340,60 @@ RegionSummary sample_regions(const Box& box, double spacing, double rim,
         voxels.label[voxels.index(i, j, k)] = static_cast<std::uint8_t>(label(voxels.centre_of(i, j, k)));
   return summarise(
       voxels, [rim](const Vec3&) { return rim; }, true);
+}
+
+double bridge_link_deg(double sparse_distance) {
+  return 2 * std::asin(std::min(1.0, 0.5 / sparse_distance)) * degrees;
+}
+
+std::vector<BridgeSide> bridge_sides(std::span<const Vec3> offsets, double link_deg) {
+  const std::vector<Ray> rays = gather_rays(offsets);
+  // The mean of a cell may be a cell's diagonal away from its directions.
+  const double link =
+      std::cos(std::min(std::numbers::pi, link_deg / degrees + std::numbers::sqrt3 * grain / 2));
+  UnionFind sets(rays.size());
+  for (std::size_t i = 0; i < rays.size(); ++i)
+    for (std::size_t j = i + 1; j < rays.size(); ++j)
+      if (rays[i].unit.dot(rays[j].unit) >= link)
+        sets.join(static_cast<std::uint32_t>(i), static_cast<std::uint32_t>(j));
+  std::map<std::uint32_t, BridgeSide> sides;
+  for (std::size_t i = 0; i < rays.size(); ++i) {
+    BridgeSide& side =
+        sides.try_emplace(sets.find(static_cast<std::uint32_t>(i)), BridgeSide{.distance = rays[i].distance})
+            .first->second;
+    side.direction += static_cast<double>(rays[i].states) * rays[i].unit;
+    side.states += rays[i].states;
+    side.distance = std::min(side.distance, rays[i].distance);
+  }
+  std::vector<BridgeSide> result;
+  for (auto& [root, side] : sides) {
+    // A side that surrounds the place has no mean direction.
+    const double length = side.direction.norm();
+    side.direction = length > 1e-9 ? Vec3(side.direction / length) : Vec3(Vec3::UnitX());
+    double least = 1;
+    for (std::size_t i = 0; i < rays.size(); ++i)
+      if (sets.find(static_cast<std::uint32_t>(i)) == root)
+        least = std::min(least, side.direction.dot(rays[i].unit));
+    side.half_angle_deg = std::acos(std::clamp(least, -1.0, 1.0)) * degrees;
+    result.push_back(side);
+  }
+  std::ranges::stable_sort(result, {}, &BridgeSide::distance);
+  return result;
+}
+
+double rim_reach(double sparse_distance, double spacing) {
+  return (sparse_distance + 0.5) * spacing;
+}
+
+void find_sides(std::vector<RegionComponent>& components, double sparse_distance, const StatesNear& near) {
+  std::size_t done = 0;
+  std::vector<Vec3> offsets;
+  for (RegionComponent& c : components) {
+    if (c.label != Label::gap || done++ >= most_bridges) continue;
+    offsets.clear();
+    near(c.inner, offsets);
+    c.sides = bridge_sides(offsets, bridge_link_deg(sparse_distance));
+  }
 }
 
 }  // namespace forefeel

@@ -1,9 +1,8 @@
 #pragma once
-// What the readers behind read_surface() share.
+// What readers of surfaces collect (surface_file.cpp), and that of .ply. Private to this room.
 
 #include <algorithm>
 #include <cstdint>
-#include <string_view>
 #include <vector>
 
 #include "geometry/common/scanner.hpp"
@@ -28,10 +27,7 @@ struct SurfaceBuilder {
   }
 };
 
-std::vector<std::string_view> words_of(std::string_view line);  // between blanks
-
+// ASCII or binary of either byte order. InputError: file, line.
 void read_ply(Scanner& in, SurfaceBuilder& out);
-void read_polydata(Scanner in, SurfaceBuilder& out);  // legacy .vtk, DATASET POLYDATA
-void read_vtp(Scanner in, SurfaceBuilder& out);       // XML
 
 }  // namespace forefeel
