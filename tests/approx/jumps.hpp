@@ -9,7 +9,7 @@
 
 #include "geometry/coverage/state_space.hpp"
 
-namespace forefeel::testing {
+namespace forefeel::test {
 
 // |f(b) - f(a)| after bisection down to rounding, always keeping the steeper half.
 double left_of(const auto& force, Vec3& a, Vec3& b) {
@@ -67,4 +67,4 @@ Jump largest_jump(const StateSpace& space, const auto& force, const Vec3& from, 
   return worst;
 }
 
-}  // namespace forefeel::testing
+}  // namespace forefeel::test

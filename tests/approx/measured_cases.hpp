@@ -10,7 +10,7 @@
 
 #include "approx/methods/evaluate.hpp"
 
-namespace forefeel::testing {
+namespace forefeel::test {
 
 // Places and their true force; noise: deviation of a component of the known forces [N].
 struct MeasuredCase {
@@ -77,4 +77,4 @@ inline double held(const Evaluation& found, const std::vector<double>& errors) {
   return count / double(errors.size());
 }
 
-}  // namespace forefeel::testing
+}  // namespace forefeel::test

@@ -9,7 +9,7 @@
 
 #include "approx/model/updater.hpp"
 
-namespace forefeel::testing {
+namespace forefeel::test {
 
 // A smooth stiffening conservative field: W = a/2 |x|^2 + b/4 |x|^4 + shear, f = -grad W, K = -df/dx.
 inline State field_state(const Vec3& at) {
@@ -38,6 +38,14 @@ inline std::vector<State> states_at(const std::vector<Vec3>& points) {
   std::vector<State> states;
   for (const auto& p : points) states.push_back(field_state(p));
   return states;
+}
+
+inline std::vector<Vec3> random_points(std::size_t n, double size, unsigned seed) {
+  std::mt19937 random(seed);
+  std::uniform_real_distribution<double> unit(-size, size);
+  std::vector<Vec3> points;
+  for (std::size_t i = 0; i < n; ++i) points.emplace_back(unit(random), unit(random), unit(random));
+  return points;
 }
 
 inline std::vector<Vec3> lattice_points(int half, double h) {
@@ -172,4 +180,4 @@ inline const std::vector<FitCase> fit_cases = {{Kernel::linear, Data::force},
                                                {Kernel::cubic, Data::force_and_stiffness},
                                                {Kernel::quintic, Data::force_and_stiffness}};
 
-}  // namespace forefeel::testing
+}  // namespace forefeel::test

@@ -1,28 +1,14 @@
 // The model that evaluate chooses by leaving out groups: compared with SciPy's kernels on measured forces,
 // the error that it expects against the true one, and the groups themselves.
 
-#include <catch2/catch.hpp>
-#include <cmath>
-#include <cstdlib>
-#include <fstream>
-#include <functional>
 #include <iomanip>
-#include <random>
-#include <set>
 
 #include "approx/error/left_out.hpp"
 #include "approx/measured/position_groups.hpp"
 #include "approx/methods/evaluate.hpp"
-#include "geometry/common/error.hpp"
 #include "geometry/common/quantiles.hpp"
 #include "tests/approx/sets.hpp"
-#include "tests/support/paths.hpp"
-#include "tests/support/skip.hpp"
-#include "tests/support/slow.hpp"
-#include "tests/support/temporary_folder.hpp"
-
-using namespace forefeel;
-using namespace forefeel::testing;
+#include "tests/support/test.hpp"
 
 namespace {
 
@@ -97,7 +83,7 @@ std::vector<double> errors(const Evaluation& found, const Case& given) {
 }
 
 double best_of_scipy(const Case& given) {
-  const test::TemporaryFolder folder;
+  const TemporaryFolder folder;
   const auto file = [&](const char* name) { return (folder / name).string(); };
   {
     std::ofstream states(file("states.csv")), points(file("points.csv"));
@@ -109,7 +95,7 @@ double best_of_scipy(const Case& given) {
     for (const State& s : given.known) row(states, s.at, s.force);
     for (std::size_t i = 0; i < given.points.size(); ++i) row(points, given.points[i], given.truth[i]);
   }
-  const std::string script = (test::source_folder() / "tests/approx/scipy_best.py").string();
+  const std::string script = (source_folder() / "tests/approx/scipy_best.py").string();
   const std::string command = "OPENBLAS_NUM_THREADS=1 /usr/bin/python3 '" + script + "' " +
                               file("states.csv") + " " + file("points.csv") + " " + file("best.txt");
   REQUIRE(std::system(command.c_str()) == 0);
@@ -125,7 +111,7 @@ double best_of_scipy(const Case& given) {
 
 TEST_CASE("the chosen model is no worse than the best of SciPy's kernels, and its error is as expected",
           "[auto][scipy]" SLOW("compares with SciPy, which only run.sh all installs")) {
-  if (!test::has_python_module("scipy.interpolate")) return test::skip("python3-scipy is not installed");
+  if (!has_python_module("scipy.interpolate")) return skip("python3-scipy is not installed");
   const std::vector<std::pair<std::string, Case>> cases{{"probed", probed(1, 0.03)},
                                                         {"probed, noisy", probed(5, 0.1)},
                                                         {"scattered", scattered(2, 200, 0)},

@@ -1,17 +1,10 @@
 // Error bars: the calibration against scores of a known distribution, the scale against fields whose error is
 // known.
 
-#include <array>
-#include <catch2/catch.hpp>
-#include <cmath>
-#include <limits>
-#include <random>
-
 #include "approx/error/body_level.hpp"
 #include "approx/error/conformal_factors.hpp"
 #include "approx/error/error_scale.hpp"
-
-using namespace forefeel;
+#include "tests/support/test.hpp"
 
 namespace {
 

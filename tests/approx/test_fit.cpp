@@ -1,13 +1,6 @@
-#include <algorithm>
-#include <catch2/catch.hpp>
-#include <cmath>
-
 #include "approx/model/updater.hpp"
-#include "geometry/common/error.hpp"
 #include "tests/approx/sets.hpp"
-
-using namespace forefeel;
-using namespace forefeel::testing;
+#include "tests/support/test.hpp"
 
 namespace {
 
@@ -16,14 +9,6 @@ int kernel_power(Kernel kernel) {
 }
 int degree_of(Kernel kernel) {
   return kernel == Kernel::quintic ? 2 : 1;
-}
-
-std::vector<Vec3> random_points(std::size_t n, double size, unsigned seed) {
-  std::mt19937 random(seed);
-  std::uniform_real_distribution<double> unit(-size, size);
-  std::vector<Vec3> points;
-  for (std::size_t i = 0; i < n; ++i) points.emplace_back(unit(random), unit(random), unit(random));
-  return points;
 }
 
 }  // namespace

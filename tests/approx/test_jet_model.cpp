@@ -1,18 +1,10 @@
 // Models of energy jets against fields whose Taylor series are exact: sums of sines and polynomials of degree 5.
 
-#include <array>
-#include <catch2/catch.hpp>
-#include <cmath>
-#include <memory>
-#include <random>
-
 #include "approx/error/loop_energy.hpp"
 #include "approx/model/jet_set.hpp"
 #include "geometry/states/energy_jet.hpp"
 #include "tests/approx/sets.hpp"
-
-using namespace forefeel;
-using namespace forefeel::testing;
+#include "tests/support/test.hpp"
 
 namespace {
 
@@ -82,14 +74,6 @@ class Field {
   Mat3 bend_ = Vec3(90, 120, 200).asDiagonal();
   std::array<Wave, 3> waves_{{{0.02, Vec3(25, 10, -5)}, {0.015, Vec3(-8, 30, 12)}, {0.03, Vec3(6, -4, 22)}}};
 };
-
-std::vector<Vec3> random_points(std::size_t count, double reach, unsigned seed) {
-  std::mt19937 random(seed);
-  std::uniform_real_distribution<double> unit(-reach, reach);
-  std::vector<Vec3> points;
-  for (std::size_t i = 0; i < count; ++i) points.emplace_back(unit(random), unit(random), unit(random));
-  return points;
-}
 
 ModelOptions of_jets(std::size_t neighbours = 8) {
   return {.data = Data::jet, .neighbours = neighbours};

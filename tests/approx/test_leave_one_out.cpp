@@ -1,14 +1,8 @@
 // The exact formula against leaving every state out in turn, and the ridge it chooses.
 
-#include <catch2/catch.hpp>
-#include <cmath>
-#include <random>
-
 #include "approx/error/leave_one_out.hpp"
 #include "tests/approx/sets.hpp"
-
-using namespace forefeel;
-using namespace forefeel::testing;
+#include "tests/support/test.hpp"
 
 namespace {
 

@@ -1,27 +1,16 @@
 // Extrapolation beyond a flat front of states of a liver, against tight solves. If ../shared exists, its liver is used,
 // with the errors that were measured on it before this library was written; else the phantom.
 
-#include <algorithm>
-#include <catch2/catch.hpp>
-#include <cmath>
-#include <filesystem>
-#include <fstream>
-#include <iterator>
-#include <sstream>
-
 #include "approx/model/updater.hpp"
 #include "geometry/mesh/mesh_file.hpp"
 #include "geometry/meshing/phantom.hpp"
 #include "solver/equilibrium/solver.hpp"
 #include "solver/lattice/generate.hpp"
-#include "tests/support/paths.hpp"
-#include "tests/support/skip.hpp"
-
-using namespace forefeel;
+#include "tests/support/test.hpp"
 
 namespace {
 
-const std::filesystem::path shared_liver = test::source_folder() / "../shared/data/liver";
+const fs::path shared_liver = source_folder() / "../shared/data/liver";
 
 // The list after "nodes = [" in a section of a scene.
 std::vector<NodeIndex> nodes_of(const std::string& scene, const std::string& section) {
@@ -46,7 +35,7 @@ const LiverStates& liver_states() {
   static const LiverStates made = [] {
     LiverStates g;
     auto body = std::make_shared<Body>();
-    g.real = std::filesystem::exists(shared_liver / "liver_patch.toml");
+    g.real = fs::exists(shared_liver / "liver_patch.toml");
     if (g.real) {
       std::ifstream in(shared_liver / "liver_patch.toml");
       const std::string scene{std::istreambuf_iterator<char>(in), {}};
@@ -110,7 +99,7 @@ StateSpace space_of(const LiverStates& g) {
 TEST_CASE("A liver's flat front: one and two spacings out no worse than was measured before", "[liver]") {
   const LiverStates& g = liver_states();
   REQUIRE(g.states.size() > 400);
-  if (!g.real) return test::skip("no reference data beside the sources");
+  if (!g.real) return skip("no reference data beside the sources");
   const StateSpace space = space_of(g);
   for (const Row& row : rows)
     for (std::size_t out = 0; out < 2; ++out) {

@@ -1,15 +1,11 @@
 // Energy around closed loops, and the power function, where they are known exactly.
 
 #include <Eigen/Eigenvalues>
-#include <catch2/catch.hpp>
-#include <cmath>
 
 #include "approx/error/loop_energy.hpp"
 #include "approx/error/power_function.hpp"
 #include "tests/approx/sets.hpp"
-
-using namespace forefeel;
-using namespace forefeel::testing;
+#include "tests/support/test.hpp"
 
 namespace {
 

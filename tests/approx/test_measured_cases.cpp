@@ -1,16 +1,10 @@
 // Measured forces that once misled: a line with noise in its positions, a curve, a raster of dense lines, rows given
 // twice. Each with ten variants.
 
-#include <catch2/catch.hpp>
-#include <random>
-
 #include "approx/measured/force_field.hpp"
 #include "geometry/common/quantiles.hpp"
 #include "tests/approx/measured_cases.hpp"
-#include "tests/support/slow.hpp"
-
-using namespace forefeel;
-using namespace forefeel::testing;
+#include "tests/support/test.hpp"
 
 namespace {
 

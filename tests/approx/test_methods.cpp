@@ -1,22 +1,9 @@
-#include <catch2/catch.hpp>
-
 #include "approx/methods/older_methods.hpp"
 #include "approx/methods/rbf_network.hpp"
-#include "geometry/common/error.hpp"
 #include "tests/approx/sets.hpp"
-
-using namespace forefeel;
-using namespace forefeel::testing;
+#include "tests/support/test.hpp"
 
 namespace {
-
-std::vector<Vec3> inside(std::size_t n, double size, unsigned seed) {
-  std::mt19937 random(seed);
-  std::uniform_real_distribution<double> unit(-size, size);
-  std::vector<Vec3> points;
-  for (std::size_t i = 0; i < n; ++i) points.emplace_back(unit(random), unit(random), unit(random));
-  return points;
-}
 
 double worst(const Approximation& field, const std::vector<Vec3>& points, const auto& exact) {
   double error = 0;
@@ -39,13 +26,14 @@ TEST_CASE("Lattice methods are exact on the polynomials they hold and converge a
   const auto quadratic = [](const Vec3& x) {
     return Vec3(x[0] * x[0], x[1] * x[1] - x[2], x[2] * x[2] + x[0] * x[1]);
   };
-  CHECK(worst({Method::trilinear, with(multilinear, h, 4), {.spacing = h}}, inside(100, 0.0239, 1),
+  CHECK(worst({Method::trilinear, with(multilinear, h, 4), {.spacing = h}}, random_points(100, 0.0239, 1),
               multilinear) < 1e-15);
-  CHECK(worst({Method::tricubic, with(quadratic, h, 4), {.spacing = h}}, inside(100, 0.0239, 2), quadratic) <
-        1e-15);
+  CHECK(worst({Method::tricubic, with(quadratic, h, 4), {.spacing = h}}, random_points(100, 0.0239, 2),
+              quadratic) < 1e-15);
   const auto field = [](const Vec3& x) { return field_state(x).force; };
   const auto error = [&](Method method, double spacing, int half) {
-    return worst({method, with(field, spacing, half), {.spacing = spacing}}, inside(200, 0.02, 3), field);
+    return worst({method, with(field, spacing, half), {.spacing = spacing}}, random_points(200, 0.02, 3),
+                 field);
   };
   CHECK(error(Method::trilinear, h, 4) / error(Method::trilinear, h / 2, 8) > 3.3);
   CHECK(error(Method::tricubic, h, 4) / error(Method::tricubic, h / 2, 8) > 6);
@@ -57,12 +45,12 @@ TEST_CASE("Lattice methods are exact on the polynomials they hold and converge a
     const Approximation lattice(method, states, {.spacing = h});
     for (const auto& s : states) CHECK((lattice.force(s.at) - s.force).norm() < 1e-12);
     CHECK((lattice.force(Vec3(1, 0, 0)) - field(Vec3(2 * h, 0, 0))).norm() < 1e-12);
-    for (const Vec3& x : inside(200, 6 * h, 4)) {
+    for (const Vec3& x : random_points(200, 6 * h, 4)) {
       const Vec3 drawn = x.cwiseMax(Vec3::Constant(-2 * h)).cwiseMin(Vec3::Constant(2 * h));
       CHECK((lattice.force(x) - lattice.force((1 - 1e-9) * drawn)).norm() < 1e-6);
     }
   }
-  CHECK_THROWS_AS(Approximation(Method::trilinear, states_at(inside(30, 0.02, 4)), {.spacing = h}),
+  CHECK_THROWS_AS(Approximation(Method::trilinear, states_at(random_points(30, 0.02, 4)), {.spacing = h}),
                   InputError);
 }
 
@@ -73,7 +61,7 @@ TEST_CASE("Deflection curves are exact for a linear body and linear in depth") {
   const Approximation curves(Method::deflection, states, {});
   // Exact where three directions are distinguished; close to exact everywhere.
   std::size_t exact = 0;
-  for (const Vec3& x : inside(200, 0.017, 5)) {
+  for (const Vec3& x : random_points(200, 0.017, 5)) {
     const double error = (curves.force(x) + k * x).norm();
     exact += error < 1e-10 ? 1 : 0;
     CHECK(error < 0.5 * (k * x).norm());
@@ -105,7 +93,7 @@ TEST_CASE("A deflection curve goes through its states, is straight between them 
 
 // Least squares: the residual is orthogonal to the function of every centre and to the polynomial.
 TEST_CASE("A network with fewer centres than states leaves what no change of its weights can mend") {
-  const auto states = states_at(inside(120, 0.03, 9));
+  const auto states = states_at(random_points(120, 0.03, 9));
   const Approximation network(Method::rbf_network, states, {.centres = 25});
   const RbfNetwork same(states, 25);
   CHECK(same.centres() == 25);
@@ -143,12 +131,12 @@ TEST_CASE("Offline RBF interpolates; a network with all centres does too, with f
     CHECK((offline.force(s.at) - s.force).norm() < 1e-10);
     CHECK((all.force(s.at) - s.force).norm() < 1e-8);
   }
-  CHECK(worst(fewer, inside(100, 0.015, 6), field) < 0.05 * largest);
+  CHECK(worst(fewer, random_points(100, 0.015, 6), field) < 0.05 * largest);
 }
 
 // On a lattice nearly all distances are shared by several states, so that every choice of a centre is a tie.
 TEST_CASE("A network does not depend on the order of states, the unit of length or the origin") {
-  const auto at = inside(50, 0.02, 12);
+  const auto at = random_points(50, 0.02, 12);
   std::mt19937 random(5);
   for (const bool flat : {false, true})
     for (const std::size_t centres : {std::size_t{0}, std::size_t{40}, std::size_t{1000}}) {
@@ -180,7 +168,8 @@ TEST_CASE("A network does not depend on the order of states, the unit of length 
 
 // |f| <= max |F_i| + 2 S d, with S recomputed here over all pairs, which can only make it larger.
 TEST_CASE("No older method passes its bound, however far out and however few states it has") {
-  std::vector<std::vector<State>> sets = {states_at(lattice_points(1, 0.01)), states_at(inside(40, 0.02, 3))};
+  std::vector<std::vector<State>> sets = {states_at(lattice_points(1, 0.01)),
+                                          states_at(random_points(40, 0.02, 3))};
   for (const std::size_t few : {1u, 2u, 3u, 4u}) {
     const auto& all = sets[1];
     sets.emplace_back(all.begin(), all.begin() + static_cast<std::ptrdiff_t>(few));
@@ -199,7 +188,7 @@ TEST_CASE("No older method passes its bound, however far out and however few sta
           if (a.at != b.at) steepest = std::max(steepest, (a.force - b.force).norm() / (a.at - b.at).norm());
       }
       for (const double size : {0.02, 0.14, 3.0, 1e6})
-        for (const Vec3& x : inside(60, size, 8)) {
+        for (const Vec3& x : random_points(60, size, 8)) {
           double nearest = 1e300;
           for (const State& s : states) nearest = std::min(nearest, (s.at - x).norm());
           const Vec3 force = field.force(x);

@@ -1,19 +1,11 @@
 // Error bars without a session: measured against the true field, which the bars never see, and the choice of
 // spacing and of places known within a tolerance.
 
-#include <algorithm>
-#include <catch2/catch.hpp>
-#include <cmath>
-#include <functional>
-#include <random>
-
 #include "approx/error/known_within.hpp"
 #include "approx/error/offline_bar.hpp"
 #include "approx/methods/evaluate.hpp"
 #include "geometry/common/quantiles.hpp"
-#include "tests/support/slow.hpp"
-
-using namespace forefeel;
+#include "tests/support/test.hpp"
 
 namespace {
 

@@ -1,19 +1,10 @@
 // Neighbour sets by label on arbitrary states: scattered, in near and far clusters, in planes, lines and blocks of any
 // size. For every set, the force must be a continuous function of the HIP.
 
-#include <catch2/catch.hpp>
-
-#include <algorithm>
-#include <numeric>
-#include <random>
-#include <vector>
-
 #include "approx/model/updater.hpp"
 #include "tests/approx/jumps.hpp"
 #include "tests/approx/sets.hpp"
-
-using namespace forefeel;
-using namespace forefeel::testing;
+#include "tests/support/test.hpp"
 
 namespace {
 

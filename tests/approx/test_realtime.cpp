@@ -2,17 +2,12 @@
 // malloc and pthread_mutex_lock of this executable count their calls (not under a sanitizer, which brings its
 // own).
 
-#include <algorithm>
-#include <atomic>
-#include <catch2/catch.hpp>
-#include <cmath>
-
 #include "approx/error/error_scale.hpp"
 #include "approx/model/rbf_fit.hpp"
 #include "approx/switch/force_switch.hpp"
 #include "geometry/states/energy_jet.hpp"
 #include "tests/approx/sets.hpp"
-#include "tests/support/skip.hpp"
+#include "tests/support/test.hpp"
 
 #if defined(__SANITIZE_ADDRESS__) || defined(__SANITIZE_THREAD__)
 #define FOREFEEL_COUNTS 0
@@ -58,9 +53,6 @@ int pthread_mutex_lock(pthread_mutex_t* mutex) noexcept {
 }
 #endif
 
-using namespace forefeel;
-using namespace forefeel::testing;
-
 namespace {
 
 const std::vector<ModelOptions> kinds = {
@@ -79,7 +71,7 @@ bool counting_works() {
 }  // namespace
 
 TEST_CASE("Evaluation and switch allocate nothing and lock nothing", "[realtime]") {
-  if (!counting_works()) return test::skip("allocations are not counted in this build");
+  if (!counting_works()) return skip("allocations are not counted in this build");
   for (const ModelOptions& options : kinds)
     for (const SwitchRule rule : {SwitchRule::paper, SwitchRule::smooth, SwitchRule::none}) {
       const auto states = states_at(hard_set("lattice", options.neighbours, 1));

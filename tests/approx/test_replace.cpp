@@ -1,14 +1,8 @@
 // The kept factor: after any number of replacements it is as accurate as a fresh one.
 
-#include <algorithm>
-#include <catch2/catch.hpp>
-#include <cmath>
-
 #include "approx/model/rbf_fit.hpp"
 #include "tests/approx/sets.hpp"
-
-using namespace forefeel;
-using namespace forefeel::testing;
+#include "tests/support/test.hpp"
 
 namespace {
 

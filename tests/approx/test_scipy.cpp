@@ -2,10 +2,6 @@
 
 #include <unistd.h>
 
-#include <catch2/catch.hpp>
-#include <cstdlib>
-#include <filesystem>
-#include <fstream>
 #include <iomanip>
 
 #include "approx/model/updater.hpp"
@@ -13,19 +9,13 @@
 #include "solver/equilibrium/solver.hpp"
 #include "solver/lattice/generate.hpp"
 #include "tests/approx/sets.hpp"
-#include "tests/support/paths.hpp"
-#include "tests/support/skip.hpp"
-#include "tests/support/slow.hpp"
-#include "tests/support/temporary_folder.hpp"
-
-using namespace forefeel;
-using namespace forefeel::testing;
+#include "tests/support/test.hpp"
 
 namespace {
 
 std::vector<Vec3> scipy_forces(const std::vector<State>& states, const std::vector<Vec3>& points,
                                Kernel kernel, std::size_t n) {
-  const test::TemporaryFolder folder;
+  const TemporaryFolder folder;
   const auto file = [&](const char* name) { return (folder / name).string(); };
   {
     std::ofstream out(file("states.csv")), at(file("points.csv"));
@@ -36,7 +26,7 @@ std::vector<Vec3> scipy_forces(const std::vector<State>& states, const std::vect
           << s.force[2] << '\n';
     for (const auto& p : points) at << p[0] << ',' << p[1] << ',' << p[2] << '\n';
   }
-  const std::string script = (test::source_folder() / "tests/approx/scipy_oracle.py").string();
+  const std::string script = (source_folder() / "tests/approx/scipy_oracle.py").string();
   const std::string command = "/usr/bin/python3 '" + script + "' " + file("states.csv") + " " +
                               file("points.csv") + " " + std::string(name(kernel)) + " " + std::to_string(n) +
                               " " + file("forces.csv");
@@ -80,7 +70,7 @@ StateSpace space_of(const std::vector<State>& states, double spacing) {
 
 TEST_CASE("linear and cubic on force equal SciPy's RBFInterpolator of degree 1",
           "[scipy]" SLOW("compares with SciPy, which only run.sh all installs")) {
-  if (!test::has_python_module("scipy.interpolate")) return test::skip("python3-scipy is not installed");
+  if (!has_python_module("scipy.interpolate")) return skip("python3-scipy is not installed");
   const auto states = states_at(lattice_points(4, 0.006));
   std::vector<Vec3> points;
   std::mt19937 random(17);
@@ -92,7 +82,7 @@ TEST_CASE("linear and cubic on force equal SciPy's RBFInterpolator of degree 1",
 
 TEST_CASE("The same on a liver's states, of all and of the 100 nearest",
           "[scipy]" SLOW("compares with SciPy, which only run.sh all installs")) {
-  if (!test::has_python_module("scipy.interpolate")) return test::skip("python3-scipy is not installed");
+  if (!has_python_module("scipy.interpolate")) return skip("python3-scipy is not installed");
   auto body = std::make_shared<Body>();
   body->mesh = phantom("liver");
   body->clamp = body->mesh.groups.at("clamp");

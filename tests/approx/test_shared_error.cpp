@@ -1,16 +1,10 @@
 // Measured forces with errors that no number of rows averages out and no row left out shows: rounded forces, loading
 // and unloading, and what lies across a stroke. Each with ten variants.
 
-#include <catch2/catch.hpp>
-#include <random>
-
 #include "geometry/common/quantiles.hpp"
 #include "geometry/states/repeated_states.hpp"
 #include "tests/approx/measured_cases.hpp"
-#include "tests/support/slow.hpp"
-
-using namespace forefeel;
-using namespace forefeel::testing;
+#include "tests/support/test.hpp"
 
 namespace {
 

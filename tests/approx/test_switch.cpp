@@ -1,13 +1,6 @@
-#include <catch2/catch.hpp>
-#include <cmath>
-#include <memory>
-#include <vector>
-
 #include "approx/switch/force_switch.hpp"
 #include "tests/approx/sets.hpp"
-
-using namespace forefeel;
-using namespace forefeel::testing;
+#include "tests/support/test.hpp"
 
 namespace {
 

@@ -1,17 +1,10 @@
 // Sets by label on states that hardly determine a field: planes, a line, a lone state beside them. In such sets, adding
 // or removing one state changes a polynomial term, a hull or a side.
 
-#include <algorithm>
-#include <catch2/catch.hpp>
-#include <random>
-
 #include "approx/model/updater.hpp"
 #include "tests/approx/jumps.hpp"
 #include "tests/approx/sets.hpp"
-#include "tests/support/slow.hpp"
-
-using namespace forefeel;
-using namespace forefeel::testing;
+#include "tests/support/test.hpp"
 
 namespace {
 

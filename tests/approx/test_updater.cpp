@@ -1,17 +1,9 @@
-#include <catch2/catch.hpp>
-#include <cmath>
-#include <set>
-#include <utility>
-
 #include "approx/model/neighbours.hpp"
 #include "approx/model/set_sizes.hpp"
 #include "approx/model/updater.hpp"
 #include "tests/approx/jumps.hpp"
 #include "tests/approx/sets.hpp"
-#include "tests/support/slow.hpp"
-
-using namespace forefeel;
-using namespace forefeel::testing;
+#include "tests/support/test.hpp"
 
 namespace {
 

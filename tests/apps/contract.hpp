@@ -2,18 +2,14 @@
 
 // What the tests of the commands' contract share: JSON of a run, its keys, and an interrupted run.
 
-#include <catch2/catch.hpp>
-#include <sstream>
-
 #include "tests/support/executable.hpp"
-#include "tests/support/paths.hpp"
 
 namespace forefeel::test {
 
 // Checks that every path in `keys` ("deadline.cost_us.p50") exists.
-inline void check_keys(const nlohmann::json& document, const std::vector<std::string>& keys) {
+inline void check_keys(const json& document, const std::vector<std::string>& keys) {
   for (const std::string& path : keys) {
-    const nlohmann::json* here = &document;
+    const json* here = &document;
     std::string part;
     bool there = true;
     for (std::istringstream in(path); there && std::getline(in, part, '.');) {
@@ -23,13 +19,6 @@ inline void check_keys(const nlohmann::json& document, const std::vector<std::st
     INFO("key " << path << " in " << document.dump().substr(0, 1500));
     CHECK(there);
   }
-}
-
-inline nlohmann::json run_json(const Workshop& shop, const std::string& arguments) {
-  const Workshop::Outcome outcome = shop.forefeel(arguments + " --json");
-  INFO("forefeel " << arguments << " --json\n" << outcome.err);
-  CHECK(outcome.code == 0);
-  return outcome.json();
 }
 
 // Runs the command and sends SIGINT `seconds` after the shell's condition `begun` holds. The command ends with 1

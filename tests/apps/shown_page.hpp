@@ -1,21 +1,9 @@
 #pragma once
 // A page of `forefeel show`, taken apart: its data, decoded independently of the command.
 
-#include <catch2/catch.hpp>
-#include <cstring>
-#include <filesystem>
-#include <fstream>
-#include <nlohmann/json.hpp>
-#include <string>
-#include <string_view>
-#include <vector>
+#include "tests/support/test.hpp"
 
 namespace forefeel::test {
-
-inline std::string bytes_of(const std::filesystem::path& file) {
-  std::ifstream in(file, std::ios::binary);
-  return {std::istreambuf_iterator<char>(in), {}};
-}
 
 inline std::string from_base64(const std::string& text) {
   constexpr std::string_view alphabet = "ABCDEFGHIJKLMNOPQRSTUVWXYZabcdefghijklmnopqrstuvwxyz0123456789+/";
@@ -36,7 +24,7 @@ inline std::string from_base64(const std::string& text) {
 
 // {"f32": "base64"} as numbers.
 template <class T>
-std::vector<T> numbers(const nlohmann::json& packed, const char* type) {
+std::vector<T> numbers(const json& packed, const char* type) {
   const std::string bytes = from_base64(packed.at(type).get<std::string>());
   REQUIRE(bytes.size() % sizeof(T) == 0);
   std::vector<T> values(bytes.size() / sizeof(T));
@@ -44,12 +32,12 @@ std::vector<T> numbers(const nlohmann::json& packed, const char* type) {
   return values;
 }
 
-inline std::vector<float> floats(const nlohmann::json& packed) {
+inline std::vector<float> floats(const json& packed) {
   return numbers<float>(packed, "f32");
 }
 
 // Labels of a grid from its runs.
-inline std::vector<int> labels(const nlohmann::json& grid) {
+inline std::vector<int> labels(const json& grid) {
   const auto runs = numbers<std::uint8_t>(grid.at("runs"), "u8");
   std::vector<int> all;
   for (std::size_t i = 0; i + 2 < runs.size(); i += 3)
@@ -60,16 +48,16 @@ inline std::vector<int> labels(const nlohmann::json& grid) {
 struct ShownPage {
   std::string text;                  // all of it
   std::vector<std::string> scripts;  // without the data
-  nlohmann::json data;
+  json data;
 
-  explicit ShownPage(const std::filesystem::path& file) : text(bytes_of(file)) {
+  explicit ShownPage(const fs::path& file) : text(text_of(file)) {
     constexpr std::string_view data_tag = R"(<script id="data" type="application/json">)", tag = "<script>";
     for (std::size_t at = 0; (at = text.find("<script", at)) != std::string::npos;) {
       const std::size_t begin = text.find('>', at) + 1, end = text.find("</script>", begin);
       REQUIRE(end != std::string::npos);
       const std::string inside = text.substr(begin, end - begin);
       if (text.compare(at, data_tag.size(), data_tag) == 0) {
-        data = nlohmann::json::parse(inside);
+        data = json::parse(inside);
       } else {
         CHECK(text.compare(at, tag.size(), tag) == 0);  // nothing is loaded from a src
         scripts.push_back(inside);

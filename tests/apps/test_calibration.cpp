@@ -2,18 +2,9 @@
 
 #include <fmt/format.h>
 
-#include <catch2/catch.hpp>
-#include <cmath>
-
 #include "scheduling/placement/auto_spacing.hpp"
 #include "scheduling/study/calibration.hpp"
 #include "tests/support/executable.hpp"
-#include "tests/support/paths.hpp"
-#include "tests/support/slow.hpp"
-
-using namespace forefeel;
-using test::beam_scene;
-using test::Workshop;
 
 namespace {
 
@@ -70,19 +61,16 @@ TEST_CASE("labels are calibrated on a field that is known",
 }
 
 TEST_CASE("calibration as a command", "[laboratory]" SLOW("evaluates every model at thousands of places")) {
-  const Workshop shop;
-  shop.write("beam.toml", beam_scene());
-  const Workshop::Outcome outcome = shop.forefeel(
+  const BeamShop shop;
+  const auto outcome = shop.run(
       "classify --calibrate beam.toml --set 'state_space.box=[[-0.012,-0.012,-0.012],[0.012,0.012,0.012]]' "
       "--json -o out");
-  INFO(outcome.err);
-  REQUIRE(outcome.code == 0);
-  const nlohmann::json found = outcome.json();
+  const json found = outcome.json();
   CHECK(found["table"].size() == 20);
   CHECK(found["ranks"].size() == 5);
   for (const char* file : {"calibration.csv", "ranks.csv", "samples.csv", "report.html"})
-    CHECK_THAT(shop.files(), Catch::Contains(std::string("out/") + file));
-  REQUIRE(shop.forefeel("generate beam.toml -o soft.states --quiet --set material.young=4000").code == 0);
+    CHECK_THAT(shop.files(), Contains(std::string("out/") + file));
+  shop.run("generate beam.toml -o soft.states --quiet --set material.young=4000");
   check_refused(shop, "classify soft.states --calibrate beam.toml -o other", {"soft.states", "material"});
 }
 
@@ -111,34 +99,30 @@ spacing = "auto"
 box = [[-0.016, -0.016, -0.016], [0.016, 0.016, 0.016]]
 )";
   shop.write("beam.toml", scene);
-  const Workshop::Outcome first = shop.forefeel("generate beam.toml --json -o a.states");
-  INFO(first.err);
-  REQUIRE(first.code == 0);
-  const nlohmann::json a = first.json();
+  const auto first = shop.run("generate beam.toml --json -o a.states");
+  const json a = first.json();
   REQUIRE(a["spacing_auto"]["holds"] == true);
   CHECK(a["spacing"] == a["spacing_auto"]["spacing"]);
   CHECK(a["spacing_auto"]["safe"].get<int>() >= 59);  // fewer cannot bound a share by 5 %
   CHECK(a["spacing_auto"]["share_above_bound"].get<double>() <= 0.05);
   CHECK(a["spacing_auto"]["share_above"].get<double>() * a["spacing_auto"]["safe"].get<double>() ==
         Approx(a["spacing_auto"]["above"].get<double>()));
-  CHECK_THAT(first.err, Catch::Contains("of 200 safe positions") && Catch::Contains("95 % confidence"));
+  CHECK_THAT(first.err, Contains("of 200 safe positions", "95 % confidence"));
   // The kept result does not depend on the number of threads, and equals the one computed without a cache.
-  CHECK(shop.forefeel("generate beam.toml --threads 1 --json -o b.states").json()["spacing"] == a["spacing"]);
-  CHECK(shop.shell("export XDG_CACHE_HOME=$PWD/other; '" + test::executable() +
+  CHECK(shop.json("generate beam.toml --threads 1 -o b.states")["spacing"] == a["spacing"]);
+  CHECK(shop.shell("export XDG_CACHE_HOME=$PWD/other; '" + executable() +
                    "' generate beam.toml --threads 1 --json -o c.states")
             .json()["spacing_auto"] == a["spacing_auto"]);
   // The kept file is checked.
-  CHECK_THAT(shop.forefeel("generate beam.toml -o b.states").out, Catch::Contains("kept from before"));
+  CHECK_THAT(shop.forefeel("generate beam.toml -o b.states").out, Contains("kept from before"));
   REQUIRE(shop.shell("sed -i 's/\"spacing\": 0.0/\"spacing\": 0.1/' ../cache/forefeel/*.spacing.json").code ==
           0);
   const Workshop::Outcome anew = shop.forefeel("generate beam.toml --json -o b.states");
   CHECK(anew.json()["spacing"] == a["spacing"]);
-  CHECK_THAT(anew.err,
-             Catch::Contains(".spacing.json: has a wrong checksum") && !Catch::Contains("kept from before"));
-  CHECK_THAT(shop.forefeel("generate beam.toml -o b.states").out, Catch::Contains("kept from before"));
+  CHECK_THAT(anew.err, Contains(".spacing.json: has a wrong checksum") && !Contains("kept from before"));
+  CHECK_THAT(shop.forefeel("generate beam.toml -o b.states").out, Contains("kept from before"));
   // A finer tolerance never takes a coarser lattice.
-  const nlohmann::json fine =
-      shop.forefeel("generate beam.toml --json --set state_space.tolerance=0.0005 -o d.states").json();
+  const json fine = shop.json("generate beam.toml --set state_space.tolerance=0.0005 -o d.states");
   CHECK(fine["spacing"].get<double>() < a["spacing"].get<double>());
   REQUIRE(fine["spacing_auto"]["holds"] == true);
   // The claim is tested at other random positions: at most a twentieth of the safe ones is above the tolerance.
@@ -147,10 +131,8 @@ box = [[-0.016, -0.016, -0.016], [0.016, 0.016, 0.016]]
     points += fmt::format("{},{},{}\n", 0.016 * std::sin(2.1 * i), 0.016 * std::sin(3.7 * i + 1),
                           0.016 * std::sin(5.3 * i + 2));
   shop.write("points.csv", points);
-  const nlohmann::json labels = shop.forefeel("evaluate d.states --points points.csv --json").json();
-  const nlohmann::json truth =
-      shop.forefeel("solve beam.toml --points points.csv --json --quiet --set state_space.spacing=0.004")
-          .json();
+  const json labels = shop.json("evaluate d.states --points points.csv");
+  const json truth = shop.json("solve beam.toml --points points.csv --quiet --set state_space.spacing=0.004");
   std::size_t safe = 0, above = 0;
   for (std::size_t i = 0; i < 400; ++i) {
     if (labels["labels"][i] != "safe") continue;
@@ -171,15 +153,12 @@ box = [[-0.016, -0.016, -0.016], [0.016, 0.016, 0.016]]
   CHECK(never.json()["spacing_auto"]["holds"] == false);
   CHECK(never.json()["spacing_auto"]["share_above_bound"].get<double>() > 0.05);
   CHECK(never.json()["states"].get<int>() > 100);
-  CHECK_THAT(never.err, Catch::Contains("no spacing that was tried"));
-  CHECK_THAT(shop.files(), Catch::Contains("never.states"));
+  CHECK_THAT(never.err, Contains("no spacing that was tried"));
+  CHECK_THAT(shop.files(), Contains("never.states"));
   const Workshop::Outcome info = shop.forefeel("info a.states");
-  CHECK_THAT(info.out, Catch::Contains("spacing \"auto\""));
-  CHECK(shop.forefeel("solve beam.toml --at=0,0,0.001").code == 0);
-  const Workshop::Outcome session =
-      shop.forefeel("session beam.toml --clock virtual --seconds 0.2 --json -o run");
-  INFO(session.err);
-  REQUIRE(session.code == 0);
+  CHECK_THAT(info.out, Contains("spacing \"auto\""));
+  shop.run("solve beam.toml --at=0,0,0.001");
+  const auto session = shop.run("session beam.toml --clock virtual --seconds 0.2 --json -o run");
   CHECK(session.json()["spacing"] == a["spacing"]);
   check_refused(shop, "solve beam.toml --at=0,0,0 --set state_space.spacing=automatic", {"auto"});
   check_refused(shop, "solve beam.toml --at=0,0,0 --set state_space.tolerance=0", {"tolerance", "above 0"});

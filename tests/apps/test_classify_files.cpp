@@ -1,17 +1,7 @@
 // The files that forefeel classify writes for ParaView.
 
-#include <catch2/catch.hpp>
-#include <cmath>
-#include <sstream>
-#include <string>
-
 #include "geometry/coverage/setups.hpp"
 #include "tests/apps/vtk_files.hpp"
-#include "tests/support/slow.hpp"
-
-using namespace forefeel;
-using namespace forefeel::test;
-using nlohmann::json;
 
 namespace {
 
@@ -44,7 +34,7 @@ TEST_CASE("the files of classify open in VTK, with labels whose volumes are thos
           "[classify]" SLOW("compares with VTK, which only run.sh all installs")) {
   const Workshop shop;
   shop.write("gap.csv", setup_csv("gap"));
-  const json report = shop.forefeel("classify gap.csv --spacing 0.006 -o out.vtu --json").json();
+  const json report = shop.json("classify gap.csv --spacing 0.006 -o out.vtu");
   const json seen = read_by_vtk(shop, "out.vtu out_states.vtu out_cells.vtu");
   if (seen.is_null()) return;
   const json &regions = seen[0], &states = seen[1], &cells = seen[2];
@@ -62,7 +52,7 @@ TEST_CASE("the files of classify open in VTK, with labels whose volumes are thos
   // In full cubes the spread at a cell's centroid stays below half the diagonal; across the gap it is larger.
   CHECK(cells["cell_data"]["spread"]["min"].get<double>() < std::sqrt(3.0) / 2 * h);
   CHECK(cells["cell_data"]["spread"]["max"].get<double>() > 2 * h);
-  CHECK(cells["cell_data"]["alpha"]["min"].get<double>() == Approx(std::sqrt(3.0) / 2 * h));
+  CHECK(cells["cell_data"]["alpha"]["min"] == Approx(std::sqrt(3.0) / 2 * h));
 }
 
 TEST_CASE("in the .vtu of regions, what is connected over points are the components, and labels have names",
@@ -73,7 +63,7 @@ TEST_CASE("in the .vtu of regions, what is connected over points are the compone
   for (const std::string command : {"gap.csv --spacing 0.006", "strewn.csv --spacing 0.012",
                                     "strewn.csv --spacing 0.012 --index octree"}) {
     INFO(command);
-    const json report = shop.forefeel("classify " + command + " -o out.vtu --json").json();
+    const json report = shop.json("classify " + command + " -o out.vtu");
     const json seen = read_by_vtk(shop, "out.vtu");
     if (seen.is_null()) return;
     const char* labels[] = {"safe", "sparse", "gap", "blank"};
@@ -87,7 +77,7 @@ TEST_CASE("the .vtu of states holds no array of values that are not known",
           "[classify]" SLOW("compares with VTK, which only run.sh all installs")) {
   const Workshop shop;
   shop.write("four.csv", csv({{0, 0, 0}, {0.01, 0, 0}, {0, 0.01, 0}, {0, 0, 0.01}}));
-  REQUIRE(shop.forefeel("classify four.csv --spacing 0.01 -o out.vtu").code == 0);
+  shop.run("classify four.csv --spacing 0.01 -o out.vtu");
   const json seen = read_by_vtk(shop, "out_states.vtu");
   if (seen.is_null()) return;
   const json& data = seen[0]["point_data"];

@@ -1,14 +1,8 @@
 // `forefeel classify` with several threads.
 
 #include <fmt/format.h>
-#include <catch2/catch.hpp>
-#include <fstream>
-#include <iterator>
-#include <random>
 
 #include "tests/support/executable.hpp"
-
-using namespace forefeel::test;
 
 TEST_CASE("classify writes the same bytes for any number of threads") {
   const Workshop shop;
@@ -23,11 +17,8 @@ TEST_CASE("classify writes the same bytes for any number of threads") {
     return std::string(std::istreambuf_iterator<char>(in), {});
   };
   for (const std::string threads : {"1", "2", "5"}) {
-    REQUIRE(shop.forefeel("classify s.csv --spacing 0.003 --threads " + threads + " -o r" + threads + ".csv")
-                .code == 0);
-    REQUIRE(shop.forefeel("classify s.csv --spacing 0.003 --threads " + threads + " --grid 0.004 -o p" +
-                          threads + ".csv")
-                .code == 0);
+    shop.run("classify s.csv --spacing 0.003 --threads " + threads + " -o r" + threads + ".csv");
+    shop.run("classify s.csv --spacing 0.003 --threads " + threads + " --grid 0.004 -o p" + threads + ".csv");
   }
   CHECK(bytes("r1.csv").size() > 100'000);
   CHECK(bytes("r2.csv") == bytes("r1.csv"));

@@ -1,13 +1,6 @@
 // The JSON of every command has the documented keys.
 
-#include <catch2/catch.hpp>
-
 #include "tests/apps/contract.hpp"
-#include "tests/support/paths.hpp"
-#include "tests/support/skip.hpp"
-
-using namespace forefeel::test;
-using nlohmann::json;
 
 TEST_CASE("an interrupt before anything began is said, and leaves nothing", "[contract]") {
   const Workshop shop;
@@ -16,16 +9,15 @@ TEST_CASE("an interrupt before anything began is said, and leaves nothing", "[co
   const std::string automatic =
       " --set state_space.spacing=auto --set session.error_floor=1e-6 --set state_space.tolerance=1e-9";
   const Workshop::Outcome measured =
-      run_interrupted(shop, "generate beam.toml -o s.states" + automatic, forefeel::test::takes_signals, 0.2);
+      run_interrupted(shop, "generate beam.toml -o s.states" + automatic, takes_signals, 0.2);
   CHECK(measured.error_lines() == 1);
-  CHECK_THAT(measured.err, Catch::Contains("interrupted") && Catch::Contains("nothing was written"));
-  CHECK_FALSE(std::filesystem::exists(shop.path() / "s.states"));
+  CHECK_THAT(measured.err, Contains("interrupted", "nothing was written"));
+  CHECK_FALSE(fs::exists(shop.path() / "s.states"));
 }
 
 TEST_CASE("solve", "[contract]") {
-  const Workshop shop;
-  shop.write("beam.toml", beam_scene());
-  const json document = run_json(shop, "solve beam.toml --at=0,0,0 --at=0.001,-0.002,0.001 -o out.csv");
+  const BeamShop shop;
+  const json document = shop.json("solve beam.toml --at=0,0,0 --at=0.001,-0.002,0.001 -o out.csv");
   REQUIRE(document["states"].size() == 2);
   for (const json& state : document["states"]) {
     check_keys(state, {"at", "force", "stiffness", "energy", "converged", "iterations", "residual", "seconds",
@@ -41,95 +33,90 @@ TEST_CASE("solve", "[contract]") {
   for (int i = 0; i < 3; ++i) work += pushed["force"][i].get<double>() * pushed["at"][i].get<double>();
   CHECK(work < 0);
   CHECK(pushed["energy"].get<double>() > 0);
-  CHECK_THAT(shop.files(), Catch::Contains("out.csv"));
+  CHECK_THAT(shop.files(), Contains("out.csv"));
 }
 
 TEST_CASE("generate that was killed goes on from what is on disk and ends with the states of a whole run") {
-  const Workshop shop;
-  shop.write("beam.toml", beam_scene());
+  const BeamShop shop;
   const std::string fine = " --set state_space.spacing=0.0003 --threads 1";  // 19683 states
-  shop.shell(forefeel::test::executable() + " generate beam.toml -o cut.states --quiet" + fine + " & p=$!; " +
-             forefeel::test::wait_until(forefeel::test::is_larger("cut.states-wal", 400000)) + "kill -9 $p");
-  const json resumed = run_json(shop, "generate beam.toml -o cut.states" + fine);
+  shop.shell(executable() + " generate beam.toml -o cut.states --quiet" + fine + " & p=$!; " +
+             wait_until(is_larger("cut.states-wal", 400000)) + "kill -9 $p");
+  const json resumed = shop.json("generate beam.toml -o cut.states" + fine);
   CHECK(resumed["resumed"].get<int>() > 0);
   CHECK(resumed["solved"].get<int>() > 0);
   CHECK(resumed["states"] == 19683);
-  REQUIRE(shop.forefeel("generate beam.toml -o whole.states --quiet" + fine).code == 0);
+  shop.run("generate beam.toml -o whole.states --quiet" + fine);
   for (const std::string file : {"cut", "whole"}) {
-    REQUIRE(shop.forefeel("export " + file + ".states -o " + file + ".csv --quiet").code == 0);
+    shop.run("export " + file + ".states -o " + file + ".csv --quiet");
     shop.shell("sort " + file + ".csv > " + file + ".sorted");
   }
-  CHECK(shop.shell("cmp cut.sorted whole.sorted").code == 0);
+  CHECK(shop.same("cut.sorted", "whole.sorted"));
 }
 
 TEST_CASE("generate: a box without a position of the lattice is refused", "[contract]") {
-  const Workshop shop;
-  shop.write("beam.toml", beam_scene());
-  forefeel::test::check_refused(
+  const BeamShop shop;
+  check_refused(
       shop,
       "generate beam.toml -o s.states --set 'state_space.box=[[0.001,0.001,0.001],[0.003,0.003,0.003]]'",
       {"--set state_space.box: holds no position of the lattice of 0.004 m",
        "a smaller state_space.spacing"});
-  forefeel::test::check_refused(
+  check_refused(
       shop, "generate beam.toml -o s.states --set 'state_space.box=[[0.001,-0.01,-0.01],[0.003,0.01,0.01]]'",
       {"holds no position"});
-  CHECK(shop.forefeel("generate beam.toml -o s.states --quiet --set "
-                      "'state_space.box=[[0.001,0.001,0.001],[0.004,0.004,0.004]]'")
-            .code == 0);
+  shop.run(
+      "generate beam.toml -o s.states --quiet --set "
+      "'state_space.box=[[0.001,0.001,0.001],[0.004,0.004,0.004]]'");
 }
 
 TEST_CASE("generate --error says where only a smaller spacing helps", "[contract]") {
-  const Workshop shop;
-  shop.write("beam.toml", beam_scene());  // 27 lattice states
+  const BeamShop shop;  // 27 lattice states
   const Workshop::Outcome outcome = shop.forefeel("generate beam.toml --error 1e-7 -o s.states --json");
   CHECK(outcome.code == 1);
   CHECK(outcome.json()["states"] == 27);
   CHECK(outcome.json()["most_states"] == 27);
   // What was done, the estimate, the mesh's own error, the warning, how to look at it.
   CHECK(outcome.error_lines() == 5);
-  CHECK_THAT(outcome.err, Catch::Contains("discretisation error of the mesh"));
-  CHECK_THAT(outcome.err,
-             Catch::Contains("27 states, as many as the lattice of 0.004 m has positions in the box") &&
-                 Catch::Contains("; reduce the spacing"));
+  CHECK_THAT(outcome.err, Contains("discretisation error of the mesh"));
+  CHECK_THAT(outcome.err, Contains("27 states, as many as the lattice of 0.004 m has positions in the box",
+                                   "; reduce the spacing"));
   // At least nine are tried on any lattice.
   const Workshop::Outcome coarse =
       shop.forefeel("generate beam.toml --error 1e-9 -o c.states --quiet --set state_space.spacing=0.05");
   CHECK(coarse.code == 1);
-  CHECK_THAT(coarse.err,
-             Catch::Contains(
-                 "9 states, the fewest that are tried, for the lattice of 0.05 m has 1 position in the box"));
+  CHECK_THAT(
+      coarse.err,
+      Contains("9 states, the fewest that are tried, for the lattice of 0.05 m has 1 position in the box"));
 }
 
 TEST_CASE("mesh", "[contract]") {
   const Workshop shop;
-  const json document = run_json(shop, "mesh --phantom ball --elements 400 -o ball.msh");
+  const json document = shop.json("mesh --phantom ball --elements 400 -o ball.msh");
   check_keys(document, {"nodes", "elements", "volume", "min_dihedral_deg", "max_dihedral_deg", "hausdorff",
                         "repaired"});
   CHECK(document["elements"].get<int>() >= 380);
   CHECK(document["elements"].get<int>() <= 420);
   CHECK(document["repaired"].is_object());
-  CHECK_THAT(shop.files(), Catch::Contains("ball.msh"));
+  CHECK_THAT(shop.files(), Contains("ball.msh"));
 }
 
 TEST_CASE("generate, export, info, classify and evaluate", "[contract]") {
-  const Workshop shop;
-  shop.write("beam.toml", beam_scene());
+  const BeamShop shop;
   const std::vector<std::string> keys{
       "states", "solved", "failed", "resumed", "seconds", "states_per_second", "threads", "error_estimate"};
-  const json first = run_json(shop, "generate beam.toml -o beam.states");
+  const json first = shop.json("generate beam.toml -o beam.states");
   check_keys(first, keys);
   CHECK(first["states"] == 27);
   CHECK(first["interrupted"] == false);
-  const json again = run_json(shop, "generate beam.toml -o beam.states");
+  const json again = shop.json("generate beam.toml -o beam.states");
   CHECK(again["resumed"] == 27);
   CHECK(again["solved"] == 0);
 
-  CHECK(run_json(shop, "info beam.states").is_object());
-  CHECK(shop.forefeel("export beam.states -o beam.csv --quiet").code == 0);
-  CHECK(shop.forefeel("import beam.csv -o copy.states --spacing 0.004 --quiet").code == 0);
+  CHECK(shop.json("info beam.states").is_object());
+  shop.run("export beam.states -o beam.csv --quiet");
+  shop.run("import beam.csv -o copy.states --spacing 0.004 --quiet");
 
   shop.write("points.csv", "x,y,z\n0,0,0\n0.001,0.002,-0.001\n0.5,0,0\n");
-  const json labels = run_json(shop, "classify beam.states --points points.csv");
+  const json labels = shop.json("classify beam.states --points points.csv");
   check_keys(labels, {"labels", "spread", "alpha", "delta", "gamma_deg", "volume.safe", "volume.sparse",
                       "volume.gap", "volume.blank", "components", "fill_distance", "largest_hole.radius",
                       "largest_hole.centre", "seconds", "peak_bytes"});
@@ -137,7 +124,7 @@ TEST_CASE("generate, export, info, classify and evaluate", "[contract]") {
   CHECK(labels["spread"][2].is_null());  // infinite outside the hull
 
   const json forces =
-      run_json(shop, "evaluate beam.states --points points.csv --kernel cubic --data force --neighbours 27");
+      shop.json("evaluate beam.states --points points.csv --kernel cubic --data force --neighbours 27");
   check_keys(forces, {"forces", "labels", "fit_us", "evaluate_ns"});
   REQUIRE(forces["forces"].size() == 3);
   for (const json& value : forces["forces"][2]) CHECK(value.is_number());  // bounded at any distance

@@ -1,33 +1,14 @@
 // forefeel evaluate: compared with SciPy from files to forces; difficult sets of states; invalid options.
 
 #include <fmt/format.h>
-#include <catch2/catch.hpp>
-
-#include <cmath>
-#include <filesystem>
-#include <fstream>
 
 #include "tests/support/executable.hpp"
-#include "tests/support/paths.hpp"
-#include "tests/support/skip.hpp"
-#include "tests/support/slow.hpp"
-
-using namespace forefeel;
-using test::beam_scene;
-using test::Workshop;
 
 namespace {
 
-const std::filesystem::path shared_liver = forefeel::test::source_folder() / "../shared/data/liver";
+const fs::path shared_liver = source_folder() / "../shared/data/liver";
 
-nlohmann::json run(const Workshop& shop, const std::string& arguments, int code = 0) {
-  const Workshop::Outcome outcome = shop.forefeel(arguments);
-  INFO("forefeel " << arguments << "\n" << outcome.err);
-  REQUIRE(outcome.code == code);
-  return outcome.json();
-}
-
-double length(const nlohmann::json& v) {
+double length(const json& v) {
   return std::hypot(v[0].get<double>(), v[1].get<double>(), v[2].get<double>());
 }
 
@@ -66,26 +47,25 @@ json.dump(answers, open("answers.json", "w"))
 TEST_CASE("generate, export and evaluate equal SciPy on the liver's states",
           "[scipy]" SLOW("compares with SciPy, which only run.sh all installs")) {
   const Workshop shop;
-  if (!forefeel::test::has_python_module("scipy.interpolate"))
-    return forefeel::test::skip("python3-scipy is not installed");
+  if (!has_python_module("scipy.interpolate")) return skip("python3-scipy is not installed");
   std::string scene = "beam.toml --set state_space.spacing=0.002";
-  if (std::filesystem::exists(shared_liver / "liver_patch.toml"))
+  if (fs::exists(shared_liver / "liver_patch.toml"))
     scene = (shared_liver / "liver_patch.toml").string() + " --set state_space.spacing=0.012";
   else
     shop.write("beam.toml", beam_scene());
-  run(shop, "generate " + scene + " -o l.states --json --quiet");
-  REQUIRE(shop.forefeel("export l.states -o states.csv --quiet").code == 0);
+  shop.json("generate " + scene + " -o l.states --quiet");
+  shop.run("export l.states -o states.csv --quiet");
   shop.write("oracle.py", oracle);
   REQUIRE(shop.shell("/usr/bin/python3 oracle.py").code == 0);
   std::ifstream in(shop.path() / "answers.json");
-  const nlohmann::json answers = nlohmann::json::parse(in);
+  const json answers = json::parse(in);
   REQUIRE(answers["states"].get<int>() > 100);
   for (const std::string kernel : {"linear", "cubic"})
     for (const std::string n : {"all", "100"}) {
       CAPTURE(scene, kernel, n);
       const auto found =
-          run(shop, "evaluate l.states --points points.csv --data force --select nearest --kernel " + kernel +
-                        " --neighbours " + (n == "all" ? answers["states"].dump() : n) + " --json");
+          shop.json("evaluate l.states --points points.csv --data force --select nearest --kernel " + kernel +
+                    " --neighbours " + (n == "all" ? answers["states"].dump() : n));
       const auto& expected = answers[kernel + n];
       REQUIRE(found["forces"].size() == expected.size());
       REQUIRE(expected.size() >= 30);
@@ -125,8 +105,7 @@ TEST_CASE("hostile sets of states: every force is finite and below its bound", "
       for (const std::string more :
            {"", " --select nearest --ridge 0.01", " --neighbours 3 --ridge auto", " --spacing 0.006"}) {
         CAPTURE(set, kernel, more);
-        const auto found =
-            run(shop, "evaluate states.csv --points points.csv --json --kernel " + kernel + more);
+        const auto found = shop.json("evaluate states.csv --points points.csv --kernel " + kernel + more);
         REQUIRE(found["forces"].size() == 5);
         for (std::size_t i = 0; i < 5; ++i) {
           for (const auto& component : found["forces"][i])
@@ -173,10 +152,10 @@ TEST_CASE("states and options that evaluate refuses", "[evaluate]" SLOW("runs th
   for (const std::string file : {"states.csv", "points.csv", "./states.csv"})
     check_refused(shop, all + "-o " + file, {file, "would replace"});
   check_refused(shop, "classify states.csv --spacing 0.006 -o states.csv", {"states.csv", "would replace"});
-  CHECK(shop.forefeel(all + "-o out.csv").code == 0);  // the inputs are unchanged
-  CHECK_THAT(shop.forefeel(all + "--set material.poisson=0.3").err, Catch::Contains("--set: without effect"));
+  shop.run(all + "-o out.csv");  // the inputs are unchanged
+  CHECK_THAT(shop.forefeel(all + "--set material.poisson=0.3").err, Contains("--set: without effect"));
   CHECK_THAT(shop.forefeel(all + "--method two-force --select nearest").err,
-             Catch::Contains("--select: without effect"));
+             Contains("--select: without effect"));
 }
 
 TEST_CASE("evaluate, import and info say that states contradict each other, and these are averaged",
@@ -190,9 +169,7 @@ TEST_CASE("evaluate, import and info say that states contradict each other, and 
   for (const std::string states : {"once.csv", "same.csv", "other.csv"})
     for (const std::string& command : {"evaluate " + states + " --points points.csv", "info " + states,
                                        "import " + states + " -o " + states + ".states --spacing 0.01"}) {
-      const auto outcome = shop.forefeel(command + " --json --quiet");
-      INFO(command << "\n" << outcome.err);
-      REQUIRE(outcome.code == 0);
+      const auto outcome = shop.run(command + " --json --quiet");
       const bool differ = states == "other.csv";
       const std::string warning =
           "warning: " + states +
@@ -200,16 +177,15 @@ TEST_CASE("evaluate, import and info say that states contradict each other, and 
           "where forces differ by up to 5 N\n";
       CHECK((outcome.err.find(warning) != std::string::npos) == differ);
       CHECK(outcome.json()["averaged"] == (differ ? 1 : 0));
-      CHECK(outcome.json()["largest_difference"].get<double>() == Approx(differ ? 5 : 0));
+      CHECK(outcome.json()["largest_difference"] == Approx(differ ? 5 : 0));
       if (command.starts_with("evaluate"))
-        CHECK(outcome.json()["forces"][0][0].get<double>() == Approx(differ ? 0 : 1).margin(1e-9));
+        CHECK(outcome.json()["forces"][0][0] == Approx(differ ? 0 : 1).margin(1e-9));
       else
         CHECK(outcome.json()["contradicting"] == (differ ? 2 : 0));
     }
   shop.write("single.csv", first + "0,0.01,0,0,2,0\n");
   for (const std::string command : {"evaluate single.csv --points points.csv", "info single.csv"})
-    CHECK_THAT(shop.forefeel(command).err,
-               Catch::Contains("1 state contradicts another at the same position"));
+    CHECK_THAT(shop.forefeel(command).err, Contains("1 state contradicts another at the same position"));
 }
 
 TEST_CASE(
@@ -227,31 +203,29 @@ TEST_CASE(
   shop.write("states.csv", states);
   shop.write("stiff.csv", stiff);
   shop.write("points.csv", "x,y,z\n0.013,0.022,0.017\n0.035,0.005,0.024\n");
-  const nlohmann::json open = run(shop, "evaluate states.csv --points points.csv --json"),
-                       asked = run(shop, "evaluate states.csv --points points.csv --json --method auto");
+  const json open = shop.json("evaluate states.csv --points points.csv"),
+             asked = shop.json("evaluate states.csv --points points.csv --method auto");
   CHECK(open["forces"] == asked["forces"]);
   CHECK(open["method"] == "auto");
   for (const char* key : {"kernel", "neighbours", "ridge"})
     CHECK(open["chosen"][key] == asked["chosen"][key]);
   CHECK(open["chosen"]["kernel"] == open["kernel"]);
   CHECK(open["expected_error"]["p50"].get<double>() <= open["expected_error"]["p95"].get<double>());
-  CHECK(open["forces"][0][2].get<double>() == Approx(-25 * 0.017 - 400 * 0.017 * 0.017).epsilon(0.02));
-  const nlohmann::json kept =
-      run(shop, "evaluate states.csv --points points.csv --json --method auto --kernel linear");
+  CHECK(open["forces"][0][2] == Approx(-25 * 0.017 - 400 * 0.017 * 0.017).epsilon(0.02));
+  const json kept = shop.json("evaluate states.csv --points points.csv --method auto --kernel linear");
   CHECK(kept["chosen"]["kernel"] == "linear");
   for (const std::string& other :
        {std::string("evaluate states.csv --kernel cubic"), std::string("evaluate stiff.csv"),
         std::string("evaluate states.csv --method rbf")}) {
-    const nlohmann::json plain = run(shop, other + " --points points.csv --json");
+    const json plain = shop.json(other + " --points points.csv");
     CHECK(plain["method"] == "rbf");
     CHECK(plain["chosen"].is_null());
     CHECK(plain["expected_error"].is_null());
   }
-  const nlohmann::json both = run(shop, "evaluate stiff.csv --method auto --points points.csv --json");
+  const json both = shop.json("evaluate stiff.csv --method auto --points points.csv");
   CHECK(both["chosen"]["data"] == "force+stiffness");
   CHECK_THAT(shop.forefeel("evaluate states.csv --points points.csv").out,
-             Catch::Contains("expected error p50") &&
-                 Catch::Contains("comparisons with known forces, left out in "));
+             Contains("expected error p50", "comparisons with known forces, left out in "));
   // For places outside, states at the border are left out more than once: more comparisons than the 125 states.
   shop.write("outside.csv", "x,y,z\n0.055,0.02,0.02\n-0.012,0.02,0.03\n0.02,0.055,0.01\n0.02,0.02,0.055\n");
   const std::string told = shop.forefeel("evaluate states.csv --points outside.csv").out;
@@ -271,24 +245,24 @@ TEST_CASE("the time of a fit is that of models that were made, and their number 
   shop.write("states.csv", states);
   shop.write("points.csv", points);
   shop.write("point.csv", "x,y,z\n0.024,0.024,0.026\n");
-  const std::string all = "evaluate states.csv --kernel cubic --select nearest --json --points ";
+  const std::string all = "evaluate states.csv --kernel cubic --select nearest --points ";
   // All states in each model: one is made, and it serves every point.
-  const nlohmann::json same = run(shop, all + "points.csv --neighbours 216");
+  const json same = shop.json(all + "points.csv --neighbours 216");
   CHECK(same["fitted"] == 1);
   CHECK(same["updated"] == 0);
   CHECK(same["reused"] == 8);
   // With far fewer neighbours the sets differ, and each point has its own model.
-  const nlohmann::json moving = run(shop, all + "points.csv --neighbours 12");
+  const json moving = shop.json(all + "points.csv --neighbours 12");
   CHECK(moving["fitted"].get<int>() + moving["updated"].get<int>() + moving["reused"].get<int>() == 9);
   CHECK(moving["fitted"].get<int>() > 4);
-  const nlohmann::json lattice = run(shop, all + "points.csv --method trilinear");
+  const json lattice = shop.json(all + "points.csv --method trilinear");
   CHECK(lattice["fitted"] == 1);
   CHECK(lattice["reused"] == 8);
   CHECK_THAT(
       shop.forefeel(
               "evaluate states.csv --points points.csv --kernel cubic --neighbours 216 --select nearest")
           .out,
-      Catch::Contains("models: 1 fitted, 8 reused, median fit"));
+      Contains("models: 1 fitted, 8 reused, median fit"));
 }
 
 TEST_CASE("evaluate says of every method what it uses, and keeps it below its bound", "[evaluate]") {
@@ -301,9 +275,9 @@ TEST_CASE("evaluate says of every method what it uses, and keeps it below its bo
                               j - 0.2 * i * i, k);
   shop.write("states.csv", states);
   shop.write("points.csv", "x,y,z\n0.004,0.005,0.006\n0.14,0.1,-0.03\n-3,2,1\n");
-  const std::string all = "evaluate states.csv --points points.csv --json --method ";
+  const std::string all = "evaluate states.csv --points points.csv --method ";
   const auto uses = [&](const std::string& method) {
-    const nlohmann::json json = run(shop, all + method);
+    const json json = shop.json(all + method);
     for (std::size_t i = 0; i < 3; ++i) {
       INFO(method << " at point " << i);
       CHECK(length(json["forces"][i]) <= (1 + 1e-12) * json["force_bounds"][i].get<double>());
@@ -319,8 +293,7 @@ TEST_CASE("evaluate says of every method what it uses, and keeps it below its bo
   CHECK(uses("rbf-network --neighbours 5") == R"("cubic" "force" - 5 - -)");
   for (const std::string method : {"trilinear", "tricubic", "deflection", "two-force"})
     CHECK(uses(method) == R"(- "force" - - - -)");
-  CHECK(shop.forefeel(all + "trilinear --kernel cubic --ridge 1").err.find("--kernel, --ridge") !=
-        std::string::npos);
+  CHECK_THAT(shop.forefeel(all + "trilinear --kernel cubic --ridge 1").err, Contains("--kernel, --ridge"));
 }
 
 TEST_CASE("evaluate says where the kernel stepped down", "[evaluate]") {
@@ -331,35 +304,30 @@ TEST_CASE("evaluate says where the kernel stepped down", "[evaluate]") {
   shop.write("plane.csv", plane);
   shop.write("block.csv", plane + "0.01,0.01,0.006,1,2,3\n0.02,0.01,0.006,1,2,4\n0.01,0.02,-0.006,2,2,3\n");
   shop.write("points.csv", "x,y,z\n0.01,0.01,0.001\n0.004,0.005,0\n");
-  const std::string cubic = " --points points.csv --kernel cubic --data force --json";
-  const nlohmann::json flat = run(shop, "evaluate plane.csv" + cubic),
-                       whole = run(shop, "evaluate block.csv" + cubic);
-  CHECK(flat["kernels"] == nlohmann::json{"linear with constant", "linear with constant"});
+  const std::string cubic = " --points points.csv --kernel cubic --data force";
+  const json flat = shop.json("evaluate plane.csv" + cubic), whole = shop.json("evaluate block.csv" + cubic);
+  CHECK(flat["kernels"] == json{"linear with constant", "linear with constant"});
   CHECK(flat["stepped_down"] == 2);
-  CHECK(whole["kernels"] == nlohmann::json{"cubic", "cubic"});
+  CHECK(whole["kernels"] == json{"cubic", "cubic"});
   CHECK(whole["stepped_down"] == 0);
 }
 
 TEST_CASE("evaluate says which forces of jets are trusted", "[evaluate]") {
-  const Workshop shop;
-  shop.write("beam.toml", beam_scene());
-  REQUIRE(shop.forefeel("generate beam.toml -o j.states --set state_space.jet=4").code == 0);
+  const BeamShop shop;
+  shop.run("generate beam.toml -o j.states --set state_space.jet=4");
   shop.write("q.csv", "x,y,z\n0.001,0.0005,0\n0.2,0.2,0\n");
-  const nlohmann::json said = run(shop, "evaluate j.states --points q.csv --data jet --json -o forces.csv");
+  const json said = shop.json("evaluate j.states --points q.csv --data jet -o forces.csv");
   CHECK(said["data"] == "jet");
-  CHECK(said["trusted"] == nlohmann::json({true, false}));
-  const std::string rows = shop.shell("cat forces.csv").out;
-  CHECK_THAT(rows,
-             Catch::Contains("label,trusted") && Catch::Contains(",safe,1") && Catch::Contains(",blank,0"));
+  CHECK(said["trusted"] == json({true, false}));
+  const std::string rows = shop.read("forces.csv");
+  CHECK_THAT(rows, Contains("label,trusted", ",safe,1", ",blank,0"));
   const std::string text = shop.forefeel("evaluate j.states --points q.csv --data jet").out;
-  CHECK_THAT(text, Catch::Contains("safe, trusted") && Catch::Contains("blank, not trusted"));
-  CHECK(run(shop, "evaluate j.states --points q.csv --json")["trusted"].is_null());
+  CHECK_THAT(text, Contains("safe, trusted", "blank, not trusted"));
+  CHECK(shop.json("evaluate j.states --points q.csv")["trusted"].is_null());
   const std::string unused =
       shop.forefeel("evaluate j.states --points q.csv --data jet --kernel cubic --noise 0.1").err;
-  CHECK_THAT(unused,
-             Catch::Contains("--kernel: without effect") && Catch::Contains("--noise: without effect"));
-  REQUIRE(shop.forefeel("export j.states -o j.csv --quiet").code == 0);
-  const auto in_mm = shop.forefeel("import j.csv -o k.states --spacing 0.01 --unit mm");
-  CHECK(in_mm.code == 2);
-  CHECK_THAT(in_mm.err, Catch::Contains("--unit: is for states without energy jets"));
+  CHECK_THAT(unused, Contains("--kernel: without effect", "--noise: without effect"));
+  shop.run("export j.states -o j.csv --quiet");
+  check_refused(shop, "import j.csv -o k.states --spacing 0.01 --unit mm",
+                {"--unit: is for states without energy jets"});
 }

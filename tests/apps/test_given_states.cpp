@@ -3,47 +3,23 @@
 
 #include <fmt/format.h>
 
-#include <catch2/catch.hpp>
-#include <cmath>
-#include <fstream>
-#include <map>
-#include <random>
-#include <sstream>
-#include <vector>
-
 #include "apps/picture/plot.hpp"
 #include "geometry/common/quantiles.hpp"
 #include "geometry/common/types.hpp"
 #include "tests/support/executable.hpp"
-#include "tests/support/skip.hpp"
-#include "tests/support/slow.hpp"
-
-using namespace forefeel::test;
-using nlohmann::json;
 
 namespace {
-
-std::string bytes(const Workshop& shop, const std::string& file) {
-  return shop.shell("sha256sum < " + file).out;
-}
-
-json run(const Workshop& shop, const std::string& arguments) {
-  const Workshop::Outcome outcome = shop.forefeel(arguments + " --json");
-  INFO("forefeel " << arguments << "\n" << outcome.err);
-  REQUIRE(outcome.code == 0);
-  return outcome.json();
-}
 
 // beam.toml, its lattice in beam.states, the same as a CSV, and the CSV with forces three times as large.
 void prepare(const Workshop& shop) {
   shop.write("beam.toml", beam_scene());
-  REQUIRE(shop.forefeel("generate beam.toml -o beam.states --quiet").code == 0);
-  REQUIRE(shop.forefeel("export beam.states -o same.csv --quiet").code == 0);
+  shop.run("generate beam.toml -o beam.states --quiet");
+  shop.run("export beam.states -o same.csv --quiet");
   REQUIRE(shop.shell("awk -F, 'BEGIN {OFS=\",\"} NR == 1 {print \"x,y,z,fx,fy,fz\"; next} "
                      "{print $1, $2, $3, 3 * $4, 3 * $5, 3 * $6}' same.csv > other.csv")
               .code == 0);
-  REQUIRE(shop.forefeel("import same.csv -o same.states --spacing 0.004 --quiet").code == 0);
-  REQUIRE(shop.forefeel("import other.csv -o other.states --spacing 0.004 --quiet").code == 0);
+  shop.run("import same.csv -o same.states --spacing 0.004 --quiet");
+  shop.run("import other.csv -o other.states --spacing 0.004 --quiet");
 }
 
 // The rows of a table by the names of their columns; an empty cell is left out.
@@ -77,16 +53,16 @@ TEST_CASE("a file given with --states is read only; what is solved goes to the r
   prepare(shop);
   for (const std::string file : {"beam.states", "same.states", "same.csv"}) {
     CAPTURE(file);
-    const std::string before = bytes(shop, file);
-    const json summary = run(shop, wide + "--states " + file + " -o run-" + file);
-    CHECK(bytes(shop, file) == before);
+    const std::string before = shop.read(file);
+    const json summary = shop.json(wide + "--states " + file + " -o run-" + file);
+    CHECK(shop.read(file) == before);
     CHECK(summary["states"]["start"] == 27);
     CHECK(summary["states"]["solved"].get<int>() > 0);
     CHECK(summary["states"]["foreign"] == false);
     CHECK(summary["error"]["samples"].get<int>() > 0);
-    const json kept = run(shop, "info run-" + file + "/session.states");
+    const json kept = shop.json("info run-" + file + "/session.states");
     CHECK(kept["states"] == summary["states"]["solved"]);
-    CHECK(kept["identity"] == run(shop, "info beam.states")["identity"]);
+    CHECK(kept["identity"] == shop.json("info beam.states")["identity"]);
   }
   check_refused(shop, session + "--states absent.states -o run", {"absent.states"});
   check_refused(shop, session + "--states run-same.csv/session.states -o run-same.csv",
@@ -96,12 +72,12 @@ TEST_CASE("a file given with --states is read only; what is solved goes to the r
 TEST_CASE("--extend appends what is solved to the given file, of the same body alone", "[states]") {
   const Workshop shop;
   prepare(shop);
-  const json summary = run(shop, wide + "--states beam.states --extend -o run");
+  const json summary = shop.json(wide + "--states beam.states --extend -o run");
   CHECK(summary["states"]["solved"].get<int>() > 0);
-  CHECK(run(shop, "info beam.states")["states"] == 27 + summary["states"]["solved"].get<int>());
-  CHECK(shop.files().find("run/session.states") == std::string::npos);
-  const json made = run(shop, wide + "--states new.states --extend -o run-2");
-  CHECK(run(shop, "info new.states")["states"] == made["states"]["solved"]);
+  CHECK(shop.json("info beam.states")["states"] == 27 + summary["states"]["solved"].get<int>());
+  CHECK_THAT(shop.files(), !Contains("run/session.states"));
+  const json made = shop.json(wide + "--states new.states --extend -o run-2");
+  CHECK(shop.json("info new.states")["states"] == made["states"]["solved"]);
   check_refused(shop, wide + "--states same.states --extend -o run-3", {"same.states", "name no body"});
   check_refused(shop, wide + "--states same.csv --extend -o run-3", {"same.csv"});
   check_refused(shop, wide + "--extend -o run-3", {"--extend", "--states"});
@@ -119,28 +95,27 @@ TEST_CASE("states without a body that do not fit the scene's are refused, with t
                                        "evaluate " + file + " --scene beam.toml --points points.csv",
                                        "classify " + file + " --scene beam.toml"})
       check_refused(shop, command, {file, "names no body", "the forces differ at", "those of the body"});
-  CHECK(shop.forefeel("classify other.csv --scene beam.toml --foreign --quiet").code == 0);
+  shop.run("classify other.csv --scene beam.toml --foreign --quiet");
   // A file in millimetres: positions so far out are not solved.
   shop.write("mm.csv", "x,y,z,fx,fy,fz\n0,0,0,0,0,0\n4,0,0,-1,0,0\n0,4,0,0,-1,0\n0,0,4,0,0,-1\n");
   check_refused(shop, session + "--states mm.csv -o run", {"mm.csv", "from rest"});
-  CHECK(run(shop, "evaluate same.csv --scene beam.toml --points points.csv")["belonging"] == "asked");
-  CHECK(run(shop, "evaluate beam.states --scene beam.toml --points points.csv")["belonging"] == "identity");
-  CHECK(run(shop, "evaluate other.csv --foreign --scene beam.toml --points points.csv")["belonging"] ==
+  CHECK(shop.json("evaluate same.csv --scene beam.toml --points points.csv")["belonging"] == "asked");
+  CHECK(shop.json("evaluate beam.states --scene beam.toml --points points.csv")["belonging"] == "identity");
+  CHECK(shop.json("evaluate other.csv --foreign --scene beam.toml --points points.csv")["belonging"] ==
         "foreign");
-  CHECK(run(shop, "evaluate other.csv --points points.csv")["belonging"].is_null());
+  CHECK(shop.json("evaluate other.csv --points points.csv")["belonging"].is_null());
 }
 
 TEST_CASE("the picture of a calibration obeys --palette", "[states]") {
   const Workshop shop;
   prepare(shop);
   const std::string command = "classify other.csv --calibrate beam.toml --foreign ";
-  run(shop, command + "-o usual");
-  run(shop, command + "-o grey --palette grey");
+  shop.json(command + "-o usual");
+  shop.json(command + "-o grey --palette grey");
   if (!forefeel::have_gnuplot()) return skip("gnuplot is not installed");
-  const std::string usual = shop.shell("cat usual/calibration.svg").out,
-                    grey = shop.shell("cat grey/calibration.svg").out;
-  CHECK_THAT(usual, Catch::Contains("213,  94,   0") && !Catch::Contains(" 77,  77,  77"));
-  CHECK_THAT(grey, Catch::Contains(" 77,  77,  77") && !Catch::Contains("213,  94,   0"));
+  const std::string usual = shop.read("usual/calibration.svg"), grey = shop.read("grey/calibration.svg");
+  CHECK_THAT(usual, Contains("213,  94,   0") && !Contains(" 77,  77,  77"));
+  CHECK_THAT(grey, Contains(" 77,  77,  77") && !Contains("213,  94,   0"));
   check_refused(shop, command + "-o other --palette mine", {"--palette", "okabe-ito"});
 }
 
@@ -148,17 +123,17 @@ TEST_CASE("labels of foreign states are calibrated with a part of them left out,
           "[states]") {
   const Workshop shop;
   prepare(shop);
-  const json found = run(shop, "classify other.csv --calibrate beam.toml --foreign -o foreign");
+  const json found = shop.json("classify other.csv --calibrate beam.toml --foreign -o foreign");
   CHECK(found["truth"] == "left out");
-  CHECK_THAT(shop.shell("cat foreign/report.html").out, Catch::Contains("left out (nothing is solved)"));
+  CHECK_THAT(shop.read("foreign/report.html"), Contains("left out (nothing is solved)"));
   int positions = 0;
   for (const char* label : {"safe", "sparse", "gap", "blank"})
     positions += found["positions"][label].get<int>();
   const int sets = int(found["sets"].size());
   CHECK(positions > 0);
   CHECK(positions <= 27 / 5 * sets);
-  CHECK(run(shop, "classify other.csv --calibrate beam.toml --foreign")["table"] == found["table"]);
-  CHECK(run(shop, "classify same.csv --calibrate beam.toml")["truth"] == "solved");
+  CHECK(shop.json("classify other.csv --calibrate beam.toml --foreign")["table"] == found["table"]);
+  CHECK(shop.json("classify same.csv --calibrate beam.toml")["truth"] == "solved");
   shop.write("few.csv",
              "x,y,z,fx,fy,fz\n0,0,0,0,0,0\n0.004,0,0,-9,0,0\n0,0.004,0,0,-9,0\n0,0,0.004,0,0,-9\n"
              "0,0.004,0.004,0,-9,-9\n");
@@ -170,32 +145,31 @@ TEST_CASE("a foreign session renders the given states alone: nothing is solved, 
           "[states]") {
   const Workshop shop;
   prepare(shop);
-  REQUIRE(shop.forefeel("generate beam.toml -o soft.states --quiet --set material.young=1000").code == 0);
+  shop.run("generate beam.toml -o soft.states --quiet --set material.young=1000");
   check_refused(shop, session + "--states soft.states -o run", {"soft.states", "material", "--foreign"});
   for (const std::string clock : {"virtual", "real"})
     for (const std::string file : {"other.states", "other.csv", "soft.states"}) {
       CAPTURE(clock, file);
-      const std::string out = "run-" + clock + file, before = bytes(shop, file);
-      const json summary =
-          run(shop, at_rest + "--device path:circle --clock " + clock + " --states " + file +
-                        " --foreign --cost recorded --set session.rest_known=true -o " + out);
+      const std::string out = "run-" + clock + file, before = shop.read(file);
+      const json summary = shop.json(at_rest + "--device path:circle --clock " + clock + " --states " + file +
+                                     " --foreign --cost recorded --set session.rest_known=true -o " + out);
       CHECK(summary["states"]["foreign"] == true);
       CHECK(summary["states"]["start"] == 27);
       CHECK(summary["states"]["solved"] == 0);
       CHECK(summary["error"]["samples"] == 0);
       CHECK(summary["error"]["p95"].is_null());
       CHECK(summary["first_guess"] == false);
-      CHECK_THAT(summary["notes"].dump(), Catch::Contains("of another body"));
-      CHECK(bytes(shop, file) == before);
-      CHECK(shop.files().find(out + "/session.states") == std::string::npos);
-      CHECK(shop.shell("tail -n +2 " + out + "/states.csv | wc -l").out == "27\n");
+      CHECK_THAT(summary["notes"].dump(), Contains("of another body"));
+      CHECK(shop.read(file) == before);
+      CHECK_THAT(shop.files(), !Contains(out + "/session.states"));
+      CHECK(std::ranges::count(shop.read(out + "/states.csv"), '\n') == 28);
     }
   // The rendered force is that of the given states, three times the body's.
   const std::string force = "awk -F, 'END {print sqrt($5^2+$6^2+$7^2)}' ";
   const std::string slow =
       at_rest + "--clock virtual --device path:circle,speed=0.02,amplitude=0.003 --states ";
-  CHECK(run(shop, slow + "same.csv -o same")["error"]["samples"].get<int>() > 0);
-  run(shop, slow + "other.csv --foreign -o three");
+  CHECK(shop.json(slow + "same.csv -o same")["error"]["samples"].get<int>() > 0);
+  shop.json(slow + "other.csv --foreign -o three");
   CHECK(std::stod(shop.shell(force + "three/frames.csv").out) ==
         Approx(3 * std::stod(shop.shell(force + "same/frames.csv").out)).epsilon(0.1));
   shop.write("arrivals.csv", "t,x,y,z\n0.1,0.004,0,0\n");
@@ -208,8 +182,7 @@ TEST_CASE("a foreign session renders the given states alone: nothing is solved, 
 // slope of 20,000 N/m.
 TEST_CASE("a session on measured forces renders their field, and its bars are those of the field",
           "[states]" SLOW("fits fields of hundreds of rows")) {
-  const Workshop shop;
-  shop.write("beam.toml", beam_scene());
+  const BeamShop shop;
   std::mt19937 random(5);
   std::normal_distribution<double> normal;
   const auto force = [](const forefeel::Vec3& x) {
@@ -225,11 +198,10 @@ TEST_CASE("a session on measured forces renders their field, and its bars are th
                           f[0] + off(0.02), f[1] + off(0.02), f[2] + off(0.02));
     }
   shop.write("presses.csv", rows);
-  const Workshop::Outcome told = shop.forefeel(
+  const auto told = shop.run(
       "session beam.toml --seconds 1 --clock virtual --states presses.csv --foreign "
       "--device path:lissajous,amplitude=0.008 -o run");
-  REQUIRE(told.code == 0);
-  CHECK_THAT(told.out + told.err, Catch::Contains("their field") && Catch::Contains("of 500 places"));
+  CHECK_THAT(told.out + told.err, Contains("their field", "of 500 places"));
   std::ifstream frames(shop.path() / "run/frames.csv");
   const std::vector<std::map<std::string, double>> all = rows_of(frames);
   REQUIRE(all.size() == 1000);
@@ -250,8 +222,7 @@ TEST_CASE("a session on measured forces renders their field, and its bars are th
 // A new user's stroke: f = -100 x along 2 cm, asked along it and 5 mm beside it.
 TEST_CASE("the report of a session on a measured stroke begins with the distance of the hand and its cost",
           "[states]" SLOW("fits fields of hundreds of rows")) {
-  const Workshop shop;
-  shop.write("beam.toml", beam_scene());
+  const BeamShop shop;
   std::string rows = "pos_x,pos_y,pos_z,force_x,force_y,force_z\n", on = "t,x,y,z\n", beside = on;
   for (int i = 0; i < 200; ++i) {
     const double x = -10 + 20 * i / 199.0;  // [mm]
@@ -265,32 +236,32 @@ TEST_CASE("the report of a session on a measured stroke begins with the distance
   shop.write("stroke.csv", rows);
   shop.write("on.csv", on);
   shop.write("beside.csv", beside);
-  REQUIRE(shop.forefeel("import stroke.csv -o stroke.states --unit mm --spacing 0.002 --quiet "
-                        "--columns pos_x,pos_y,pos_z,force_x,force_y,force_z")
-              .code == 0);
-  CHECK(shop.forefeel("classify stroke.states -o map.svg --quiet").code == 0);
+  shop.run(
+      "import stroke.csv -o stroke.states --unit mm --spacing 0.002 --quiet "
+      "--columns pos_x,pos_y,pos_z,force_x,force_y,force_z");
+  shop.run("classify stroke.states -o map.svg --quiet");
   const auto away = [&](const std::string& motion) {
-    const json summary = run(shop,
-                             "session beam.toml --seconds 1 --quiet --clock virtual --states stroke.states "
-                             "--foreign --device trace:" +
-                                 motion + ".csv -o run-" + motion);
+    const json summary = shop.json(
+        "session beam.toml --seconds 1 --quiet --clock virtual --states stroke.states "
+        "--foreign --device trace:" +
+        motion + ".csv -o run-" + motion);
     CHECK_THAT(summary["attention"][0].get<std::string>(),
-               Catch::StartsWith("the hand was ") && Catch::Contains("from the nearest known place") &&
-                   Catch::Contains("the states tell the force there within") &&
-                   Catch::Contains("times the error bar at known places"));
-    const std::string page = shop.shell("cat run-" + motion + "/report.html").out;
+               Catch::StartsWith("the hand was ") &&
+                   Contains("from the nearest known place", "the states tell the force there within",
+                            "times the error bar at known places"));
+    const std::string page = shop.read("run-" + motion + "/report.html");
     CHECK(page.find("the hand was ") < page.find("class=\"tiles\""));
     return summary["away_from_states"];
   };
   const json along = away("on"), off = away("beside");
   CHECK(along["max"].get<double>() < 1e-4);
   CHECK(along["error_bar"].get<double>() < 0.05);
-  CHECK(off["p50"].get<double>() == Approx(0.005).epsilon(0.02));
+  CHECK(off["p50"] == Approx(0.005).epsilon(0.02));
   CHECK(off["max"].get<double>() < 0.0052);
   // Across the stroke the force is not known: at least its largest stiffness along it, times the distance.
   CHECK(off["error_bar"].get<double>() > 0.5);
   CHECK(off["error_bar"].get<double>() > 20 * off["error_bar_at_states"].get<double>());
-  const json known = run(shop, session + "-o solved");
+  const json known = shop.json(session + "-o solved");
   CHECK(known["away_from_states"]["p50"].is_null());
-  CHECK_THAT(known["attention"].dump(), !Catch::Contains("the hand was"));
+  CHECK_THAT(known["attention"].dump(), !Contains("the hand was"));
 }

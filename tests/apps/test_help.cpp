@@ -1,33 +1,15 @@
 // The reference of `forefeel help` lists exactly what the readers accept and the writers write.
 
-#include <algorithm>
-#include <catch2/catch.hpp>
-#include <fstream>
-#include <set>
-#include <stdexcept>
-#include <string>
-#include <vector>
-
 #include "apps/main/help_topics.hpp"
 #include "apps/scene/scene.hpp"
 #include "apps/scene/scene_declared.hpp"
 #include "apps/scene/scene_table.hpp"
 #include "apps/scene/spec_text.hpp"
 #include "apps/study/study_file.hpp"
-#include "geometry/common/error.hpp"
 #include "tests/apps/study_fixture.hpp"
 #include "tests/support/executable.hpp"
 
-using namespace forefeel;
-using test::StudyFixture;
-using test::Workshop;
-
 namespace {
-
-std::string text_of(const std::filesystem::path& file) {
-  std::ifstream in(file);
-  return {std::istreambuf_iterator<char>(in), {}};
-}
 
 const DeclaredTable& scene_table(const std::string& name) {
   return *std::ranges::find(scene_tables(), name, &DeclaredTable::name);
@@ -139,36 +121,34 @@ TEST_CASE("every row of the reference has a name and a meaning, and no table has
 
 TEST_CASE("help lists its topics, prints one topic, and narrows it to a table") {
   const Workshop shop;
-  const Workshop::Outcome topics = shop.forefeel("help");
-  CHECK(topics.code == 0);
+  const auto topics = shop.run("help");
   for (const char* topic : {"help scene", "help study", "help devices", "help outputs"})
-    CHECK_THAT(topics.out, Catch::Contains(topic));
-  const Workshop::Outcome material = shop.forefeel("help scene material");
-  CHECK(material.code == 0);
-  CHECK_THAT(material.out, Catch::Contains("young [Pa]") && !Catch::Contains("neighbours"));
-  CHECK_THAT(shop.forefeel("help scene session").out, Catch::Contains("session.jnd"));
-  CHECK_THAT(shop.forefeel("help outputs frames.csv").out, Catch::Contains("fx,fy,fz [N]"));
-  const nlohmann::json document = shop.forefeel("help devices --json").json();
+    CHECK_THAT(topics.out, Contains(topic));
+  const auto material = shop.run("help scene material");
+  CHECK_THAT(material.out, Contains("young [Pa]") && !Contains("neighbours"));
+  CHECK_THAT(shop.forefeel("help scene session").out, Contains("session.jnd"));
+  CHECK_THAT(shop.forefeel("help outputs frames.csv").out, Contains("fx,fy,fz [N]"));
+  const json document = shop.json("help devices");
   CHECK(document["topics"][0]["tables"][0]["rows"][1]["name"] == "speed");
   CHECK(shop.files().empty());
 }
 
 TEST_CASE("a topic or table that help does not know is refused with the nearest one") {
   const Workshop shop;
-  test::check_refused(shop, "help scenes", {"unknown topic", "did you mean 'scene'"});
-  test::check_refused(shop, "help session", {"unknown topic", "scene, study, devices, outputs", "--help"});
-  test::check_refused(shop, "help scene materials", {"unknown table", "did you mean 'material'"});
-  test::check_refused(shop, "help scene -o a.txt", {"a.txt", ".html"});
+  check_refused(shop, "help scenes", {"unknown topic", "did you mean 'scene'"});
+  check_refused(shop, "help session", {"unknown topic", "scene, study, devices, outputs", "--help"});
+  check_refused(shop, "help scene materials", {"unknown table", "did you mean 'material'"});
+  check_refused(shop, "help scene -o a.txt", {"a.txt", ".html"});
 }
 
 TEST_CASE("the page of the reference holds every name of every topic") {
   const Workshop shop;
-  REQUIRE(shop.forefeel("help -o help.html").code == 0);
-  const std::string page = text_of(shop.path() / "help.html");
-  CHECK_THAT(page, Catch::StartsWith("<!DOCTYPE html>") && !Catch::Contains("src="));
+  shop.run("help -o help.html");
+  const std::string page = shop.read("help.html");
+  CHECK_THAT(page, Catch::StartsWith("<!DOCTYPE html>") && !Contains("src="));
   for (const HelpTopic& topic : help_topics())
     for (const DeclaredTable& table : topic.tables)
       for (const Declared& row : table.rows)
         if (row.name.find_first_of(",\"<&") == std::string::npos)
-          CHECK_THAT(page, Catch::Contains("<code>" + row.name + "</code>"));
+          CHECK_THAT(page, Contains("<code>" + row.name + "</code>"));
 }

@@ -1,38 +1,16 @@
 // Energy jets in commands: solve --jet, state_space.jet, and the files that hold them.
 
-#include <catch2/catch.hpp>
-
 #include <fmt/format.h>
-
-#include <cmath>
-#include <nlohmann/json.hpp>
 
 #include "geometry/states/energy_jet.hpp"
 #include "geometry/states/state_file.hpp"
 #include "tests/support/executable.hpp"
 
-using namespace forefeel;
-using nlohmann::json;
-using test::beam_scene;
-using test::Workshop;
-
-namespace {
-
-json run(const Workshop& shop, const std::string& words) {
-  const Workshop::Outcome done = shop.forefeel(words + " --json");
-  INFO(words << "\n" << done.err);
-  REQUIRE(done.code == 0);
-  return done.json();
-}
-
-}  // namespace
-
 TEST_CASE("solve --jet says the coefficients of its order and the material limit, also in its file") {
-  const Workshop shop;
-  shop.write("beam.toml", beam_scene());
+  const BeamShop shop;
   for (const int order : {2, 3, 4}) {
-    const json state = run(
-        shop, "solve beam.toml --at=0.001,0,-0.002 -o out.csv --jet " + std::to_string(order))["states"][0];
+    const json state = shop.json("solve beam.toml --at=0.001,0,-0.002 -o out.csv --jet " +
+                                 std::to_string(order))["states"][0];
     const json& jet = state["jet"];
     CHECK(jet.size() == jet_terms_of_order(order) + 1);
     const std::vector<State> file = read_states_csv(shop.path() / "out.csv");
@@ -42,35 +20,31 @@ TEST_CASE("solve --jet says the coefficients of its order and the material limit
       CHECK(jet[jet_names()[i]].get<double>() == file[0].jet->coefficients[i]);
     CHECK(jet["limit"].get<double>() == file[0].jet->limit);
   }
-  CHECK(!run(shop, "solve beam.toml --at=0,0,0")["states"][0].contains("jet"));
-  CHECK(run(shop, "solve beam.toml --at=0,0,0 --set state_space.jet=2")["states"][0]["jet"].size() == 11);
+  CHECK(!shop.json("solve beam.toml --at=0,0,0")["states"][0].contains("jet"));
+  CHECK(shop.json("solve beam.toml --at=0,0,0 --set state_space.jet=2")["states"][0]["jet"].size() == 11);
   const json linear =
-      run(shop, "solve beam.toml --at=0,0,0.001 --jet 2 --set material.law=linear")["states"][0]["jet"];
+      shop.json("solve beam.toml --at=0,0,0.001 --jet 2 --set material.law=linear")["states"][0]["jet"];
   CHECK(linear["e300"] == 0);
   CHECK(linear["limit"].is_null());
   CHECK_THAT(shop.forefeel("solve beam.toml --at=0,0,-0.001 --jet 4").out,
-             Catch::Contains("jet of order 4, limit ") && Catch::Contains(" mm"));
+             Contains("jet of order 4, limit ", " mm"));
   for (const char* order : {"1", "5", "0", "-2", "2.5", "two"}) {
-    const Workshop::Outcome refused = shop.forefeel(std::string("solve beam.toml --at=0,0,0 --jet=") + order);
-    CHECK(refused.code == 2);
-    CHECK(refused.error_lines() == 1);
-    CHECK_THAT(refused.err, Catch::Contains("--jet"));
+    check_refused(shop, std::string("solve beam.toml --at=0,0,0 --jet=") + order, {"--jet"});
   }
 }
 
 TEST_CASE("generate keeps jets of state_space.jet; a rerun with another order resumes the file") {
-  const Workshop shop;
-  shop.write("beam.toml", beam_scene());
+  const BeamShop shop;
   const std::string generate = "generate beam.toml -o s.states --quiet";
-  CHECK(run(shop, generate + " --set state_space.jet=2")["states"] == 27);
-  const json info = run(shop, "info s.states");
+  CHECK(shop.json(generate + " --set state_space.jet=2")["states"] == 27);
+  const json info = shop.json("info s.states");
   CHECK(info["with_jet"] == 27);
-  CHECK_THAT(shop.forefeel("info s.states").out, Catch::Contains("27 with an energy jet"));
+  CHECK_THAT(shop.forefeel("info s.states").out, Contains("27 with an energy jet"));
   const std::vector<State> states = load_states(shop.path() / "s.states").states;
   for (const State& state : states) {
     REQUIRE(state.jet);
     CHECK(state.jet->order == 2);
-    const json solved = run(shop, fmt::format("solve beam.toml --at={},{},{} --jet 2", state.at[0],
+    const json solved = shop.json(fmt::format("solve beam.toml --at={},{},{} --jet 2", state.at[0],
                                               state.at[1], state.at[2]))["states"][0]["jet"];
     double largest = 0, off = 0;
     for (std::size_t i = 0; i < jet_terms_of_order(2); ++i) {
@@ -81,23 +55,22 @@ TEST_CASE("generate keeps jets of state_space.jet; a rerun with another order re
     CHECK(off <= 1e-6 * largest);
   }
   const std::string wider = " --set 'state_space.box=[[-0.004,-0.004,-0.004],[0.008,0.004,0.004]]'";
-  const json more = run(shop, generate + " --set state_space.jet=4" + wider);
+  const json more = shop.json(generate + " --set state_space.jet=4" + wider);
   CHECK(more["resumed"] == 27);
   int orders[5] = {};
   for (const State& state : load_states(shop.path() / "s.states").states) ++orders[state.jet->order];
   CHECK(orders[2] == 27);
   CHECK(orders[4] == 9);
-  CHECK(run(shop, "generate beam.toml -o plain.states --quiet")["states"] == 27);
-  CHECK(run(shop, "info plain.states")["with_jet"] == 0);
+  CHECK(shop.json("generate beam.toml -o plain.states --quiet")["states"] == 27);
+  CHECK(shop.json("info plain.states")["with_jet"] == 0);
 }
 
 TEST_CASE("files with jets are exported, imported, evaluated and classified as others") {
-  const Workshop shop;
-  shop.write("beam.toml", beam_scene());
-  run(shop, "generate beam.toml -o s.states --quiet --threads 1 --set state_space.jet=3");
-  run(shop, "generate beam.toml -o plain.states --quiet --threads 1");  // the same order of states
-  CHECK(shop.forefeel("export s.states -o s.csv").code == 0);
-  CHECK(shop.forefeel("import s.csv -o again.states --spacing 0.004").code == 0);
+  const BeamShop shop;
+  shop.json("generate beam.toml -o s.states --quiet --threads 1 --set state_space.jet=3");
+  shop.json("generate beam.toml -o plain.states --quiet --threads 1");  // the same order of states
+  shop.run("export s.states -o s.csv");
+  shop.run("import s.csv -o again.states --spacing 0.004");
   const std::vector<State> first = load_states(shop.path() / "s.states").states,
                            again = load_states(shop.path() / "again.states").states;
   REQUIRE(first.size() == again.size());
@@ -108,15 +81,14 @@ TEST_CASE("files with jets are exported, imported, evaluated and classified as o
     CHECK(again[i].jet->limit == first[i].jet->limit);
   }
   shop.write("q.csv", "x,y,z\n0.001,0.001,0\n0.002,0,0.001\n");
-  CHECK(run(shop, "evaluate s.states --points q.csv")["forces"] ==
-        run(shop, "evaluate plain.states --points q.csv")["forces"]);
-  CHECK(run(shop, "classify s.states --points q.csv")["labels"] ==
-        run(shop, "classify plain.states --points q.csv")["labels"]);
+  CHECK(shop.json("evaluate s.states --points q.csv")["forces"] ==
+        shop.json("evaluate plain.states --points q.csv")["forces"]);
+  CHECK(shop.json("classify s.states --points q.csv")["labels"] ==
+        shop.json("classify plain.states --points q.csv")["labels"]);
 }
 
 TEST_CASE("a session's states keep jets under both clocks, and a scene with another order is refused") {
-  const Workshop shop;
-  shop.write("beam.toml", beam_scene("jet = 2\n"));
+  const BeamShop shop("jet = 2\n");
   for (const char* clock : {"virtual", "real"}) {
     const Workshop::Outcome done =
         shop.forefeel(std::string("session beam.toml --seconds 0.5 --quiet --clock ") + clock +
@@ -129,11 +101,8 @@ TEST_CASE("a session's states keep jets under both clocks, and a scene with anot
       REQUIRE(state.jet);
       CHECK(state.jet->order == 2);
     }
-    std::filesystem::remove_all(shop.path() / "run");
+    fs::remove_all(shop.path() / "run");
   }
   shop.write("wrong.toml", beam_scene("jet = 5\n"));
-  const Workshop::Outcome refused = shop.forefeel("generate wrong.toml -o w.states");
-  CHECK(refused.code == 2);
-  CHECK(refused.error_lines() == 1);
-  CHECK_THAT(refused.err, Catch::Contains("state_space.jet") && Catch::Contains("from 1 to 4"));
+  check_refused(shop, "generate wrong.toml -o w.states", {"state_space.jet", "from 1 to 4"});
 }

@@ -2,38 +2,24 @@
 
 #include <fmt/format.h>
 
-#include <catch2/catch.hpp>
-#include <map>
-#include <nlohmann/json.hpp>
-#include <set>
-#include <string>
-#include <vector>
-
 #include "apps/main/help_topics.hpp"
 #include "tests/support/executable.hpp"
 #include "tests/support/json_keys.hpp"
-
-using namespace forefeel;
-using nlohmann::json;
-using test::Workshop;
 
 namespace {
 
 void compare(const std::string& table, const std::vector<json>& documents,
              const std::set<std::string>& rare = {}) {
   for (const HelpTopic& topic : help_topics())
-    if (topic.name == "outputs") test::compare_keys(topic.tables, table, documents, rare);
+    if (topic.name == "outputs") compare_keys(topic.tables, table, documents, rare);
 }
 
 }  // namespace
 
 TEST_CASE("help lists the keys of solve, mesh, generate, evaluate and classify --json") {
-  const Workshop shop;
-  shop.write("beam.toml", test::beam_scene());
+  const BeamShop shop;
   const auto run = [&](const std::string& words) {
-    const Workshop::Outcome done = shop.forefeel(words + " --json");
-    INFO(words << "\n" << done.err);
-    REQUIRE(done.code == 0);
+    const auto done = shop.run(words + " --json");
     return done.json();
   };
   shop.write("any.toml",
@@ -75,15 +61,12 @@ TEST_CASE("help lists the keys of solve, mesh, generate, evaluate and classify -
 }
 
 TEST_CASE("help lists the keys of a session's summary.json") {
-  const Workshop shop;
-  shop.write("beam.toml", test::beam_scene());
+  const BeamShop shop;
   const std::string session =
       "session beam.toml --clock virtual --seconds 0.3 --cost constant:0.02 --quiet --json --shape-rate 30 "
       "-o ";
   const auto run = [&](const std::string& words) {
-    const Workshop::Outcome done = shop.forefeel(session + words);
-    INFO(words << "\n" << done.err);
-    REQUIRE(done.code == 0);
+    const auto done = shop.run(session + words);
     return done.json();
   };
   compare("summary.json",

@@ -1,53 +1,26 @@
 // reproduce.
 
 #include <fmt/format.h>
-#include <catch2/catch.hpp>
-
-#include <array>
-#include <cmath>
-#include <fstream>
-#include <map>
-#include <sstream>
 
 #include "apps/scene/laboratory.hpp"
 #include "scheduling/placement/auto_spacing.hpp"
 #include "scheduling/study/calibration.hpp"
 #include "tests/support/executable.hpp"
-#include "tests/support/paths.hpp"
-#include "tests/support/slow.hpp"
-
-using namespace forefeel;
-using test::beam_scene;
-using test::Workshop;
-
-namespace {
-
-std::string read(const std::filesystem::path& file) {
-  std::ifstream in(file);
-  std::ostringstream text;
-  text << in.rdbuf();
-  return text.str();
-}
-
-}  // namespace
 
 TEST_CASE("the paper's experiments on a small beam",
           "[laboratory]" SLOW("runs all experiments of the paper")) {
-  const Workshop shop;
-  shop.write("beam.toml", beam_scene());
-  const Workshop::Outcome outcome = shop.forefeel(
+  const BeamShop shop;
+  const auto outcome = shop.run(
       "reproduce all beam.toml --depth 9 --interval 0.4 --rounds 2 --travel 0.1 --workers 2,3 --json --quiet "
       "-o out");
-  INFO(outcome.err);
-  REQUIRE(outcome.code == 0);
-  const nlohmann::json found = outcome.json();
+  const json found = outcome.json();
   const std::string files = shop.files();
   for (const char* file : {"timing.csv", "extrapolation.csv", "damping.csv", "energy.csv", "speed.csv",
                            "report.html", "summary.json"})
-    CHECK_THAT(files, Catch::Contains(std::string("out/") + file));
-  const std::string page = read(shop.path() / "out/report.html");
-  CHECK_THAT(page, Catch::Contains("The paper found") && Catch::Contains("We found"));
-  CHECK_THAT(page, !Catch::Contains("src=\"") && !Catch::Contains("href=\"http"));
+    CHECK_THAT(files, Contains(std::string("out/") + file));
+  const std::string page = text_of(shop.path() / "out/report.html");
+  CHECK_THAT(page, Contains("The paper found", "We found"));
+  CHECK_THAT(page, !Contains("src=\"") && !Contains("href=\"http"));
 
   const auto& speeds = found["experiments"]["speed"]["rows"];
   REQUIRE(speeds.size() == 2);
@@ -74,7 +47,7 @@ TEST_CASE("the paper's experiments on a small beam",
   CHECK(our_gap < paper_gap);
   // The largest values by either measure are those of the table.
   const double gap_end = found["experiments"]["extrapolation"]["gap"];
-  std::istringstream csv(read(shop.path() / "out/extrapolation.csv"));
+  std::istringstream csv(text_of(shop.path() / "out/extrapolation.csv"));
   std::map<std::string, std::array<double, 3>> most;  // by setup and method: N; in the gap N, JND
   for (std::string line; std::getline(csv, line);) {
     const std::size_t name_end = line.find("\",");
@@ -89,10 +62,10 @@ TEST_CASE("the paper's experiments on a small beam",
   }
   for (const auto& curve : curves) {
     const auto& m = most.at(curve["setup"].get<std::string>() + ",\"" + curve["method"].get<std::string>());
-    CHECK(curve["largest_jump_newton"]["newton"].get<double>() == Approx(m[0]).epsilon(1e-3));
+    CHECK(curve["largest_jump_newton"]["newton"] == Approx(m[0]).epsilon(1e-3));
     if (curve["setup"] != "gap") continue;
-    CHECK(curve["in_gap"]["largest_jump_newton"]["newton"].get<double>() == Approx(m[1]).epsilon(1e-3));
-    CHECK(curve["in_gap"]["largest_jump"]["jnd"].get<double>() == Approx(m[2]).epsilon(1e-3));
+    CHECK(curve["in_gap"]["largest_jump_newton"]["newton"] == Approx(m[1]).epsilon(1e-3));
+    CHECK(curve["in_gap"]["largest_jump"]["jnd"] == Approx(m[2]).epsilon(1e-3));
     CHECK(curve["in_gap"]["largest_jump"]["s"].get<double>() <= gap_end + 1e-9);
     for (const char* share : {"p50", "p95", "max"}) CHECK(curve["in_gap"]["error_tight"][share].is_number());
   }
@@ -118,52 +91,46 @@ TEST_CASE("the paper's experiments on a small beam",
     // Spacing 4 mm.
     const bool moves = row["set"] != "fixed",
                older = row["method"].get<std::string>().find("n ") == std::string::npos;
-    CHECK(row["half_axes"][0].get<double>() == Approx(moves || older ? 0.010 : 0.0048));
-    CHECK(row["half_axes"][1].get<double>() == Approx(0.8 * row["half_axes"][0].get<double>()));
+    CHECK(row["half_axes"][0] == Approx(moves || older ? 0.010 : 0.0048));
+    CHECK(row["half_axes"][1] == Approx(0.8 * row["half_axes"][0].get<double>()));
   }
   CHECK(offline);
-  CHECK_THAT(page,
-             Catch::Contains("Half axes: 4.8 and 3.84 mm") && !Catch::Contains("r costs what r3 costs"));
+  CHECK_THAT(page, Contains("Half axes: 4.8 and 3.84 mm") && !Contains("r costs what r3 costs"));
   const auto& times = found["experiments"]["timing"]["rows"];
   if (times[0]["n"] == 100 && times[1]["n"] == 100) {
     CHECK(times[0]["kernel"] == "linear");
-    CHECK_THAT(page, Catch::Contains(fmt::format(
-                         "With 100 states r takes {:.2f} times as long as r3 to refit",
-                         times[0]["refit_us"].get<double>() / times[1]["refit_us"].get<double>())));
+    CHECK_THAT(
+        page, Contains(fmt::format("With 100 states r takes {:.2f} times as long as r3 to refit",
+                                   times[0]["refit_us"].get<double>() / times[1]["refit_us"].get<double>())));
   }
   for (const auto& row : found["experiments"]["timing"]["rows"]) CHECK(row["evaluate_us"].get<double>() > 0);
 
   // The second run solves nothing and finds the same.
-  const Workshop::Outcome again =
-      shop.forefeel("reproduce extrapolation beam.toml --depth 9 --json --quiet -o again");
-  REQUIRE(again.code == 0);
+  const auto again = shop.run("reproduce extrapolation beam.toml --depth 9 --json --quiet -o again");
   CHECK(again.json()["experiments"]["extrapolation"] == found["experiments"]["extrapolation"]);
 }
 
 TEST_CASE("sustained speed on the built-in scene", "[laboratory]" SLOW("runs sessions at rising speeds")) {
   const Workshop shop;
-  const Workshop::Outcome outcome = shop.forefeel(
+  const auto outcome = shop.run(
       "reproduce speed --set body.elements=300 --travel 0.05 --workers 2 --seeds 2 --json --quiet -o out");
-  INFO(outcome.err);
-  REQUIRE(outcome.code == 0);
-  const nlohmann::json speed = outcome.json()["experiments"]["speed"];
+  const json speed = outcome.json()["experiments"]["speed"];
   REQUIRE(speed["rows"].size() == 1);
   CHECK(speed["seeds"] == 2);
-  CHECK_THAT(read(shop.path() / "out/speed.toml"), Catch::Contains("seeds = [1, 2]"));
-  const nlohmann::json& row = speed["rows"][0];
+  CHECK_THAT(text_of(shop.path() / "out/speed.toml"), Contains("seeds = [1, 2]"));
+  const json& row = speed["rows"][0];
   CHECK(row["speed"].is_number());
   CHECK(row["rest_known_before"].is_number());
   CHECK(row["our_start_for_all"]["seed_paper"].is_number());
-  const std::string csv = read(shop.path() / "out/speed.csv");
+  const std::string csv = text_of(shop.path() / "out/speed.csv");
   for (const char* step :
        {"predecessor, tricubic 18 mm", "seed paper: r3 n=100, 6 mm", "default, motion known (clairvoyant)",
         "+ rest first", "+ first guess (default)", "seed paper, 12 mm + our start"})
-    CHECK_THAT(csv, Catch::Contains(step));
+    CHECK_THAT(csv, Contains(step));
 }
 
 TEST_CASE("what should vanish and does not is exit 1, with all that was found", "[laboratory]") {
-  const Workshop shop;
-  shop.write("beam.toml", beam_scene());
+  const BeamShop shop;
   // With a tiny just noticeable difference, every jump can be felt.
   const Workshop::Outcome outcome = shop.forefeel(
       "reproduce extrapolation beam.toml --depth 9 --json --set session.jnd.share=1e-12 --set "
@@ -171,13 +138,12 @@ TEST_CASE("what should vanish and does not is exit 1, with all that was found", 
   INFO(outcome.err);
   CHECK(outcome.code == 1);
   CHECK(outcome.json()["experiments"]["extrapolation"]["curves"].size() == 9);
-  CHECK_THAT(outcome.err, Catch::Contains("Hermite") && Catch::Contains("jumps by"));
-  CHECK_THAT(shop.files(), Catch::Contains("out/report.html"));
+  CHECK_THAT(outcome.err, Contains("Hermite", "jumps by"));
+  CHECK_THAT(shop.files(), Contains("out/report.html"));
 }
 
 TEST_CASE("experiments that cannot be run", "[laboratory]") {
-  const Workshop shop;
-  shop.write("beam.toml", beam_scene());
+  const BeamShop shop;
   check_refused(shop, "reproduce", {"WHAT"});
   check_refused(shop, "reproduce timming beam.toml -o out", {"did you mean 'timing'"});
   check_refused(shop, "reproduce speed --set state_space.spacing=0.012 -o out",
@@ -195,7 +161,7 @@ TEST_CASE("experiments that cannot be run", "[laboratory]") {
   check_refused(shop, "reproduce speed --set session.latency=1e9 -o out", {"--set session.latency"});
   const auto kept = shop.write("kept/speed.toml", "of an earlier run");
   check_refused(shop, "reproduce speed --set session.device=hand:touch -o kept", {"no speed to set"});
-  CHECK(read(kept) == "of an earlier run");
+  CHECK(text_of(kept) == "of an earlier run");
   check_refused(shop, "reproduce all --set session.policy=fifo -o out", {"session.policy"});
   check_refused(shop, "reproduce timing absent.toml -o out", {"absent.toml"});
   check_refused(shop, "reproduce energy beam.toml --gap 4 -o out", {"--gap", "energy", "extrapolation"});

@@ -1,18 +1,10 @@
 // [[material]] tables of a scene: read, checked against the mesh's groups, overridden, kept apart in caches.
 #include <fmt/format.h>
 
-#include <catch2/catch.hpp>
-#include <string>
-
 #include "apps/scene/scene.hpp"
 #include "geometry/mesh/mesh_file.hpp"
 #include "geometry/meshing/phantom.hpp"
-#include "tests/support/error_of.hpp"
 #include "tests/support/executable.hpp"
-
-using namespace forefeel;
-using test::check_refused;
-using test::Workshop;
 
 namespace {
 
@@ -82,11 +74,11 @@ TEST_CASE("materials: --set reaches each table, by its group or without one") {
   CHECK(other.identity != plain.identity);
   CHECK(load(shop, text, {}, &plain).body == plain.body);
   const auto refused = [&](const std::string& override_text) {
-    return test::error_of([&] { load(shop, text, {override_text}); });
+    return error_of([&] { load(shop, text, {override_text}); });
   };
-  CHECK_THAT(refused("material.core.young=-1"), Catch::Contains("--set material.core.young"));
-  CHECK_THAT(refused("material.core=5"), Catch::Contains("'material.core' is a table"));
-  CHECK_THAT(refused("material.core.yuong=5"), Catch::Contains("did you mean 'material.core.young'"));
+  CHECK_THAT(refused("material.core.young=-1"), Contains("--set material.core.young"));
+  CHECK_THAT(refused("material.core=5"), Contains("'material.core' is a table"));
+  CHECK_THAT(refused("material.core.yuong=5"), Contains("did you mean 'material.core.young'"));
 }
 
 TEST_CASE(
@@ -126,7 +118,7 @@ TEST_CASE("materials: a table that changes nothing is said") {
   const Scene all = load(
       shop, scene(rest + "[[material]]\ngroup = \"all\"\nlaw = \"linear\"\nyoung = 1e4\npoisson = 0.2\n"));
   REQUIRE(all.source.warnings.size() == 1);
-  CHECK_THAT(all.source.warnings[0], Catch::Contains("scene.toml:3: material: without effect"));
+  CHECK_THAT(all.source.warnings[0], Contains("scene.toml:3: material: without effect"));
   CHECK(is_linear(*all.body));
 }
 
@@ -134,14 +126,14 @@ TEST_CASE("materials: states of other materials are not taken for this body's, a
   const Workshop shop;
   write_beam(shop);
   shop.write("scene.toml", scene(core + rest));
-  REQUIRE(shop.forefeel("generate scene.toml -o s.states --quiet").code == 0);
-  CHECK(shop.forefeel("generate scene.toml -o s.states --quiet").code == 0);
+  shop.run("generate scene.toml -o s.states --quiet");
+  shop.run("generate scene.toml -o s.states --quiet");
   check_refused(shop, "generate scene.toml -o s.states --quiet --set material.core.young=4e4",
                 {"s.states", "material"});
-  const auto info = shop.forefeel("info beam.msh --json").json();
+  const auto info = shop.json("info beam.msh");
   REQUIRE(info["regions"].size() == 2);
   CHECK(info["regions"][0]["name"] == "core");
   CHECK(info["regions"][0]["elements"].get<int>() > 0);
   CHECK(info["regions"][0]["volume"].get<double>() > 0);
-  CHECK_THAT(shop.forefeel("info beam.msh").out, Catch::Contains("region core: "));
+  CHECK_THAT(shop.forefeel("info beam.msh").out, Contains("region core: "));
 }

@@ -1,12 +1,6 @@
 // forefeel mesh, import, export and info, run as a person would.
 
-#include <catch2/catch.hpp>
-
-#include <cmath>
-
 #include "tests/support/executable.hpp"
-
-using forefeel::test::Workshop;
 
 namespace {
 
@@ -20,26 +14,26 @@ const char* const cube_off =
 TEST_CASE("mesh fills a surface, rescales a mesh, and makes phantoms", "[mesh]") {
   const Workshop shop;
   shop.write("cube.off", cube_off);
-  const auto made = shop.forefeel("mesh cube.off -o cube.msh --elements 600 --length 0.1 --json").json();
-  CHECK(made["elements"].get<double>() == Approx(600).epsilon(0.05));
-  CHECK(made["volume"].get<double>() == Approx(1e-3).epsilon(1e-6));
+  const auto made = shop.json("mesh cube.off -o cube.msh --elements 600 --length 0.1");
+  CHECK(made["elements"] == Approx(600).epsilon(0.05));
+  CHECK(made["volume"] == Approx(1e-3).epsilon(1e-6));
   CHECK(made["hausdorff"].get<double>() < 1e-5);
   CHECK(made["min_dihedral_deg"].get<double>() > 10);
   CHECK(made["repaired"]["self_intersections"] == 0);
-  const auto info = shop.forefeel("info cube.msh --json").json();
+  const auto info = shop.json("info cube.msh");
   CHECK(info["kind"] == "mesh");
   CHECK(info["elements"] == made["elements"]);
   CHECK(info["components"] == 1);
-  const auto longer = shop.forefeel("mesh cube.msh -o longer.msh --length 0.2 --json").json();
-  CHECK(longer["volume"].get<double>() == Approx(8e-3).epsilon(1e-6));
+  const auto longer = shop.json("mesh cube.msh -o longer.msh --length 0.2");
+  CHECK(longer["volume"] == Approx(8e-3).epsilon(1e-6));
   CHECK(longer["elements"] == made["elements"]);
-  const auto finer = shop.forefeel("mesh cube.msh -o finer.msh --elements 1500 --json").json();
-  CHECK(finer["elements"].get<double>() == Approx(1500).epsilon(0.05));
-  const auto liver = shop.forefeel("mesh --phantom liver -o liver.msh --json").json();
-  CHECK(liver["elements"].get<double>() == Approx(1777).epsilon(0.05));
+  const auto finer = shop.json("mesh cube.msh -o finer.msh --elements 1500");
+  CHECK(finer["elements"] == Approx(1500).epsilon(0.05));
+  const auto liver = shop.json("mesh --phantom liver -o liver.msh");
+  CHECK(liver["elements"] == Approx(1777).epsilon(0.05));
   CHECK(liver["groups"].contains("clamp"));
-  CHECK(shop.forefeel("info liver.msh --json").json()["groups"]["contact"] == liver["groups"]["contact"]);
-  CHECK(shop.forefeel("info cube.off --json").json()["closed"] == true);
+  CHECK(shop.json("info liver.msh")["groups"]["contact"] == liver["groups"]["contact"]);
+  CHECK(shop.json("info cube.off")["closed"] == true);
 }
 
 TEST_CASE("mesh refuses what it cannot use", "[mesh]") {
@@ -72,12 +66,12 @@ TEST_CASE("mesh and info say where the body lies, and a mesh can be written for 
   const Workshop shop;
   shop.write("cube.off", cube_off);
   const auto made = shop.forefeel("mesh cube.off -o cube.vtu --elements 200");
-  CHECK_THAT(made.err + made.out, Catch::Contains("within x 0 to 1, y 0 to 1, z 0 to 1 m"));
-  CHECK_THAT(shop.forefeel("info cube.vtu").out, Catch::Contains("within x 0 to 1, y 0 to 1, z 0 to 1 m"));
-  CHECK_THAT(shop.forefeel("info cube.off").out, Catch::Contains("within x 0 to 1, y 0 to 1, z 0 to 1 m"));
-  const auto info = shop.forefeel("info cube.vtu --json").json();
-  CHECK(info["volume"].get<double>() == Approx(1));
-  const auto again = shop.forefeel("mesh cube.vtu -o cube.msh --json").json();
+  CHECK_THAT(made.err + made.out, Contains("within x 0 to 1, y 0 to 1, z 0 to 1 m"));
+  CHECK_THAT(shop.forefeel("info cube.vtu").out, Contains("within x 0 to 1, y 0 to 1, z 0 to 1 m"));
+  CHECK_THAT(shop.forefeel("info cube.off").out, Contains("within x 0 to 1, y 0 to 1, z 0 to 1 m"));
+  const auto info = shop.json("info cube.vtu");
+  CHECK(info["volume"] == Approx(1));
+  const auto again = shop.json("mesh cube.vtu -o cube.msh");
   CHECK(again["elements"] == info["elements"]);
   CHECK(again["box"] == info["box"]);
 }
@@ -92,16 +86,15 @@ TEST_CASE("a surface in mm is said to be long, and --unit reads it in its unit",
   shop.write("mm.off", large + cube.substr(cube.find("3 0 2 1")));
   const std::string said = "mm.off: is 300 m long; if its lengths are in mm, it is 0.3 m long";
   const auto plain = shop.forefeel("mesh mm.off -o a.msh --elements 200 --json");
-  CHECK_THAT(plain.err, Catch::Contains(said + "; --unit or --length scales it"));
+  CHECK_THAT(plain.err, Contains(said + "; --unit or --length scales it"));
   REQUIRE(plain.json()["warnings"].size() == 1);
-  CHECK_THAT(shop.forefeel("info mm.off").err, Catch::Contains(said + "; forefeel mesh --unit"));
-  CHECK_THAT(shop.forefeel("info a.msh").err, Catch::Contains("is 300 m long"));
+  CHECK_THAT(shop.forefeel("info mm.off").err, Contains(said + "; forefeel mesh --unit"));
+  CHECK_THAT(shop.forefeel("info a.msh").err, Contains("is 300 m long"));
   const auto scaled = shop.forefeel("mesh mm.off -o b.msh --elements 200 --unit mm --json");
-  CHECK(scaled.json()["volume"].get<double>() == Approx(0.027));
+  CHECK(scaled.json()["volume"] == Approx(0.027));
   CHECK(scaled.json()["hausdorff"].get<double>() < 1e-5);
   CHECK(scaled.json()["warnings"].empty());
-  CHECK(shop.forefeel("mesh a.msh -o c.msh --unit mm --json").json()["volume"].get<double>() ==
-        Approx(0.027));
+  CHECK(shop.json("mesh a.msh -o c.msh --unit mm")["volume"] == Approx(0.027));
   check_refused(shop, "mesh mm.off -o d.msh --unit inch", {"--unit", "'inch'", "m, cm, mm or um"});
   check_refused(shop, "mesh mm.off -o d.msh --unit mm --length 0.2", {"--unit", "expected one of them"});
   check_refused(shop, "mesh --phantom ball -o d.msh --unit mm", {"--unit", "--length"});
@@ -123,11 +116,10 @@ TEST_CASE("a mesh that lost volume is said to, with what to do", "[mesh]") {
       inner += "3 " + std::to_string(first + a) + " " + std::to_string(first + b) + " " +
                std::to_string(first + c) + "\n";
   shop.write("two.off", inner);
-  const Workshop::Outcome outcome = shop.forefeel("mesh two.off -o two.msh --elements 300 --json");
-  CHECK(outcome.code == 0);
-  CHECK(outcome.json()["volume_change"].get<double>() == Approx(0.875 / 1.125 - 1).margin(0.06));
-  CHECK_THAT(outcome.err, Catch::Contains("% less volume than the surface"));
-  CHECK_THAT(outcome.err, Catch::Contains("2 parts, and one inside another may become a cavity"));
+  const auto outcome = shop.run("mesh two.off -o two.msh --elements 300 --json");
+  CHECK(outcome.json()["volume_change"] == Approx(0.875 / 1.125 - 1).margin(0.06));
+  CHECK_THAT(outcome.err, Contains("% less volume than the surface"));
+  CHECK_THAT(outcome.err, Contains("2 parts, and one inside another may become a cavity"));
 }
 
 TEST_CASE("a flipped mesh is turned with a warning", "[mesh]") {
@@ -135,28 +127,27 @@ TEST_CASE("a flipped mesh is turned with a warning", "[mesh]") {
   shop.write("flipped.msh",
              "$MeshFormat\n2.2 0 8\n$EndMeshFormat\n$Nodes\n4\n1 0 0 0\n2 0.1 0 0\n3 0 0.1 0\n4 0 0 "
              "0.1\n$EndNodes\n$Elements\n1\n1 4 2 0 1 1 3 2 4\n$EndElements\n");
-  const Workshop::Outcome outcome = shop.forefeel("mesh flipped.msh -o turned.msh --json");
-  CHECK(outcome.code == 0);
-  CHECK_THAT(outcome.err, Catch::Contains("all tetrahedra were turned"));
+  const auto outcome = shop.run("mesh flipped.msh -o turned.msh --json");
+  CHECK_THAT(outcome.err, Contains("all tetrahedra were turned"));
   CHECK(outcome.json()["volume"].get<double>() > 0);
-  CHECK(shop.forefeel("info turned.msh --json").json()["warnings"].empty());
+  CHECK(shop.json("info turned.msh")["warnings"].empty());
 }
 
 TEST_CASE("states go in and out unchanged", "[states]") {
   const Workshop shop;
   shop.write("a.csv", "x,y,z,fx,fy,fz,h\n0,0,0,0,0,0,0.01\n0.01,0,0,-0.125,1e-17,3,0.01\n");
-  const auto in = shop.forefeel("import a.csv -o a.states --spacing 0.01 --json").json();
+  const auto in = shop.json("import a.csv -o a.states --spacing 0.01");
   CHECK(in["states"] == 2);
-  CHECK(shop.forefeel("import a.csv -o a.states --spacing 0.01 --quiet").code == 0);  // safe to repeat
-  const auto info = shop.forefeel("info a.states --json").json();
+  shop.run("import a.csv -o a.states --spacing 0.01 --quiet");  // safe to repeat
+  const auto info = shop.json("info a.states");
   CHECK(info["kind"] == "states");
   CHECK(info["states"] == 2);
   CHECK(info["spacing"] == 0.01);
   CHECK(info["by_status"]["measured"] == 2);
-  CHECK(info["max_force"].get<double>() == Approx(std::hypot(0.125, 3)));
-  CHECK(shop.forefeel("export a.states -o b.csv --quiet").code == 0);
-  CHECK(shop.shell("cmp a.csv b.csv").code == 0);
-  CHECK(shop.forefeel("export a.csv -o b.vtu --json").json()["written"] == 2);
+  CHECK(info["max_force"] == Approx(std::hypot(0.125, 3)));
+  shop.run("export a.states -o b.csv --quiet");
+  CHECK(shop.same("a.csv", "b.csv"));
+  CHECK(shop.json("export a.csv -o b.vtu")["written"] == 2);
 }
 
 TEST_CASE("a recording with names of its own is imported with --columns", "[states]") {
@@ -166,9 +157,9 @@ TEST_CASE("a recording with names of its own is imported with --columns", "[stat
              "0,10,-20,0.5,1,2,-3,moving,0\n0.1,12,-20,0.5,1.5,2,-3,moving,0.1\n");
   const std::string begin = "import robot.csv -o robot.states --spacing 0.002 --unit mm ";
   const std::string position = "current_pos_x,current_pos_y,current_pos_z";
-  CHECK(shop.forefeel(begin + "--columns " + position + ",force_x,-force_y,force_z --quiet").code == 0);
-  CHECK(shop.forefeel("export robot.states -o robot-si.csv --quiet").code == 0);
-  CHECK(shop.shell("cat robot-si.csv").out ==
+  shop.run(begin + "--columns " + position + ",force_x,-force_y,force_z --quiet");
+  shop.run("export robot.states -o robot-si.csv --quiet");
+  CHECK(shop.read("robot-si.csv") ==
         "x,y,z,fx,fy,fz\n0.01,-0.02,0.0005,1,-2,-3\n0.012,-0.02,0.0005,1.5,-2,-3\n");
   check_refused(shop, begin, {"robot.csv:1"});
   check_refused(shop, begin + "--columns " + position, {"--columns", "names 3 columns", "six"});

@@ -1,31 +1,16 @@
 // Commands on the ranks of an MPI run, if the build has MPI: their results, and ranks that hang or die.
 
-#include <catch2/catch.hpp>
-#include <cmath>
-#include <cstdlib>
-
 #include "tests/support/executable.hpp"
-#include "tests/support/paths.hpp"
-#include "tests/support/sanitized.hpp"
-#include "tests/support/skip.hpp"
-#include "tests/support/slow.hpp"
-
-using forefeel::test::beam_scene;
-using forefeel::test::is_larger;
-using forefeel::test::wait_until;
-using forefeel::test::Workshop;
 
 namespace {
 
 const std::string as_root = "export OMPI_ALLOW_RUN_AS_ROOT=1 OMPI_ALLOW_RUN_AS_ROOT_CONFIRM=1; ";
 // Open MPI leaves memory behind in modules that it unloads: its leaks are not looked for.
-const std::string run =
-    std::string(forefeel::test::sanitized ? "ASAN_OPTIONS=$ASAN_OPTIONS:detect_leaks=0 " : "") +
-    "timeout -k 5 300 mpirun --oversubscribe ";
+const std::string run = std::string(sanitized ? "ASAN_OPTIONS=$ASAN_OPTIONS:detect_leaks=0 " : "") +
+                        "timeout -k 5 300 mpirun --oversubscribe ";
 
 Workshop::Outcome ranks(const Workshop& shop, int count, const std::string& arguments) {
-  return shop.shell(as_root + run + "-n " + std::to_string(count) + " '" + forefeel::test::executable() +
-                    "' " + arguments);
+  return shop.shell(as_root + run + "-n " + std::to_string(count) + " '" + executable() + "' " + arguments);
 }
 
 // The same; rank 1 gets the signal as soon as the condition holds. Rank 0 leaves its exit code in code.0: that of
@@ -39,13 +24,13 @@ Workshop::Outcome ranks_but_one(const Workshop& shop, const std::string& options
                  wait_until(condition) + "kill -" + signal +
                  " $$) &\nfi\n"
                  "[ \"$OMPI_COMM_WORLD_RANK\" = 0 ] || exec '" +
-                 forefeel::test::executable() + "' " + arguments + "\n'" + forefeel::test::executable() +
-                 "' " + arguments + "\ncode=$?; echo $code >code.0; exit $code\n");
+                 executable() + "' " + arguments + "\n'" + executable() + "' " + arguments +
+                 "\ncode=$?; echo $code >code.0; exit $code\n");
   return shop.shell(as_root + run + options + " bash rank.sh");
 }
 
 std::string code_of_rank_0(const Workshop& shop) {
-  return shop.shell("cat code.0").out;
+  return shop.read("code.0");
 }
 
 // timeout(1) did not have to end it.
@@ -58,14 +43,12 @@ std::string reason_to_skip(const Workshop& shop) {
   shop.write("beam.toml", beam_scene());
   const auto alone = shop.forefeel("session beam.toml --mpi --clock real --seconds 1 -o alone");
   if (alone.err.find("no MPI") != std::string::npos) return "this build has no MPI";
-  return forefeel::test::has_command("mpirun") ? "" : "mpirun is not installed";
+  return has_command("mpirun") ? "" : "mpirun is not installed";
 }
 
 // All states of a file, sorted, without what depends on time.
 std::string states_of(const Workshop& shop, const std::string& file) {
-  const auto exported = shop.forefeel("export " + file + " -o " + file + ".csv --quiet");
-  INFO(exported.err);
-  REQUIRE(exported.code == 0);
+  const auto exported = shop.run("export " + file + " -o " + file + ".csv --quiet");
   return shop.shell("sort " + file + ".csv").out;
 }
 
@@ -74,9 +57,9 @@ std::string states_of(const Workshop& shop, const std::string& file) {
 TEST_CASE("generate by two ranks gives the states of generate by threads, and resumes",
           SLOW("starts Open MPI, which only run.sh all installs")) {
   const Workshop shop;
-  if (const std::string why = reason_to_skip(shop); !why.empty()) return forefeel::test::skip(why);
+  if (const std::string why = reason_to_skip(shop); !why.empty()) return skip(why);
   const std::string finer = " --set state_space.spacing=0.002 ";
-  REQUIRE(shop.forefeel("generate beam.toml --threads 2 -o threads.states" + finer).code == 0);
+  shop.run("generate beam.toml --threads 2 -o threads.states" + finer);
   const std::string expected = states_of(shop, "threads.states");
   const auto both = ranks(shop, 2, "generate beam.toml --mpi -o ranks.states --json --quiet" + finer);
   INFO(both.err);
@@ -90,25 +73,25 @@ TEST_CASE("generate by two ranks gives the states of generate by threads, and re
   CHECK(again.json()["solved"] == 0);
   const auto both_ways = ranks(shop, 2, "generate beam.toml --mpi --error 0.1 -o other.states");
   CHECK(both_ways.code == 2);
-  CHECK(both_ways.err.find("forefeel: --mpi: has no use with --error") != std::string::npos);
+  CHECK_THAT(both_ways.err, Contains("forefeel: --mpi: has no use with --error"));
   CHECK(both_ways.err.find("forefeel:") == both_ways.err.rfind("forefeel:"));
-  CHECK(shop.shell("test -e other.states").code != 0);
+  CHECK(!shop.has("other.states"));
 }
 
 TEST_CASE("a rank of generate that is stopped, or killed where MPI allows, costs nothing but its own work",
           SLOW("starts Open MPI, which only run.sh all installs")) {
   const Workshop shop;
-  if (const std::string why = reason_to_skip(shop); !why.empty()) return forefeel::test::skip(why);
+  if (const std::string why = reason_to_skip(shop); !why.empty()) return skip(why);
   const std::string finer =
       " --set state_space.spacing=0.0004 ";  // seconds of work, longer than a signal is late
-  REQUIRE(shop.forefeel("generate beam.toml --threads 2 -o threads.states" + finer).code == 0);
+  shop.run("generate beam.toml --threads 2 -o threads.states" + finer);
   const std::string expected = states_of(shop, "threads.states");
   const auto stopped = ranks_but_one(shop, "-n 3", "[ -e stopped.states ]", "STOP",
                                      "generate beam.toml --mpi --patience 5 -o stopped.states" + finer);
   INFO(stopped.err);
   CHECK(ended_by_itself(stopped));
   CHECK(code_of_rank_0(shop) == "0\n");
-  CHECK(stopped.err.find("1 of 3 ranks hang or are gone") != std::string::npos);
+  CHECK_THAT(stopped.err, Contains("1 of 3 ranks hang or are gone"));
   CHECK(states_of(shop, "stopped.states") == expected);
   const auto killed = ranks_but_one(shop, "--enable-recovery -n 2", "[ -e killed.states ]", "KILL",
                                     "generate beam.toml --mpi --patience 5 -o killed.states" + finer);
@@ -128,14 +111,14 @@ TEST_CASE(
     "rank 0 of generate says how many states are kept before mpirun ends it, when another rank has died",
     SLOW("starts Open MPI, which only run.sh all installs")) {
   const Workshop shop;
-  if (const std::string why = reason_to_skip(shop); !why.empty()) return forefeel::test::skip(why);
+  if (const std::string why = reason_to_skip(shop); !why.empty()) return skip(why);
   // Every rank is the program itself: a shell around rank 0 would take the signal of mpirun.
   shop.write("long.sh",
              "if [ \"$OMPI_COMM_WORLD_RANK\" = 1 ]; then\n"
              "  (exec >/dev/null 2>&1; while ! [ -e long.states ]; do sleep 0.01; done; sleep 0.3; kill "
              "-KILL $$) &\n"
              "fi\nexec '" +
-                 forefeel::test::executable() +
+                 executable() +
                  "' generate beam.toml --mpi -o long.states --set body.elements=2000 "
                  "--set state_space.spacing=0.0002\n");
   const auto ended = shop.shell(as_root + run + "-n 2 bash long.sh");
@@ -146,43 +129,41 @@ TEST_CASE(
   REQUIRE(said != std::string::npos);
   const std::size_t from = ended.err.rfind(' ', said - 1) + 1;
   CHECK(ended.err.find("forefeel:") == ended.err.rfind("forefeel:"));
-  CHECK(shop.forefeel("info long.states --json").json()["states"].get<int>() >=
-        std::stoi(ended.err.substr(from, said - from)));
+  CHECK(shop.json("info long.states")["states"].get<int>() >= std::stoi(ended.err.substr(from, said - from)));
 }
 
 TEST_CASE("a session whose worker rank is stopped ends in time, and says which rank did not answer",
           SLOW("starts Open MPI, which only run.sh all installs")) {
   const Workshop shop;
-  if (const std::string why = reason_to_skip(shop); !why.empty()) return forefeel::test::skip(why);
+  if (const std::string why = reason_to_skip(shop); !why.empty()) return skip(why);
   const auto stopped =
       ranks_but_one(shop, "-n 3", is_larger("run/session.inputs"), "STOP",
                     "session beam.toml --mpi --patience 5 --clock real --seconds 12 -o run --json --quiet");
   INFO(stopped.err);
   CHECK(ended_by_itself(stopped));
   REQUIRE(code_of_rank_0(shop) == "0\n");
-  const nlohmann::json summary = stopped.json();
+  const json summary = stopped.json();
   // A late frame is skipped and counted; frames of the last ramp may come after the end.
   const int frames = summary["frames"].get<int>() + summary["loop"]["skipped"].get<int>();
   CHECK(frames >= 12000);
   CHECK(frames <= 12000 + summary["loop"]["ending_frames"].get<int>());
-  CHECK(summary["notes"].dump().find("rank 1 has not answered for 5 s; its work goes to others") !=
-        std::string::npos);
+  CHECK_THAT(summary["notes"].dump(), Contains("rank 1 has not answered for 5 s; its work goes to others"));
   CHECK(summary["states"]["solved"] > 10);
   CHECK(summary["faults"]["workers_lost"] == 1);
-  CHECK(summary["attention"].dump().find("1 worker was lost") != std::string::npos);
+  CHECK_THAT(summary["attention"].dump(), Contains("1 worker was lost"));
 }
 
 TEST_CASE("a session whose worker rank is killed goes on with the other, where MPI allows it",
           SLOW("starts Open MPI, which only run.sh all installs")) {
   const Workshop shop;
-  if (const std::string why = reason_to_skip(shop); !why.empty()) return forefeel::test::skip(why);
+  if (const std::string why = reason_to_skip(shop); !why.empty()) return skip(why);
   const auto killed =
       ranks_but_one(shop, "--enable-recovery -n 3", "[ -e run/session.states ]", "KILL",
                     "session beam.toml --mpi --patience 5 --clock real --seconds 12 -o run --json --quiet");
   INFO(killed.err);
   CHECK(ended_by_itself(killed));
   REQUIRE(code_of_rank_0(shop) == "0\n");
-  const nlohmann::json summary = nlohmann::json::parse(shop.shell("cat run/summary.json").out);
+  const json summary = json::parse(shop.read("run/summary.json"));
   CHECK(summary["frames"].get<int>() + summary["loop"]["skipped"].get<int>() >= 12000);
   CHECK(summary["faults"]["workers_lost"] == 1);
   CHECK(summary["interrupted"] == false);
@@ -191,7 +172,7 @@ TEST_CASE("a session whose worker rank is killed goes on with the other, where M
 TEST_CASE("generate anywhere by two ranks gives the states of threads, also in rounds",
           SLOW("starts Open MPI, which only run.sh all installs")) {
   const Workshop shop;
-  if (const std::string why = reason_to_skip(shop); !why.empty()) return forefeel::test::skip(why);
+  if (const std::string why = reason_to_skip(shop); !why.empty()) return skip(why);
   shop.write("any.toml",
              "[body]\nphantom = \"beam\"\nelements = 240\n[material]\nlaw = \"neo-hookean\"\nyoung = 5000.0\n"
              "poisson = 0.3\n[contact]\nanywhere = true\npad = 400.0\nradius = 0.012\nsite_spacing = 0.02\n"
@@ -212,7 +193,7 @@ TEST_CASE("generate anywhere by two ranks gives the states of threads, also in r
 TEST_CASE("a session that touches anywhere has its workers in other processes",
           SLOW("starts Open MPI, which only run.sh all installs")) {
   const Workshop shop;
-  if (const std::string why = reason_to_skip(shop); !why.empty()) return forefeel::test::skip(why);
+  if (const std::string why = reason_to_skip(shop); !why.empty()) return skip(why);
   shop.write("any.toml",
              "[body]\nphantom = \"beam\"\nelements = 240\n[material]\nlaw = \"neo-hookean\"\nyoung = 5000.0\n"
              "poisson = 0.3\n[contact]\nanywhere = true\npad = 400.0\nradius = 0.012\nsite_spacing = 0.02\n"
@@ -221,32 +202,31 @@ TEST_CASE("a session that touches anywhere has its workers in other processes",
   const Workshop::Outcome by_two = ranks(shop, 3, session + "--clock real -o run --json --quiet");
   INFO(by_two.err);
   REQUIRE(by_two.code == 0);
-  const nlohmann::json summary = by_two.json();
+  const json summary = by_two.json();
   CHECK(summary["workers"] == 2);
   CHECK(summary["touch"]["jets"].get<int>() > 0);
   CHECK(summary["states"]["solved"].get<int>() > 3);
   CHECK(summary["error"]["p95"].get<double>() < 0.05);
   const Workshop::Outcome simulated = ranks(shop, 3, session + "--clock virtual -o no --quiet");
   CHECK(simulated.code != 0);
-  CHECK(simulated.err.find("--clock real") != std::string::npos);
+  CHECK_THAT(simulated.err, Contains("--clock real"));
 }
 
 TEST_CASE("a session with its workers in other processes",
           SLOW("starts Open MPI, which only run.sh all installs")) {
-  const Workshop shop;
-  shop.write("beam.toml", beam_scene());
+  const BeamShop shop;
   const Workshop::Outcome alone = shop.forefeel("session beam.toml --mpi --clock real --seconds 1 -o alone");
   CHECK(alone.code == 2);
   CHECK(alone.error_lines() == 1);
-  if (alone.err.find("no MPI") != std::string::npos) return forefeel::test::skip("this build has no MPI");
-  if (!forefeel::test::has_command("mpirun")) return forefeel::test::skip("mpirun is not installed");
-  CHECK(alone.err.find("one rank") != std::string::npos);
+  if (alone.err.find("no MPI") != std::string::npos) return skip("this build has no MPI");
+  if (!has_command("mpirun")) return skip("mpirun is not installed");
+  CHECK_THAT(alone.err, Contains("one rank"));
 
   const Workshop::Outcome solved_by_two =
       ranks(shop, 3, "session beam.toml --mpi --clock real --seconds 5 -o run --json --quiet");
   INFO(solved_by_two.err);
   REQUIRE(solved_by_two.code == 0);
-  const nlohmann::json summary = solved_by_two.json();
+  const json summary = solved_by_two.json();
   CHECK(summary["workers"] == 2);
   CHECK(summary["states"]["solved"] > 10);
   CHECK(summary["error"]["within_jnd"] > 0.5);
@@ -255,7 +235,7 @@ TEST_CASE("a session with its workers in other processes",
   const auto solved = shop.shell(
       "awk -F, 'NR > 1 && NR < 12 {print $1\",\"$2\",\"$3}' run/states.csv | (echo x,y,z; cat) > points.csv");
   REQUIRE(solved.code == 0);
-  const nlohmann::json tight = shop.forefeel("solve beam.toml --points points.csv --json").json();
+  const json tight = shop.json("solve beam.toml --points points.csv");
   std::istringstream rows(shop.shell("tail -n +2 run/states.csv").out);
   std::size_t compared = 0;
   for (std::string row; compared < tight["states"].size() && std::getline(rows, row); ++compared) {
@@ -275,11 +255,10 @@ TEST_CASE("a session with its workers in other processes",
   }
   CHECK(compared == 10);
 
-  CHECK(ranks(shop, 3, "session beam.toml --mpi --clock virtual -o other")
-            .err.find("no use under the virtual clock") != std::string::npos);
-  CHECK(ranks(shop, 2, "session nothing.toml --mpi -o other").err.find("no such file") != std::string::npos);
-  CHECK(
-      ranks(shop, 3, "session beam.toml --mpi --clock real --workers 7 -o other").err.find("2 other ranks") !=
-      std::string::npos);
-  CHECK(shop.shell("test -e other").code != 0);
+  CHECK_THAT(ranks(shop, 3, "session beam.toml --mpi --clock virtual -o other").err,
+             Contains("no use under the virtual clock"));
+  CHECK_THAT(ranks(shop, 2, "session nothing.toml --mpi -o other").err, Contains("no such file"));
+  CHECK_THAT(ranks(shop, 3, "session beam.toml --mpi --clock real --workers 7 -o other").err,
+             Contains("2 other ranks"));
+  CHECK(!shop.has("other"));
 }

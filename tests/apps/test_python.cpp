@@ -1,22 +1,15 @@
 // The Python package forefeel: the numbers of the command, parts written in Python, examples.
 
-#include <catch2/catch.hpp>
-
 #include "tests/support/executable.hpp"
-#include "tests/support/paths.hpp"
-#include "tests/support/skip.hpp"
-#include "tests/support/slow.hpp"
-
-using namespace forefeel::test;
 
 namespace {
 
-std::filesystem::path package() {
+fs::path package() {
   return build_folder() / "apps" / "python";
 }
 
 bool is_missing() {
-  if (!std::filesystem::exists(package() / "forefeel" / "__init__.py")) {
+  if (!fs::exists(package() / "forefeel" / "__init__.py")) {
     skip("the Python module is not built: pybind11 is not installed");
     return true;
   }
@@ -79,7 +72,7 @@ TEST_CASE("the Python example of the paper's figure finds blank space worse than
   INFO(done.err);
   REQUIRE(done.code == 0);
   CHECK(number_after(done.out, "blank: error") > 5 * number_after(done.out, "sparse: error"));
-  CHECK(std::filesystem::file_size(shop.path() / "fig2.png") > 10'000);
+  CHECK(fs::file_size(shop.path() / "fig2.png") > 10'000);
 }
 
 TEST_CASE("the Python example of a policy compares it in a study and times a plan",

@@ -1,17 +1,10 @@
 // One row declares a key: of a table of a scene (scene_rows.hpp), of a JSON document (document_keys.hpp), and a column
 // of a CSV file (geometry/common/csv_columns.hpp).
 
-#include <catch2/catch.hpp>
-#include <limits>
-#include <optional>
-#include <string>
-#include <vector>
-
 #include "apps/console/document_keys.hpp"
 #include "apps/scene/scene_rows.hpp"
 #include "geometry/common/csv_columns.hpp"
-
-using namespace forefeel;
+#include "tests/support/test.hpp"
 
 namespace {
 
@@ -85,11 +78,10 @@ TEST_CASE("a row of a scene is read, checked and documented", "[scene]") {
   CHECK(read("[sample]\n", usual) == "");
   CHECK(usual.length == 2);
   CHECK_FALSE(usual.limit);
-  CHECK_THAT(read("[sample]\nlength = -1\n", usual),
-             Catch::Contains("file:2: sample.length") && Catch::Contains("a number above 0"));
-  CHECK_THAT(read("[sample]\ncount = 10\n", usual), Catch::Contains("a whole number from 1 to 9"));
-  CHECK_THAT(read("[sample]\nlenght = 1\n", usual), Catch::Contains("did you mean 'sample.length'"));
-  CHECK_THAT(read("[sample]\nclock = \"vitrual\"\n", usual), Catch::Contains("nearest: 'virtual'"));
+  CHECK_THAT(read("[sample]\nlength = -1\n", usual), Contains("file:2: sample.length", "a number above 0"));
+  CHECK_THAT(read("[sample]\ncount = 10\n", usual), Contains("a whole number from 1 to 9"));
+  CHECK_THAT(read("[sample]\nlenght = 1\n", usual), Contains("did you mean 'sample.length'"));
+  CHECK_THAT(read("[sample]\nclock = \"vitrual\"\n", usual), Contains("nearest: 'virtual'"));
 
   const std::vector<DeclaredTable>& tables = sample_rows().tables();
   REQUIRE(tables.size() == 2);
@@ -111,7 +103,7 @@ TEST_CASE("a required key that is missing is an error", "[scene]") {
   const SceneDocument document = SceneDocument::parse("[sample]\n", "file", {});
   const SceneTable table = document.root({"sample"}).sub("sample", inner_rows().names());
   CHECK_THROWS_WITH(inner_rows().check_required(table),
-                    Catch::Contains("sample.share") && Catch::Contains("missing, expected a share"));
+                    Contains("sample.share", "missing, expected a share"));
 }
 
 TEST_CASE("a row of a document is written and documented") {

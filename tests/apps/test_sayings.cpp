@@ -1,16 +1,6 @@
 // The first lines that commands print: outcomes, motions that no method can follow, and the force limit in the report.
 
-#include <catch2/catch.hpp>
-
-#include <algorithm>
-#include <fstream>
-#include <sstream>
-
 #include "tests/support/executable.hpp"
-#include "tests/support/file_text.hpp"
-#include "tests/support/paths.hpp"
-
-using namespace forefeel::test;
 
 namespace {
 
@@ -46,23 +36,22 @@ TEST_CASE("an equilibrium with inverted elements does not count as converged, in
   CHECK(states[0]["status"] == "inverted");
   CHECK(states[0]["force"][0].is_number());
   CHECK(states[1]["converged"] == true);
-  CHECK_THAT(solved.err, Catch::Contains("1 of 2 states have inverted elements"));
+  CHECK_THAT(solved.err, Contains("1 of 2 states have inverted elements"));
 
   const Workshop::Outcome made = shop.forefeel("generate soft.toml -o s.states --json");
   const auto report = made.json();
   CHECK(report["states"] == 4);
   CHECK(report["inverted"].get<int>() > 0);
   CHECK(report["solved"].get<int>() + report["inverted"].get<int>() == 4);
-  CHECK_THAT(made.err, Catch::Contains("with inverted elements"));
-  const auto info = shop.forefeel("info s.states --json").json();
+  CHECK_THAT(made.err, Contains("with inverted elements"));
+  const auto info = shop.json("info s.states");
   CHECK(info["inverted"] == report["inverted"]);
   CHECK(info["by_status"]["inverted"] == report["inverted"]);
-  CHECK(shop.forefeel("generate soft.toml -o s.states --json").json()["inverted"] == report["inverted"]);
+  CHECK(shop.json("generate soft.toml -o s.states")["inverted"] == report["inverted"]);
 }
 
 TEST_CASE("a session whose motion starts pressed in and leaves the box says so in its first lines") {
-  const Workshop shop;
-  shop.write("beam.toml", beam_scene());
+  const BeamShop shop;
   std::string rows = "t,x,y,z\n";
   for (int k = 0; k <= 100; ++k)
     rows += std::to_string(0.01 * k) + ",0,0," + std::to_string(k < 50 ? 0.004 : 0.004 + 0.0001 * (k - 50)) +
@@ -71,65 +60,55 @@ TEST_CASE("a session whose motion starts pressed in and leaves the box says so i
   const std::string command =
       "session beam.toml --clock virtual --cost constant:0.05 --device trace:pressed.csv -o run --set "
       "material.young=2e6";
-  const Workshop::Outcome run = shop.forefeel(command);
-  INFO(run.out << run.err);
-  REQUIRE(run.code == 0);
+  const auto run = shop.run(command);
   CHECK_THAT(first_line(run.out), Catch::StartsWith("attention: the motion starts pressed in"));
-  CHECK_THAT(run.out, Catch::Contains("of the time was outside the box"));
-  const auto summary = nlohmann::json::parse(file_text(shop, "run/summary.json"));
+  CHECK_THAT(run.out, Contains("of the time was outside the box"));
+  const auto summary = json::parse(shop.read("run/summary.json"));
   REQUIRE(summary["attention"].size() >= 2);
   CHECK(summary["start"]["reference"].get<double>() > 0.05);
   CHECK(summary["start"]["rendered"] < 0.002);  // it fades in from zero
-  CHECK(summary["time_outside"].get<double>() == Approx(0.5).margin(0.02));
-  const std::string report = file_text(shop, "run/report.html");
+  CHECK(summary["time_outside"] == Approx(0.5).margin(0.02));
+  const std::string report = shop.read("run/report.html");
   const std::size_t said = report.find("starts pressed in"), tiles = report.find("class=\"tile\"");
   REQUIRE(said != std::string::npos);
   CHECK(said < tiles);
 }
 
 TEST_CASE("clamped frames are said first, the report draws the limit, and plots show what the errors judge") {
-  const Workshop shop;
-  shop.write("beam.toml", beam_scene("[session.limits]\nforce = 0.02\n"));
-  const Workshop::Outcome run = shop.forefeel(
+  const BeamShop shop("[session.limits]\nforce = 0.02\n");
+  const auto run = shop.run(
       "session beam.toml --clock virtual --seconds 1 --cost constant:0.02 --device path:press,speed=0.02 "
       "--set "
       "session.discretisation_error=false -o run");
-  INFO(run.out << run.err);
-  REQUIRE(run.code == 0);
   CHECK_THAT(first_line(run.out),
-             Catch::StartsWith("attention: ") && Catch::Contains("clamped at the force limit of 0.02 N"));
-  const auto summary = nlohmann::json::parse(file_text(shop, "run/summary.json"));
+             Catch::StartsWith("attention: ") && Contains("clamped at the force limit of 0.02 N"));
+  const auto summary = json::parse(shop.read("run/summary.json"));
   CHECK(summary["safety"]["clamped_share"].get<double>() > 0.05);
   CHECK(summary["safety"]["force_limit"] == 0.02);
-  const std::string report = file_text(shop, "run/report.html");
+  const std::string report = shop.read("run/report.html");
   if (report.find("<svg") != std::string::npos) {
-    CHECK_THAT(report, Catch::Contains("force limit 0.02 N"));
-    CHECK_THAT(report, Catch::Contains("sent to the device"));
+    CHECK_THAT(report, Contains("force limit 0.02 N"));
+    CHECK_THAT(report, Contains("sent to the device"));
   }
 }
 
 TEST_CASE("a study says each device's length and its verdict in a sentence") {
-  const Workshop shop;
-  shop.write("beam.toml", beam_scene("[session]\nseconds = 0.5\ncost = \"constant:0.01\"\n"));
+  const BeamShop shop("[session]\nseconds = 0.5\ncost = \"constant:0.01\"\n");
   shop.write("short.csv", "t,x,y,z\n0,0,0,0\n0.1,0,0.002,0\n0.2,0,0.003,0.002\n");
   shop.write("study.toml",
              "scene = \"beam.toml\"\nseeds = [1, 2]\n[vary]\npolicy = [\"nearest\", \"coverage\"]\n"
              "device = [\"path:circle,speed=0.05\", \"trace:short.csv\"]\n");
-  const Workshop::Outcome run = shop.forefeel("study study.toml -o out --json");
-  INFO(run.err);
-  REQUIRE(run.code == 0);
+  const auto run = shop.run("study study.toml -o out --json");
   const auto document = run.json();
   CHECK_THAT(document["verdict"].get<std::string>(), Catch::StartsWith("No best policy is shown. First: "));
   REQUIRE(document["devices"].size() == 2);
   CHECK(document["devices"][0]["motion_seconds"].is_null());
   CHECK(document["devices"][0]["seconds"] == 0.5);
   CHECK(document["devices"][1]["motion_seconds"] == Approx(0.2));
-  CHECK(document["devices"][1]["seconds"].get<double>() == Approx(0.201));
+  CHECK(document["devices"][1]["seconds"] == Approx(0.201));
   for (const char* key : {"clamped_share", "slewed_share", "time_outside", "busy_share", "generated_J"})
     CHECK(document["devices"][0][key].is_number());
-  CHECK_THAT(run.err, Catch::Contains("No best policy is shown. First: ") &&
-                          Catch::Contains("trace:short.csv | 0.2 s"));
-  CHECK_THAT(first_line(file_text(shop, "out/cells.csv")), Catch::Contains("motion_seconds"));
-  CHECK_THAT(file_text(shop, "out/report.html"),
-             Catch::Contains("No best policy is shown. First: ") && Catch::Contains("<h2>Devices</h2>"));
+  CHECK_THAT(run.err, Contains("No best policy is shown. First: ", "trace:short.csv | 0.2 s"));
+  CHECK_THAT(first_line(shop.read("out/cells.csv")), Contains("motion_seconds"));
+  CHECK_THAT(shop.read("out/report.html"), Contains("No best policy is shown. First: ", "<h2>Devices</h2>"));
 }

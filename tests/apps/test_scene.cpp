@@ -1,15 +1,8 @@
-#include <catch2/catch.hpp>
-
 #include "apps/scene/phantom_cache.hpp"
 #include "apps/scene/scene.hpp"
 #include "apps/scene/scene_session.hpp"
-#include "geometry/common/error.hpp"
 #include "geometry/meshing/phantom.hpp"
 #include "tests/support/executable.hpp"
-
-using namespace forefeel;
-using test::beam_scene;
-using test::Workshop;
 
 namespace {
 
@@ -100,7 +93,7 @@ TEST_CASE("meshes of phantoms are kept: the same bits, and damaged ones are made
 
   shop.write("beam.toml", beam_scene());
   const auto force = [&] {
-    return shop.forefeel("solve beam.toml --at=0,0,-0.003 --json --quiet").json()["states"][0]["force"];
+    return shop.json("solve beam.toml --at=0,0,-0.003 --quiet")["states"][0]["force"];
   };
   const auto first = force();
   const std::string kept = shop.shell("cat ../cache/forefeel/*.mesh").out;
@@ -172,20 +165,14 @@ TEST_CASE("errors name file, line, key and what was expected", "[scene]") {
   const Workshop shop;
   const auto message = [&](const std::string& text,
                            const std::vector<std::string>& overrides = {}) -> std::string {
-    try {
-      load(shop, text, overrides);
-    } catch (const InputError& error) {
-      return error.what();
-    }
-    return "accepted";
+    return error_of([&] { load(shop, text, overrides); });
   };
-  using Catch::Contains;
   CHECK_THAT(message("[body]\nphantom = \"beam\"\n[session]\npolicy = \"neerest\"\n"),
-             Contains("scene.toml:4: session.policy") && Contains("nearest: 'nearest'"));
+             Contains("scene.toml:4: session.policy", "nearest: 'nearest'"));
   CHECK_THAT(message("[body]\nphantom = \"beam\"\n[session.limits]\nforce = -1\n"),
-             Contains("scene.toml:4: session.limits.force") && Contains("above 0"));
+             Contains("scene.toml:4: session.limits.force", "above 0"));
   CHECK_THAT(message(beam_scene(), {"session.limts.force=1"}),
-             Contains("--set session.limts") && Contains("did you mean 'session.limits'"));
+             Contains("--set session.limts", "did you mean 'session.limits'"));
   CHECK_THAT(message(beam_scene(), {"material.poisson=[1]"}),
              Contains("--set material.poisson: is a list of 1"));
   CHECK_THAT(message(beam_scene("[model]\nkernel = \"linear\"\ndata = \"force+stiffness\"\n")),
@@ -193,14 +180,14 @@ TEST_CASE("errors name file, line, key and what was expected", "[scene]") {
   CHECK_THAT(message(beam_scene("[model]\nselect = \"label\"\n[session]\nselect = \"label\"\n")),
              Contains("only one of"));
   CHECK_THAT(message(beam_scene("[session]\narrivals = \"absent.csv\"\n")),
-             Contains("session.arrivals") && Contains("absent.csv"));
-  CHECK_THAT(message("[body]\nelements = 5\n"), Contains("body") && Contains("exactly one of mesh, phantom"));
+             Contains("session.arrivals", "absent.csv"));
+  CHECK_THAT(message("[body]\nelements = 5\n"), Contains("body", "exactly one of mesh, phantom"));
   CHECK_THAT(message("body = 3\n"), Contains("expected a table"));
   CHECK_THAT(message(beam_scene(), {"material.young=inf"}), Contains("above 0"));
   for (const char* place : {"[1e200, 0, 0]", "[-100, 0, 0]", "[1e308, -1e308, 1e308]"}) {  // -100: in mm
-    CHECK_THAT(message(beam_scene("[contact]\nnearest = " + std::string(place) + "\n")),
-               Contains("scene.toml:12: contact.nearest: has x = ") &&
-                   Contains("far from the body, expected about 0 to 0.1"));
+    CHECK_THAT(
+        message(beam_scene("[contact]\nnearest = " + std::string(place) + "\n")),
+        Contains("scene.toml:12: contact.nearest: has x = ", "far from the body, expected about 0 to 0.1"));
   }
-  CHECK(message(beam_scene("[contact]\nnearest = [0.1, 0, 1]\n")) == "accepted");
+  CHECK(message(beam_scene("[contact]\nnearest = [0.1, 0, 1]\n")).empty());
 }

@@ -1,8 +1,4 @@
 // body.accuracy: the body that a scene gets for a relative error of the force.
-#include <catch2/catch.hpp>
-#include <cmath>
-#include <string>
-#include <vector>
 
 #include "apps/scene/scene.hpp"
 #include "apps/scene/scene_accuracy.hpp"
@@ -10,13 +6,7 @@
 #include "geometry/meshing/phantom.hpp"
 #include "solver/body/fine_jet.hpp"
 #include "solver/equilibrium/solver.hpp"
-#include "tests/support/error_of.hpp"
 #include "tests/support/executable.hpp"
-#include "tests/support/slow.hpp"
-
-using namespace forefeel;
-using Catch::Contains;
-using test::Workshop;
 
 namespace {
 
@@ -103,7 +93,7 @@ TEST_CASE("the choice of body.accuracy is kept, and keys beside it win",
   const Scene never = load(shop, ball, {"body.fine=false", "body.element=linear", "body.accuracy=0.0001"});
   CHECK_FALSE(never.source.accuracy->reached);
   REQUIRE_FALSE(never.source.warnings.empty());
-  CHECK_THAT(never.source.warnings.back(), Contains("body.accuracy") && Contains("0.01 % wanted"));
+  CHECK_THAT(never.source.warnings.back(), Contains("body.accuracy", "0.01 % wanted"));
 }
 
 TEST_CASE("of a volume mesh body.accuracy chooses the fine body alone",
@@ -115,11 +105,11 @@ TEST_CASE("of a volume mesh body.accuracy chooses the fine body alone",
   CHECK(scene.body->element == Element::linear);
   CHECK(scene.body->mesh.tets.size() == phantom("ball", 300).tets.size());
   CHECK(scene.source.accuracy->taken.fine > 0);
-  CHECK_THAT(test::error_of([&] {
+  CHECK_THAT(error_of([&] {
                load(shop, "mesh = \"ball.msh\"\naccuracy = 0.2\nfine = { elements = 500 }\n",
                     {"contact.nearest=[0.0, 0.0, 1.0]"});
              }),
-             Contains("scene.toml:3: body.accuracy") && Contains("no body.fine beside it"));
-  CHECK_THAT(test::error_of([&] { load(shop, "phantom = \"ball\"\naccuracy = 0\n"); }),
-             Contains("body.accuracy") && Contains("above 0"));
+             Contains("scene.toml:3: body.accuracy", "no body.fine beside it"));
+  CHECK_THAT(error_of([&] { load(shop, "phantom = \"ball\"\naccuracy = 0\n"); }),
+             Contains("body.accuracy", "above 0"));
 }

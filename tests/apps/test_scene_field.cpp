@@ -1,7 +1,4 @@
 // The field of a scene with contact.anywhere: its keys, what the cache keeps of it, and the fine body.
-#include <catch2/catch.hpp>
-#include <fstream>
-#include <string>
 
 #include "apps/console/console.hpp"
 #include "apps/scene/cache_folder.hpp"
@@ -13,13 +10,7 @@
 #include "solver/equilibrium/solver.hpp"
 #include "tests/support/executable.hpp"
 
-using namespace forefeel;
-using Catch::Contains;
-using test::Workshop;
-
 namespace {
-
-namespace fs = std::filesystem;
 
 // The beam of 10 x 2 x 2 cm, clamped at x = 0.
 const std::string beam =

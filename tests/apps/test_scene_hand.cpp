@@ -1,15 +1,8 @@
 // [hand] of a scene: the same as session.device = "hand:…".
 
-#include <catch2/catch.hpp>
-
 #include "apps/scene/scene.hpp"
 #include "apps/scene/scene_session.hpp"
-#include "geometry/common/error.hpp"
 #include "tests/support/executable.hpp"
-
-using namespace forefeel;
-using test::beam_scene;
-using test::Workshop;
 
 namespace {
 
@@ -42,7 +35,7 @@ drawn = true
 TEST_CASE("a hand beside a device, without a profile or with an unknown key is refused") {
   const Workshop shop;
   CHECK_THROWS_WITH(load(shop, "[session]\ndevice = \"path:press\"\n[hand]\nprofile = \"omega\"\n"),
-                    Catch::Contains("only one of"));
-  CHECK_THROWS_WITH(load(shop, "[hand]\ngrip = 300\n"), Catch::Contains("profile"));
-  CHECK_THROWS_WITH(load(shop, "[hand]\nprofile = \"omega\"\ngrib = 300\n"), Catch::Contains("grib"));
+                    Contains("only one of"));
+  CHECK_THROWS_WITH(load(shop, "[hand]\ngrip = 300\n"), Contains("profile"));
+  CHECK_THROWS_WITH(load(shop, "[hand]\nprofile = \"omega\"\ngrib = 300\n"), Contains("grib"));
 }

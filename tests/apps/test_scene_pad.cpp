@@ -1,19 +1,11 @@
 // [contact] with a pad and body.fine: values, defaults, refusals, identity, the cached rest jets.
-#include <catch2/catch.hpp>
-#include <string>
 
 #include "apps/scene/scene.hpp"
 #include "geometry/mesh/mesh_file.hpp"
 #include "geometry/meshing/phantom.hpp"
 #include "solver/body/fine_jet.hpp"
 #include "solver/body/pad.hpp"
-#include "tests/support/error_of.hpp"
 #include "tests/support/executable.hpp"
-
-using namespace forefeel;
-using Catch::Contains;
-using test::beam_scene;
-using test::Workshop;
 
 namespace {
 
@@ -29,7 +21,7 @@ Scene load(const Workshop& shop, const std::string& text, const std::vector<std:
 
 std::string refusal(const Workshop& shop, const std::string& text,
                     const std::vector<std::string>& overrides = {}) {
-  return test::error_of([&] { load(shop, text, overrides); });
+  return error_of([&] { load(shop, text, overrides); });
 }
 
 // A scene of a mesh file: sections of the body, lines that all have, then `more`.
@@ -79,23 +71,23 @@ TEST_CASE("a pad on a phantom is at its tip, also of a scaled one, and about a f
 TEST_CASE("pads and fine bodies that cannot be are refused with file, line and key", "[scene]") {
   const Workshop shop;
   CHECK_THAT(refusal(shop, beam_scene(pad + "group = \"contact\"\n")),
-             Contains("scene.toml:13: contact.group") && Contains("no nodes beside pad"));
+             Contains("scene.toml:13: contact.group", "no nodes beside pad"));
   CHECK_THAT(refusal(shop, beam_scene(pad + "node = 3\n")), Contains("scene.toml:13: contact.node"));
   CHECK_THAT(refusal(shop, beam_scene(pad + "nodes = [3]\n")), Contains("scene.toml:13: contact.nodes"));
   CHECK_THAT(refusal(shop, beam_scene("[contact]\npad = 0\n")),
-             Contains("scene.toml:12: contact.pad") && Contains("above 0"));
+             Contains("scene.toml:12: contact.pad", "above 0"));
   CHECK_THAT(refusal(shop, beam_scene(pad + "radius = -0.01\n")), Contains("scene.toml:13: contact.radius"));
   CHECK_THAT(refusal(shop, beam_scene(pad + "nearest = [71, 10, 20]\n")),
-             Contains("scene.toml:13: contact.nearest") && Contains("far from the body"));
+             Contains("scene.toml:13: contact.nearest", "far from the body"));
   CHECK_THAT(refusal(shop, beam_scene(), {"contact.pad=soft"}), Contains("--set contact.pad"));
   CHECK_THAT(refusal(shop, beam_scene(pad), {"body.fine=true"}),
-             Contains("--set body.fine") && Contains("false or a table { elements = N }"));
+             Contains("--set body.fine", "false or a table { elements = N }"));
   CHECK_THAT(refusal(shop, beam_scene(pad), {"body.fine={elments=500}"}),
              Contains("did you mean 'body.fine.elements'"));
   CHECK_THAT(refusal(shop, beam_scene(pad), {"body.fine={elements=20}"}),
              Contains("--set body.fine: 20 graded elements cannot be met"));
   CHECK_THAT(refusal(shop, beam_scene(pad), {"body.fine={elements=500, element=\"cubic\"}"}),
-             Contains("body.fine.element") && Contains("quadratic"));
+             Contains("body.fine.element", "quadratic"));
   CHECK_THAT(refusal(shop, beam_scene(pad), {"body.fine={elements=3}"}), Contains("body.fine.elements"));
 
   write_msh(shop.path() / "beam.msh", phantom("beam", 240));
@@ -112,7 +104,7 @@ TEST_CASE("pads and fine bodies that cannot be are refused with file, line and k
     return refusal(shop, file_scene(cube, sets), {"body.fine={elements=600}"});
   };
   CHECK_THAT(numbered("[clamp]\nnodes = [0, 1, 2, 3]\n" + pad + "nearest = [0.05, 0.05, 0.1]\n"),
-             Contains("clamp.nodes: numbers nodes of one mesh") && Contains("body.fine = false"));
+             Contains("clamp.nodes: numbers nodes of one mesh", "body.fine = false"));
   CHECK_THAT(numbered(below + "[contact]\nnode = 7\n"), Contains("contact.node: numbers nodes"));
   CHECK_THAT(numbered(below + "[contact]\nnodes = [6, 7]\n"), Contains("contact.nodes: numbers nodes"));
 }
@@ -177,8 +169,7 @@ TEST_CASE("identity tells pads and fine bodies apart", "[scene]") {
 }
 
 TEST_CASE("rest jets are kept: used again, and damaged ones are made anew", "[scene]") {
-  const Workshop shop;
-  shop.write("beam.toml", beam_scene(pad));
+  const BeamShop shop(pad);
   const std::string solve = "solve beam.toml --at=0,0.001,-0.003 --json --quiet --set '" + fine + "'";
   const auto force = [&] { return shop.forefeel(solve).json()["states"][0]["force"]; };
   const auto of_jets = [&](const std::string& command) {
@@ -187,7 +178,7 @@ TEST_CASE("rest jets are kept: used again, and damaged ones are made anew", "[sc
   const auto first = force();
   const std::string content = of_jets("cat"), files = of_jets("stat -c '%n %i %y'");
   CHECK(std::ranges::count(files, '\n') >= 2);  // the fine body's and the body's own
-  CHECK_THAT(content, Contains("\"stiffness\"") && Contains("\"e005\"") && Contains("\"sha256\""));
+  CHECK_THAT(content, Contains("\"stiffness\"", "\"e005\"", "\"sha256\""));
   CHECK(force() == first);
   CHECK(of_jets("stat -c '%n %i %y'") == files);  // read, not written again
 
@@ -200,24 +191,23 @@ TEST_CASE("rest jets are kept: used again, and damaged ones are made anew", "[sc
     CHECK(force() == first);
     CHECK(of_jets("cat") == content);
   }
-  CHECK(shop.forefeel("solve beam.toml --at=0,0.001,-0.003 --json --quiet").json()["states"][0]["force"] !=
-        first);
+  CHECK(shop.json("solve beam.toml --at=0,0.001,-0.003 --quiet")["states"][0]["force"] != first);
 }
 
 TEST_CASE("info and a session's summary say the same of the contact", "[scene]") {
   const Workshop shop;
   for (const bool padded : {true, false}) {
     shop.write("beam.toml", beam_scene(padded ? pad : ""));
-    const auto info = shop.forefeel("info beam.toml --json --quiet").json();
+    const auto info = shop.json("info beam.toml --quiet");
     shop.forefeel(
         "session beam.toml --clock virtual --seconds 0.1 --device path:press,speed=0.02 --quiet -o run");
-    const auto summary = shop.shell("cat run/summary.json").json();
+    const auto summary = json::parse(shop.read("run/summary.json"));
     CHECK(summary["contact"] == info["contact"]);
     CHECK(summary["contact"]["kind"] == (padded ? "pad" : "rigid"));
     CHECK(summary["contact"]["area"].get<double>() > 0);
     for (const char* key : {"radius", "pad", "stiffness", "clamped_share"})
       CHECK(summary["contact"][key].is_number() == padded);
     CHECK(summary["contact"]["pulling_share"].is_array() == padded);
-    std::filesystem::remove_all(shop.path() / "run");
+    fs::remove_all(shop.path() / "run");
   }
 }

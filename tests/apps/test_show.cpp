@@ -1,27 +1,14 @@
 // forefeel show: the content of the page, of the still pictures and of the files for ParaView; bad input.
 
-#include <algorithm>
-#include <catch2/catch.hpp>
-#include <cmath>
-#include <filesystem>
-#include <map>
-#include <sstream>
-#include <string>
-#include <vector>
-
 #include "geometry/coverage/setups.hpp"
 #include "tests/apps/shown_page.hpp"
 #include "tests/apps/vtk_files.hpp"
-#include "tests/support/slow.hpp"
-
-using namespace forefeel::test;
-using nlohmann::json;
 
 namespace {
 
 // A CSV with a header as rows of words by column.
-std::vector<std::map<std::string, std::string>> table(const std::filesystem::path& file) {
-  std::istringstream in(bytes_of(file));
+std::vector<std::map<std::string, std::string>> table(const fs::path& file) {
+  std::istringstream in(text_of(file));
   const auto cells = [](const std::string& line) {
     std::vector<std::string> words;
     std::istringstream rest(line + ",");
@@ -65,20 +52,18 @@ TEST_CASE("the page of a scene needs no other file, and holds body, clamp, conta
   const Workshop shop;
   if (!has_three(shop)) return;
   shop.write("beam.toml", beam_scene());
-  const auto made = shop.forefeel("show beam.toml -o beam.html --json");
-  INFO(made.err);
-  REQUIRE(made.code == 0);
+  const auto made = shop.run("show beam.toml -o beam.html --json");
   const json report = made.json();
   CHECK(report["kind"] == "scene");
   CHECK(report["files"] == json({"beam.html"}));
-  CHECK(report["size_bytes"] == std::filesystem::file_size(shop.path() / "beam.html"));
+  CHECK(report["size_bytes"] == fs::file_size(shop.path() / "beam.html"));
   const ShownPage page(shop.path() / "beam.html");
-  CHECK(page.text.find("default-src 'none'") != std::string::npos);  // the browser loads nothing
+  CHECK_THAT(page.text, Contains("default-src 'none'"));  // the browser loads nothing
   for (const char* word : {" src=", " href=", "@import", "url("})
-    CHECK(page.text.substr(0, page.text.find("<script>")).find(word) == std::string::npos);
+    CHECK_THAT(page.text.substr(0, page.text.find("<script>")), !Contains(word));
   REQUIRE(page.scripts.size() == 3);
   for (const char* word : {"http:", "https:", "fetch(", "XMLHttpRequest", "import "})
-    CHECK(page.scripts[2].find(word) == std::string::npos);
+    CHECK_THAT(page.scripts[2], !Contains(word));
   const json& body = page.data["body"];
   const auto nodes = floats(body["nodes"]);
   const auto corners = numbers<std::uint32_t>(body["triangles"], "u32");
@@ -129,7 +114,7 @@ TEST_CASE("node reads the page's scripts, and they unpack the data",
   CHECK(outcome.json()["states"] == floats(page.data["states"]["at"]).size() / 3);
   CHECK(outcome.json()["moments"] == 1);
   CHECK(outcome.json()["cells"] == labels(page.data["states"]["labels"][0]).size());
-  CHECK(outcome.json()["high"].get<double>() == Approx(1e3 * page.data["box"]["high"][0].get<double>()));
+  CHECK(outcome.json()["high"] == Approx(1e3 * page.data["box"]["high"][0].get<double>()));
 }
 
 TEST_CASE("the labels of the cut planes are those that classify gives at the cells' centres",
@@ -155,7 +140,7 @@ TEST_CASE("the labels of the cut planes are those that classify gives at the cel
     expected.push_back(all[cell]);
   }
   shop.write("centres.csv", points.str());
-  const json classified = shop.forefeel("classify gap.csv --points centres.csv --json").json();
+  const json classified = shop.json("classify gap.csv --points centres.csv");
   REQUIRE(classified["labels"].size() == expected.size());
   const std::vector<std::string> names{"safe", "sparse", "gap", "blank"};
   std::size_t different = 0, kinds = 0;
@@ -164,7 +149,7 @@ TEST_CASE("the labels of the cut planes are those that classify gives at the cel
   CHECK(different == 0);
   for (int k = 0; k < 3; ++k) kinds += std::count(expected.begin(), expected.end(), k) > 0;
   CHECK(kinds == 3);
-  CHECK(page.data["states"]["volume"][0].get<double>() == Approx(classified["volume"]["safe"].get<double>()));
+  CHECK(page.data["states"]["volume"][0] == Approx(classified["volume"]["safe"].get<double>()));
 }
 
 TEST_CASE("the page of a run holds its path, when states became known, and shapes that follow the hand",
@@ -172,15 +157,12 @@ TEST_CASE("the page of a run holds its path, when states became known, and shape
   const Workshop shop;
   if (!has_three(shop)) return;
   shop.write("beam.toml", beam_scene("displacements = true\n"));
-  const auto session = shop.forefeel(
+  const auto session = shop.run(
       "session beam.toml --clock virtual --seconds 1 --device path:circle,amplitude=0.003,speed=0.02 --cost "
       "constant:0.02 -o run");
-  REQUIRE(session.code == 0);
-  CHECK(session.out.find("look at it: forefeel show run -o run/show.html\n") != std::string::npos);
-  const auto made = shop.forefeel("show run -o run/show.html --json");
-  INFO(made.err);
-  REQUIRE(made.code == 0);
-  CHECK(made.err.find("warning") == std::string::npos);
+  CHECK_THAT(session.out, Contains("look at it: forefeel show run -o run/show.html\n"));
+  const auto made = shop.run("show run -o run/show.html --json");
+  CHECK_THAT(made.err, !Contains("warning"));
   const json report = made.json();
   const auto frames = table(shop.path() / "run/frames.csv");
   CHECK(report["frames"] == frames.size());
@@ -230,11 +212,9 @@ TEST_CASE("the page of a run holds its path, when states became known, and shape
 
 TEST_CASE("the .vtu of show holds the body with clamp and contact, and labels, states and path beside it",
           "[show]" SLOW("compares with VTK, which only run.sh all installs")) {
-  const Workshop shop;
-  shop.write("beam.toml", beam_scene());
-  REQUIRE(shop.forefeel("session beam.toml --clock virtual --seconds 0.3 --cost constant:0.02 --quiet -o run")
-              .code == 0);
-  const json report = shop.forefeel("show run -o look.vtu --json").json();
+  const BeamShop shop;
+  shop.run("session beam.toml --clock virtual --seconds 0.3 --cost constant:0.02 --quiet -o run");
+  const json report = shop.json("show run -o look.vtu");
   CHECK(report["files"] == json({"look.vtu", "look_labels.vtu", "look_states.vtu", "look_path.vtu"}));
   const json seen = read_by_vtk(shop, "look.vtu look_labels.vtu look_states.vtu look_path.vtu");
   if (seen.is_null()) return;
@@ -244,7 +224,7 @@ TEST_CASE("the .vtu of show holds the body with clamp and contact, and labels, s
   CHECK(seen[1]["types"] == json({11}));
   CHECK(seen[2]["points"] == report["states"]);
   CHECK(seen[3]["points"] == report["frames_shown"]);
-  CHECK(seen[3]["point_data"]["time"]["max"].get<double>() == Approx(0.3).margin(0.01));
+  CHECK(seen[3]["point_data"]["time"]["max"] == Approx(0.3).margin(0.01));
 }
 
 TEST_CASE("generate and mesh name the command that shows what they made, and it works as printed", "[show]") {
@@ -254,33 +234,29 @@ TEST_CASE("generate and mesh name the command that shows what they made, and it 
   for (const std::string command :
        {"generate 'my beam.toml' --set material.young=4000.0 -o 'my states.states'",
         "mesh --phantom ball --elements 300 -o ball.msh"}) {
-    const auto outcome = shop.forefeel(command);
-    REQUIRE(outcome.code == 0);
+    const auto outcome = shop.run(command);
     const std::string lead = "look at it: forefeel ";
     const std::size_t at = outcome.out.find(lead);
     REQUIRE(at != std::string::npos);
     const std::string line = outcome.out.substr(at + lead.size());
-    const auto shown = shop.forefeel(line.substr(0, line.find('\n')) + " --json");
-    INFO(line << shown.err);
-    REQUIRE(shown.code == 0);
+    const auto shown = shop.run(line.substr(0, line.find('\n')) + " --json");
     CHECK(shown.json()["body"]["elements"] > 100);
   }
   // The state file names its scene.
-  CHECK(shop.forefeel("generate 'my beam.toml' -o own.states --quiet").code == 0);
-  const json own = shop.forefeel("show own.states -o own.vtu --json").json();
+  shop.run("generate 'my beam.toml' -o own.states --quiet");
+  const json own = shop.json("show own.states -o own.vtu");
   CHECK(own["states"] == 27);
   CHECK(own["body"]["contact"] > 0);
 }
 
 TEST_CASE("what cannot be shown is refused in one line", "[show]") {
-  const Workshop shop;
-  shop.write("beam.toml", beam_scene());
+  const BeamShop shop;
   shop.write("other.toml", beam_scene("[clamp]\nbelow = { axis = \"x\", share = 0.4 }\n"));
   shop.write("words.txt", "hello\n");
-  std::filesystem::create_directories(shop.path() / "broken");
+  fs::create_directories(shop.path() / "broken");
   shop.write("broken/frames.csv", "t,x,y,z\n1,2\n");
-  REQUIRE(shop.forefeel("generate beam.toml -o s.states --quiet").code == 0);
-  REQUIRE(shop.forefeel("mesh --phantom ball --elements 300 -o ball.msh --quiet").code == 0);
+  shop.run("generate beam.toml -o s.states --quiet");
+  shop.run("mesh --phantom ball --elements 300 -o ball.msh --quiet");
   check_refused(shop, "show beam.toml -o beam.pdf", {"beam.pdf", ".html or .vtu"});
   check_refused(shop, "show nothing.states -o out.html", {"nothing.states"});
   check_refused(shop, "show words.txt -o out.vtu", {"words.txt", "expected a scene"});
@@ -292,5 +268,5 @@ TEST_CASE("what cannot be shown is refused in one line", "[show]") {
   check_refused(shop, "show ball.msh --foreign -o out.vtu", {"--foreign"});
   check_refused(shop, "show s.states -o no/such/folder/out.vtu", {"no/such/folder"});
   check_refused(shop, "show beam.toml", {"--output"});
-  CHECK(shop.forefeel("show s.states --scene other.toml --foreign -o out.vtu").code == 0);
+  shop.run("show s.states --scene other.toml --foreign -o out.vtu");
 }

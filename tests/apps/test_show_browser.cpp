@@ -1,19 +1,7 @@
 // The page of forefeel show under a real mouse, where chromium is installed (`apps/setup.sh all`).
 
-#include <algorithm>
-#include <catch2/catch.hpp>
-#include <cmath>
-#include <string>
-#include <vector>
-
 #include "tests/apps/shown_page.hpp"
 #include "tests/support/executable.hpp"
-#include "tests/support/paths.hpp"
-#include "tests/support/skip.hpp"
-#include "tests/support/slow.hpp"
-
-using namespace forefeel::test;
-using nlohmann::json;
 
 namespace {
 
@@ -43,13 +31,10 @@ double moved_at(const ShownPage& page, double t) {
 
 TEST_CASE("show in a browser: drag turns, the wheel zooms, the time moves the body, the pointer reads off",
           "[show]" SLOW("starts Chromium, which only run.sh all installs")) {
-  const Workshop shop;
-  shop.write("beam.toml", beam_scene());
-  REQUIRE(
-      shop.forefeel(
-              "session beam.toml --clock virtual --seconds 1 --device path:circle,speed=0.03 --shape-rate 30 "
-              "-o run --quiet")
-          .code == 0);
+  const BeamShop shop;
+  shop.run(
+      "session beam.toml --clock virtual --seconds 1 --device path:circle,speed=0.03 --shape-rate 30 "
+      "-o run --quiet");
   const auto made = shop.forefeel("show run -o run.html --quiet");
   if (made.code == 2 && made.err.find("three.js") != std::string::npos)
     return skip("three.js was not found at build time and is not installed");
@@ -67,12 +52,12 @@ TEST_CASE("show in a browser: drag turns, the wheel zooms, the time moves the bo
   const double now = found["later"]["now"];
   CHECK(now == Approx(0.5).margin(0.05));
   const ShownPage page(shop.path() / "run.html");
-  CHECK(found["before"]["moved"].get<double>() == Approx(moved_at(page, 0)).margin(1e-3));
-  CHECK(found["later"]["moved"].get<double>() == Approx(moved_at(page, now)).margin(1e-3));
+  CHECK(found["before"]["moved"] == Approx(moved_at(page, 0)).margin(1e-3));
+  CHECK(found["later"]["moved"] == Approx(moved_at(page, now)).margin(1e-3));
   CHECK(found["later"]["moved"] > 1);
   CHECK_THAT(found["later"]["text"].get<std::string>(),
-             Catch::StartsWith("t = 0.") && Catch::Contains("states known"));
+             Catch::StartsWith("t = 0.") && Contains("states known"));
   REQUIRE(found["tip"].is_string());
-  CHECK_THAT(found["tip"].get<std::string>(), Catch::StartsWith("node ") && Catch::Contains("in the mesh"));
+  CHECK_THAT(found["tip"].get<std::string>(), Catch::StartsWith("node ") && Contains("in the mesh"));
   CHECK(found["edges"][0] != found["edges"][1]);
 }

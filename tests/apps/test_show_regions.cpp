@@ -1,25 +1,10 @@
 // forefeel show of a body of several materials: each in a colour of its own, with what is inside the body.
 
-#include <algorithm>
-#include <catch2/catch.hpp>
-#include <cmath>
-#include <set>
-#include <string>
-#include <vector>
-
 #include "geometry/mesh/mesh_file.hpp"
 #include "geometry/meshing/phantom.hpp"
 #include "tests/apps/shown_page.hpp"
 #include "tests/apps/vtk_files.hpp"
 #include "tests/support/executable.hpp"
-#include "tests/support/file_text.hpp"
-
-using namespace forefeel;
-using test::file_text;
-using test::floats;
-using test::numbers;
-using test::ShownPage;
-using test::Workshop;
 
 namespace {
 
@@ -59,9 +44,9 @@ Groups write_beam(const Workshop& shop) {
 }
 
 // Volume that the triangles of one region enclose, by the divergence theorem; the surface is closed.
-double enclosed(const nlohmann::json& body, std::size_t region) {
+double enclosed(const json& body, std::size_t region) {
   double volume = 0;
-  const auto add = [&](const nlohmann::json& of, auto&& belongs) {
+  const auto add = [&](const json& of, auto&& belongs) {
     const auto nodes = floats(of["nodes"]);
     const auto corners = numbers<std::uint32_t>(of["triangles"], "u32");
     const auto its = numbers<std::uint8_t>(of["region"], "u8");
@@ -81,14 +66,13 @@ TEST_CASE("show: regions of material have colours, volumes and closed surfaces, 
           "[show]") {
   const Workshop shop;
   const Groups groups = write_beam(shop);
-  const auto vtu = shop.forefeel("show beam.toml -o beam.vtu --json").json();
+  const auto vtu = shop.json("show beam.toml -o beam.vtu");
   REQUIRE(vtu["body"]["regions"].size() == 2);
   CHECK(vtu["body"]["regions"][0]["name"] == "inner");
-  CHECK(vtu["body"]["regions"][0]["volume"].get<double>() == Approx(groups.inner));
-  CHECK_THAT(file_text(shop, "beam.vtu"),
-             Catch::Contains("Name=\"region\"") && Catch::Contains("Name=\"region_end\""));
+  CHECK(vtu["body"]["regions"][0]["volume"] == Approx(groups.inner));
+  CHECK_THAT(shop.read("beam.vtu"), Contains("Name=\"region\"", "Name=\"region_end\""));
   const auto made = shop.forefeel("show beam.toml -o beam.html --quiet");
-  if (made.code == 2) return test::skip("three.js was not found at build time and is not installed");
+  if (made.code == 2) return skip("three.js was not found at build time and is not installed");
   const ShownPage page(shop.path() / "beam.html");
   const auto& body = page.data["body"];
   CHECK(body["regions"][0]["name"] == "inner");
@@ -97,7 +81,7 @@ TEST_CASE("show: regions of material have colours, volumes and closed surfaces, 
   CHECK(body["regions"][1]["words"] == "linear, 20 kPa");
   CHECK(body["rest_words"] == "neo-hookean, 5 kPa");
   CHECK(body["regions"][0]["colour"] != body["regions"][1]["colour"]);
-  REQUIRE(shop.forefeel("show beam.toml -o own.html --quiet --palette '#102030,#405060'").code == 0);
+  shop.run("show beam.toml -o own.html --quiet --palette '#102030,#405060'");
   const ShownPage own(shop.path() / "own.html");
   CHECK(own.data["body"]["regions"][0]["colour"] == "#102030");
   CHECK(own.data["body"]["regions"][1]["colour"] == "#405060");
@@ -109,13 +93,13 @@ TEST_CASE("show: regions of material have colours, volumes and closed surfaces, 
 TEST_CASE("show: element groups of a mesh are its regions; a body of one material has none", "[show]") {
   const Workshop shop;
   const Groups groups = write_beam(shop);
-  const auto mesh = shop.forefeel("show beam.msh -o mesh.vtu --json").json();
+  const auto mesh = shop.json("show beam.msh -o mesh.vtu");
   REQUIRE(mesh["body"]["regions"].size() == 2);
   CHECK(mesh["body"]["regions"][0]["name"] == "end");
-  CHECK(mesh["body"]["regions"][0]["volume"].get<double>() == Approx(groups.end));
-  shop.write("one.toml", test::beam_scene());
-  CHECK(shop.forefeel("show one.toml -o one.vtu --json").json()["body"]["regions"].empty());
-  test::check_refused(shop, "show one.toml -o two.vtu --palette mine", {"--palette", "okabe-ito"});
+  CHECK(mesh["body"]["regions"][0]["volume"] == Approx(groups.end));
+  shop.write("one.toml", beam_scene());
+  CHECK(shop.json("show one.toml -o one.vtu")["body"]["regions"].empty());
+  check_refused(shop, "show one.toml -o two.vtu --palette mine", {"--palette", "okabe-ito"});
 }
 
 TEST_CASE("show: faces where two regions touch belong to the one of fewer elements, whichever comes first",
@@ -131,7 +115,7 @@ TEST_CASE("show: faces where two regions touch belong to the one of fewer elemen
     }
     write_msh(shop.path() / "two.msh", mesh);
     if (shop.forefeel("show two.msh -o two.html --quiet").code == 2)
-      return test::skip("three.js was not found at build time and is not installed");
+      return skip("three.js was not found at build time and is not installed");
     const ShownPage page(shop.path() / "two.html");
     const std::string small = small_first ? "a" : "b";
     const auto owners = numbers<std::uint8_t>(page.data["body"]["inside"]["region"], "u8");

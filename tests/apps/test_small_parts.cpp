@@ -1,14 +1,9 @@
-#include <catch2/catch.hpp>
-#include <nlohmann/json.hpp>
-#include <random>
 #include "apps/console/command.hpp"
 #include "apps/console/json.hpp"
 #include "apps/console/suggest.hpp"
 #include "apps/console/values.hpp"
 #include "apps/picture/plot.hpp"
-#include "geometry/common/error.hpp"
-
-using namespace forefeel;
+#include "tests/support/test.hpp"
 
 TEST_CASE("edit distance and the nearest word", "[suggest]") {
   CHECK(edit_distance("", "") == 0);
@@ -50,7 +45,7 @@ TEST_CASE("a thinned curve keeps its extremes", "[report]") {
   for (int i = 0; i < 10000; ++i)
     x.push_back(i), y.push_back(i == 5000 ? 9 : i == 7001 ? -4 : i == 3 ? NAN : 0);
   const std::string lines = thinned_curve(x, y, 100);
-  CHECK_THAT(lines, Catch::Contains("5000 9\n") && Catch::Contains("7001 -4\n") && !Catch::Contains("nan"));
+  CHECK_THAT(lines, Contains("5000 9\n", "7001 -4\n") && !Contains("nan"));
   CHECK(std::count(lines.begin(), lines.end(), '\n') <= 200);
   CHECK(thinned_curve({}, {}, 100).empty());
 }

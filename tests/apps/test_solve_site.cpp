@@ -1,15 +1,8 @@
 // solve --site: a pad at any place of the surface of a scene with contact.anywhere.
-#include <catch2/catch.hpp>
-#include <string>
 
 #include "apps/scene/scene_anywhere.hpp"
 #include "solver/equilibrium/solver.hpp"
 #include "tests/support/executable.hpp"
-
-using namespace forefeel;
-using test::beam_scene;
-using test::check_refused;
-using test::Workshop;
 
 namespace {
 
@@ -20,7 +13,7 @@ const std::string beam =
     "0.3\n";
 const std::string anywhere = "[contact]\nanywhere = true\npad = 400.0\nradius = 0.012\n";
 
-Vec3 vector_of(const nlohmann::json& list) {
+Vec3 vector_of(const json& list) {
   return {list[0].get<double>(), list[1].get<double>(), list[2].get<double>()};
 }
 
@@ -29,10 +22,9 @@ Vec3 vector_of(const nlohmann::json& list) {
 TEST_CASE("a site is projected on the surface, and its state is that of a pad at this place") {
   const Workshop shop;
   shop.write("beam.toml", beam + anywhere);
-  const Workshop::Outcome run =
-      shop.forefeel("solve beam.toml --site=0.06,0.008,0.025 --at=0.002,0,-0.006 --at=0,0,-0.003 --json");
-  REQUIRE(run.code == 0);
-  const nlohmann::json states = run.json()["states"];
+  const auto run =
+      shop.run("solve beam.toml --site=0.06,0.008,0.025 --at=0.002,0,-0.006 --at=0,0,-0.003 --json");
+  const json states = run.json()["states"];
   REQUIRE(states.size() == 2);
   const Vec3 site = vector_of(states[0]["site"]);
   CHECK((site - Vec3(0.06, 0.008, 0.02)).norm() < 1e-12);
@@ -56,11 +48,9 @@ TEST_CASE("sites that cannot be are refused, and a pad that reaches over the cla
   check_refused(shop, "solve beam.toml --site=nan,0,0 --at=0,0,-0.001", {"--site"});
   check_refused(shop, "solve beam.toml --site=0.06,0,0.02 --at=0,0,0 -o out.csv", {"-o", "--json"});
   check_refused(shop, "solve plain.toml --site=0.06,0,0.02 --at=0,0,0", {"--site", "contact.anywhere"});
-  const Workshop::Outcome run =
-      shop.forefeel("solve beam.toml --site=0.008,0.01,0.02 --at=0,0,-0.002 --json");
-  CHECK(run.code == 0);
+  const auto run = shop.run("solve beam.toml --site=0.008,0.01,0.02 --at=0,0,-0.002 --json");
   CHECK(run.json()["states"][0]["clamped_share"].get<double>() > 0.01);
-  CHECK_THAT(run.err, Catch::Contains("reaches over the clamp"));
+  CHECK_THAT(run.err, Contains("reaches over the clamp"));
 }
 
 TEST_CASE("keys that say nothing beside contact.anywhere are refused") {

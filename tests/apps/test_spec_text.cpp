@@ -1,29 +1,15 @@
-#include <catch2/catch.hpp>
-
 #include "apps/scene/spec_text.hpp"
-#include "geometry/common/error.hpp"
 #include "scheduling/motion/device.hpp"
 #include "scheduling/workers/cost.hpp"
-
-using namespace forefeel;
+#include "tests/support/test.hpp"
 
 namespace {
 
-template <class Read>
-std::string refusal(Read&& read) {
-  try {
-    read();
-  } catch (const InputError& error) {
-    return error.what();
-  }
-  return "";
-}
-
 std::string device_refusal(const std::string& text) {
-  return refusal([&] { device_from_text(text); });
+  return error_of([&] { device_from_text(text); });
 }
 std::string cost_refusal(const std::string& text) {
-  return refusal([&] { cost_from_text(text); });
+  return error_of([&] { cost_from_text(text); });
 }
 
 }  // namespace
@@ -66,20 +52,18 @@ TEST_CASE("what no device can be is refused in one line") {
         "hand:thumb", "", "trace:", "trace:a.csv,offset=1/2", "trace:a.csv,scale=big", "mouse:left"}) {
     CAPTURE(text);
     CHECK_FALSE(device_refusal(text).empty());
-    CHECK(device_refusal(text).find('\n') == std::string::npos);
+    CHECK_THAT(device_refusal(text), !Contains("\n"));
   }
-  CHECK_THAT(device_refusal("path:spiral"),
-             Catch::Contains("device: unknown path 'spiral', expected one of press"));
+  CHECK_THAT(device_refusal("path:spiral"), Contains("device: unknown path 'spiral', expected one of press"));
   CHECK_THAT(device_refusal("path:press,speed=2000"),
              Catch::Equals("device path:press,speed=2000: speed is 2000, expected at most 1000 m/s"));
-  CHECK_THAT(device_refusal("hand:glove"), Catch::Contains("expected one of touch, premium, omega, falcon"));
-  CHECK_THAT(device_refusal("hand:touch,grip=strong"), Catch::Contains("light, medium, firm"));
-  CHECK_THAT(device_refusal("hand:touch,grip=0"), Catch::Contains("at least 1"));
-  CHECK_THAT(device_refusal("hand:touch,target=nowhere"), Catch::Contains("unknown path 'nowhere'"));
-  CHECK_THAT(device_refusal("hand:touch,weight=3"), Catch::Contains("unknown setting 'weight'"));
-  CHECK_THAT(device_refusal("hand:"), Catch::Contains("expected a name"));
-  CHECK_THAT(device_refusal("mouse:left"),
-             Catch::Contains("unknown kind 'mouse', expected path:NAME, trace:FILE"));
+  CHECK_THAT(device_refusal("hand:glove"), Contains("expected one of touch, premium, omega, falcon"));
+  CHECK_THAT(device_refusal("hand:touch,grip=strong"), Contains("light, medium, firm"));
+  CHECK_THAT(device_refusal("hand:touch,grip=0"), Contains("at least 1"));
+  CHECK_THAT(device_refusal("hand:touch,target=nowhere"), Contains("unknown path 'nowhere'"));
+  CHECK_THAT(device_refusal("hand:touch,weight=3"), Contains("unknown setting 'weight'"));
+  CHECK_THAT(device_refusal("hand:"), Contains("expected a name"));
+  CHECK_THAT(device_refusal("mouse:left"), Contains("unknown kind 'mouse', expected path:NAME, trace:FILE"));
 }
 
 TEST_CASE("costs are read as they are written; what none can be is refused") {
@@ -96,7 +80,7 @@ TEST_CASE("costs are read as they are written; what none can be is refused") {
     CAPTURE(text);
     CHECK_THAT(cost_refusal(text), Catch::StartsWith("cost " + text + ": "));
   }
-  CHECK_THAT(cost_refusal("free"), Catch::Contains("constant:SECONDS, lognormal:MEDIAN,SIGMA, recorded"));
+  CHECK_THAT(cost_refusal("free"), Contains("constant:SECONDS, lognormal:MEDIAN,SIGMA, recorded"));
 }
 
 TEST_CASE("parts are names with settings in their order") {
@@ -104,6 +88,6 @@ TEST_CASE("parts are names with settings in their order") {
   const Registered part = part_from_text("policy", "mine:a.csv,gain=2,b=");
   CHECK(part == Registered("mine", {{"", "a.csv"}, {"gain", "2"}, {"b", ""}}));
   CHECK(to_text(part) == "mine:a.csv,gain=2,b=");
-  CHECK(refusal([] { part_from_text("policy", "mine:gain=2,more"); }) ==
+  CHECK(error_of([] { part_from_text("policy", "mine:gain=2,more"); }) ==
         "policy mine:gain=2,more: 'more' is not a setting, expected key=value");
 }

@@ -2,23 +2,10 @@
 
 #include <sys/file.h>
 
-#include <catch2/catch.hpp>
-#include <cmath>
-#include <cstdio>
-#include <filesystem>
-#include <fstream>
-#include <nlohmann/json.hpp>
-#include <sstream>
-
 #include "apps/study/study_folder.hpp"
 #include "apps/study/study_report.hpp"
 #include "apps/study/study_table.hpp"
 #include "tests/apps/study_fixture.hpp"
-
-using namespace forefeel;
-using test::refusal;
-using test::StudyFixture;
-namespace fs = std::filesystem;
 
 namespace {
 
@@ -54,7 +41,7 @@ TEST_CASE("a target load is met by a hand too, whose motion answers the force") 
   CHECK_FALSE(loads_missed(plan, cells));
   cells[3].set("load", 1.2);
   REQUIRE(loads_missed(plan, cells));
-  CHECK_THAT(*loads_missed(plan, cells), Catch::StartsWith("1 of 4 cells") && Catch::Contains("20 %"));
+  CHECK_THAT(*loads_missed(plan, cells), Catch::StartsWith("1 of 4 cells") && Contains("20 %"));
 }
 
 TEST_CASE("a target load is the load that the session measures") {
@@ -118,9 +105,9 @@ TEST_CASE("cells.csv has the same bytes for 1 and 2 threads, after a break, and 
   std::string header;
   std::getline(lines, header);
   CHECK(header.starts_with("policy,cost,seed,clock,seconds,frames,"));
-  CHECK(header.find("error.first_visit.within_jnd") != std::string::npos);
-  CHECK(header.find(",policy") == std::string::npos);
-  CHECK(header.find("provenance") == std::string::npos);
+  CHECK_THAT(header, Contains("error.first_visit.within_jnd"));
+  CHECK_THAT(header, !Contains(",policy"));
+  CHECK_THAT(header, !Contains("provenance"));
   for (const StudyCellResult& cell : first) {
     REQUIRE(cell.find("wall_seconds"));
     CHECK(std::holds_alternative<std::monostate>(*cell.find("wall_seconds")));
@@ -141,7 +128,7 @@ TEST_CASE("a second writer to the same folder is refused") {
       std::fopen((folder.path / "out/cells/lock").c_str(), "r"), std::fclose);
   REQUIRE(holder);
   REQUIRE(flock(fileno(holder.get()), LOCK_EX | LOCK_NB) == 0);
-  CHECK(refusal([&] { run(plan, folder.path / "out", 1); }).find("another study") != std::string::npos);
+  CHECK_THAT(error_of([&] { run(plan, folder.path / "out", 1); }), Contains("another study"));
 }
 
 TEST_CASE("text with commas and quotes survives in cells.csv") {
@@ -168,17 +155,16 @@ TEST_CASE("sustained speeds: the report says what counts where not even the lowe
   };
   const std::vector<std::string> notes = sustained_notes(plan.study, result.cells);
   REQUIRE(notes.size() == 2);
-  CHECK_THAT(notes[0], Catch::Contains("at its own sustained speed"));
-  CHECK_THAT(notes[1], Catch::Contains("In 1 of 4 cells") && Catch::Contains("20 mm/s") &&
-                           Catch::Contains("lower bounds"));
-  for (const std::string& note : notes) CHECK_THAT(page(), Catch::Contains(note));
+  CHECK_THAT(notes[0], Contains("at its own sustained speed"));
+  CHECK_THAT(notes[1], Contains("In 1 of 4 cells", "20 mm/s", "lower bounds"));
+  for (const std::string& note : notes) CHECK_THAT(page(), Contains(note));
   // It counts as the lowest: seed 1 is 0.16 over 0.02, seed 2 0.16 over 0.08.
   const std::vector<Contrast> compared = contrasts(plan.study, result.cells, primary_metric(plan.study));
   REQUIRE_FALSE(compared.empty());
   CHECK(std::abs(compared[0].comparison.student.mean) == Approx(0.5 * (std::log(8) + std::log(2))));
   result.cells[0].set("sustained.speed", 0.02);
   CHECK(sustained_notes(plan.study, result.cells).size() == 1);
-  CHECK_THAT(page(), !Catch::Contains("not even the lowest"));
+  CHECK_THAT(page(), !Contains("not even the lowest"));
   CHECK(sustained_notes(Study{}, result.cells).empty());
 }
 

@@ -1,16 +1,7 @@
 // forefeel session of a scene with contact.anywhere: its files, what it refuses, recorded motions.
-#include <catch2/catch.hpp>
-#include <cmath>
-#include <string>
 
 #include "geometry/common/csv_table.hpp"
 #include "tests/support/executable.hpp"
-#include "tests/support/file_text.hpp"
-#include "tests/support/slow.hpp"
-
-using namespace forefeel;
-using test::check_refused;
-using test::Workshop;
 
 namespace {
 
@@ -26,12 +17,10 @@ std::string beam(const std::string& law, const std::string& contact = "") {
 TEST_CASE("a session touches anywhere: columns, labels, errors, states that the next one knows") {
   const Workshop shop;
   shop.write("any.toml", beam("neo-hookean", "friction = 0.3\n"));
-  const Workshop::Outcome run = shop.forefeel(
+  const auto run = shop.run(
       "session any.toml --device path:tour,depth=0.003 --clock virtual --seconds 3 --workers 2 -o run "
       "--json");
-  INFO(run.err);
-  REQUIRE(run.code == 0);
-  const nlohmann::json said = run.json();
+  const json said = run.json();
   CHECK(said["frames"] == 3000);
   CHECK(said["touch"]["slid"].get<double>() > 0.01);
   CHECK(said["touch"]["cone"].get<double>() < 1e-3);
@@ -43,27 +32,23 @@ TEST_CASE("a session touches anywhere: columns, labels, errors, states that the 
   const CsvTable frames =
       read_csv(shop.path() / "run/frames.csv", std::array<std::string_view, 2>{"x", "fx"});
   CHECK(frames.rows() == 3000);
-  const std::string text = test::file_text(shop, "run/frames.csv");
+  const std::string text = shop.read("run/frames.csv");
   for (const char* word : {"touch", ",slip,", ",stick,", ",none,", "trusted", "sx,sy,sz"})
-    CHECK(text.find(word) != std::string::npos);
-  CHECK(test::file_text(shop, "run/report.html").find("Where the hand was") != std::string::npos);
-  const Workshop::Outcome next = shop.forefeel(
+    CHECK_THAT(text, Contains(word));
+  CHECK_THAT(shop.read("run/report.html"), Contains("Where the hand was"));
+  const auto next = shop.run(
       "session any.toml --device path:tour,depth=0.003 --clock virtual --seconds 1 --states "
       "run/session.states -o "
       "again --json");
-  INFO(next.err);
-  REQUIRE(next.code == 0);
 }
 
 TEST_CASE("a linear body is exact everywhere, without a state") {
   const Workshop shop;
   shop.write("any.toml", beam("linear"));
-  const Workshop::Outcome run = shop.forefeel(
+  const auto run = shop.run(
       "session any.toml --device path:palpation,depth=0.003 --clock virtual --seconds 4 --switch none -o run "
       "--json");
-  INFO(run.err);
-  REQUIRE(run.code == 0);
-  const nlohmann::json said = run.json();
+  const json said = run.json();
   CHECK(said["touch"]["count"].get<int>() > 1);
   CHECK(said["states"]["solved"] == 0);
   CHECK(said["touch"]["jets"].get<int>() > 1);
@@ -103,7 +88,7 @@ TEST_CASE("a recorded motion is registered by its first sample and the normal") 
 TEST_CASE("what is for one place is refused, and what is for a surface elsewhere") {
   const Workshop shop;
   shop.write("any.toml", beam("neo-hookean"));
-  shop.write("plain.toml", test::beam_scene());
+  shop.write("plain.toml", beam_scene());
   const std::string start = "session any.toml --clock virtual --seconds 1 -o run ";
   check_refused(shop, start + "--device path:circle", {"path:circle", "palpation"});
   check_refused(shop, start + "--device path:line,amplitude=0.01", {"amplitude", "depth"});
@@ -115,7 +100,7 @@ TEST_CASE("what is for one place is refused, and what is for a surface elsewhere
   check_refused(shop, start + "--shape-rate 10", {"--shape-rate", "contact.anywhere"});
   const std::string plain = "session plain.toml --clock virtual --seconds 1 -o run ";
   check_refused(shop, plain + "--device path:line,depth=0.003", {"depth", "contact.anywhere"});
-  CHECK_FALSE(std::filesystem::exists(shop.path() / "run/frames.csv"));
+  CHECK_FALSE(fs::exists(shop.path() / "run/frames.csv"));
 }
 
 TEST_CASE(
@@ -124,14 +109,12 @@ TEST_CASE(
   const Workshop shop;
   shop.write("any.toml", beam("neo-hookean"));
   shop.write("soft.toml", beam("neo-hookean") + "[session]\nseconds = 1\n");
-  shop.write("plain.toml", test::beam_scene());
-  REQUIRE(shop.forefeel("generate any.toml -o any.states").code == 0);
-  REQUIRE(shop.forefeel("export any.states -o any.csv").code == 0);
+  shop.write("plain.toml", beam_scene());
+  shop.run("generate any.toml -o any.states");
+  shop.run("export any.states -o any.csv");
   const std::string session =
       "session any.toml --device path:tour,depth=0.003 --clock virtual --seconds 0.5 ";
-  const Workshop::Outcome known = shop.forefeel(session + "--states any.csv -o run");
-  INFO(known.err);
-  CHECK(known.code == 0);
+  const auto known = shop.run(session + "--states any.csv -o run");
   check_refused(shop, session + "--set material.young=6000 --states any.csv -o other",
                 {"any.csv", "of the site", "names no body"});
   check_refused(shop, "session plain.toml --clock virtual --seconds 1 --states any.csv -o no",
@@ -139,18 +122,14 @@ TEST_CASE(
   shop.write("one.csv", "x,y,z,fx,fy,fz\n0,0,-0.001,0,0,0.1\n");
   check_refused(shop, session + "--states one.csv -o no", {"one.csv", "sx,sy,sz"});
 
-  const Workshop::Outcome all = shop.forefeel("classify any.states --scene any.toml --json");
-  INFO(all.err);
-  REQUIRE(all.code == 0);
-  const nlohmann::json said = all.json();
+  const auto all = shop.run("classify any.states --scene any.toml --json");
+  const json said = all.json();
   double sum = 0;
   for (const auto& [label, share] : said["share"].items()) sum += share.get<double>();
   CHECK(sum == Approx(1));
   CHECK(said["states"].get<int>() >= 100);
   CHECK(said["trusted"].get<double>() > 0.9);
-  const Workshop::Outcome table = shop.forefeel("classify any.csv --scene any.toml -o labels.csv");
-  INFO(table.err);
-  REQUIRE(table.code == 0);
+  const auto table = shop.run("classify any.csv --scene any.toml -o labels.csv");
   CHECK(read_csv(shop.path() / "labels.csv", std::array<std::string_view, 2>{"sx", "near"}).rows() == 1000);
   // At a site of the field x = 0 is a state, and deep below everything none is near.
   const CsvTable states =
@@ -158,11 +137,9 @@ TEST_CASE(
   const auto at = [&](int k) { return std::to_string(states.at(0, static_cast<std::size_t>(k))); };
   shop.write("points.csv", "sx,sy,sz,x,y,z\n" + at(0) + "," + at(1) + "," + at(2) + ",0,0,0\n" + at(0) + "," +
                                at(1) + "," + at(2) + ",0.05,0.05,0.05\n");
-  const Workshop::Outcome two = shop.forefeel("classify any.states --scene any.toml --points points.csv");
-  INFO(two.out);
-  REQUIRE(two.code == 0);
-  CHECK(two.out.find("sparse  trusted") != std::string::npos);
-  CHECK(two.out.find("blank   not trusted") != std::string::npos);
+  const auto two = shop.run("classify any.states --scene any.toml --points points.csv");
+  CHECK_THAT(two.out, Contains("sparse  trusted"));
+  CHECK_THAT(two.out, Contains("blank   not trusted"));
   check_refused(shop, "classify any.states", {"--scene", "contact.anywhere"});
   shop.write("far.csv", "sx,sy,sz,x,y,z\n100,0,0,0,0,0\n");
   for (const char* command : {"classify any.states", "evaluate any.states"})
@@ -179,17 +156,16 @@ TEST_CASE("deeper than the body is thick is said") {
   shop.write("any.toml", beam("linear"));
   const std::string solve = "solve any.toml --site=0.05,0.01,0.02 --json --at=0,0,";
   const Workshop::Outcome through = shop.forefeel(solve + "-0.021"), within = shop.forefeel(solve + "-0.019");
-  CHECK(through.json()["states"][0]["thickness"].get<double>() == Approx(0.02).epsilon(1e-6));
-  CHECK(through.err.find("20 mm thick") != std::string::npos);
-  CHECK(within.err.find("thick") == std::string::npos);
+  CHECK(through.json()["states"][0]["thickness"] == Approx(0.02).epsilon(1e-6));
+  CHECK_THAT(through.err, Contains("20 mm thick"));
+  CHECK_THAT(within.err, !Contains("thick"));
   shop.write("points.csv", "sx,sy,sz,x,y,z\n0.05,0.01,0.02,0,0,-0.021\n0.05,0.01,0.02,0,0,-0.019\n");
-  REQUIRE(shop.forefeel("generate any.toml -o any.states").code == 0);
-  const nlohmann::json said =
-      shop.forefeel("evaluate any.states --scene any.toml --points points.csv --json").json();
+  shop.run("generate any.toml -o any.states");
+  const json said = shop.json("evaluate any.states --scene any.toml --points points.csv");
   CHECK(said["through"] == 1);
   REQUIRE(said["forces"][1].size() == 3);
   CHECK(said["forces"][1][2].get<double>() > 0);
-  CHECK(said["trusted"] == nlohmann::json({false, true}));
+  CHECK(said["trusted"] == json({false, true}));
 }
 
 TEST_CASE(
@@ -197,22 +173,18 @@ TEST_CASE(
     "way") {
   const Workshop shop;
   shop.write("any.toml", beam("neo-hookean", "friction = 0.3\n"));
-  const Workshop::Outcome hand = shop.forefeel(
+  const auto hand = shop.run(
       "session any.toml --device hand:falcon,speed=0.2 --clock virtual --seconds 2 --set "
       "session.passivity=\\\"control\\\" -o hand --json");
-  INFO(hand.err);
-  REQUIRE(hand.code == 0);
-  const nlohmann::json said = hand.json();
+  const json said = hand.json();
   CHECK(said["touch"]["count"].get<int>() > 0);
   CHECK(said["passivity"]["control"] == true);
   CHECK(said["passivity"]["coupling"].get<double>() > 100);
   CHECK(said["passivity"]["lowest_J"].get<double>() >= 0);
   CHECK(said["energy"]["generated_J"].get<double>() < 1e-5);
-  const Workshop::Outcome best = shop.forefeel(
+  const auto best = shop.run(
       "session any.toml --device path:tour,depth=0.003 --clock virtual --seconds 1 --policy clairvoyant -o "
       "best "
       "--json");
-  INFO(best.err);
-  REQUIRE(best.code == 0);
-  CHECK(best.json()["notes"].dump().find("clairvoyant: ") != std::string::npos);
+  CHECK_THAT(best.json()["notes"].dump(), Contains("clairvoyant: "));
 }

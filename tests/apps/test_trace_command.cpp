@@ -1,13 +1,6 @@
 // forefeel trace, and the notes of sessions and studies on a recorded motion.
 
-#include <catch2/catch.hpp>
-#include <nlohmann/json.hpp>
-
 #include "tests/support/executable.hpp"
-#include "tests/support/paths.hpp"
-
-using forefeel::test::beam_scene;
-using forefeel::test::Workshop;
 
 namespace {
 
@@ -26,32 +19,26 @@ const std::string form = "rec.txt,columns=time/px/py/pz,unit=mm/ms,tool=A";
 }  // namespace
 
 TEST_CASE("trace checks a recording, changes it and writes it", "[trace]") {
-  const Workshop shop;
-  shop.write("beam.toml", beam_scene());
+  const BeamShop shop;
   shop.write("rec.txt", recording());
-  const auto checked = shop.forefeel("trace " + form + " --scene beam.toml --json");
-  INFO(checked.err);
-  REQUIRE(checked.code == 0);
-  const auto json = nlohmann::json::parse(checked.out);
+  const auto checked = shop.run("trace " + form + " --scene beam.toml --json");
+  const auto json = json::parse(checked.out);
   CHECK(json["rows"] == 301);
-  CHECK(json["seconds"].get<double>() == Approx(3));
-  CHECK(json["rate"].get<double>() == Approx(100));
-  CHECK(json["speed"]["max"].get<double>() == Approx(0.005));
+  CHECK(json["seconds"] == Approx(3));
+  CHECK(json["rate"] == Approx(100));
+  CHECK(json["speed"]["max"] == Approx(0.005));
   CHECK(json["starts_pressed_in"] == true);
-  CHECK(json["start"].get<double>() == Approx(0.001));
-  CHECK(json["rests"]["longest"].get<double>() == Approx(2).margin(0.021));
+  CHECK(json["start"] == Approx(0.001));
+  CHECK(json["rests"]["longest"] == Approx(2).margin(0.021));
   CHECK(json["orientation_ignored"] == true);
   CHECK(json["outside"]["share"].is_number());
 
-  const auto written =
-      shop.forefeel("trace " + form + " --to-contact --from 0.2 --to 0.8 --rate 500 -o out.csv");
-  INFO(written.err);
-  REQUIRE(written.code == 0);
-  const auto again = nlohmann::json::parse(shop.forefeel("trace out.csv --json").out);
+  const auto written = shop.run("trace " + form + " --to-contact --from 0.2 --to 0.8 --rate 500 -o out.csv");
+  const auto again = json::parse(shop.forefeel("trace out.csv --json").out);
   CHECK(again["rows"] == 301);
-  CHECK(again["seconds"].get<double>() == Approx(0.6));
+  CHECK(again["seconds"] == Approx(0.6));
   CHECK(again["start"] == 0.0);
-  CHECK(again["box"][1][1].get<double>() == Approx(0.003));
+  CHECK(again["box"][1][1] == Approx(0.003));
 }
 
 TEST_CASE("bad input of trace is refused", "[trace]") {
@@ -70,49 +57,37 @@ TEST_CASE("bad input of trace is refused", "[trace]") {
 }
 
 TEST_CASE("a session says what is unusual about its recorded motion", "[trace]") {
-  const Workshop shop;
-  shop.write("beam.toml", beam_scene());
+  const BeamShop shop;
   shop.write("rec.txt", recording());
-  const auto run =
-      shop.forefeel("session beam.toml --clock virtual --device trace:" + form + " -o run --json");
-  INFO(run.err);
-  REQUIRE(run.code == 0);
-  const auto json = nlohmann::json::parse(run.out);
-  CHECK(json["seconds"].get<double>() == Approx(3).margin(0.01));
+  const auto run = shop.run("session beam.toml --clock virtual --device trace:" + form + " -o run --json");
+  const auto json = json::parse(run.out);
+  CHECK(json["seconds"] == Approx(3).margin(0.01));
   const std::string notes = json["notes"].dump();
-  CHECK_THAT(notes, Catch::Contains("starts away from rest: its first position is 1 mm from it") &&
-                        Catch::Contains("rests for") && Catch::Contains("orientation is not used"));
+  CHECK_THAT(notes, Contains("starts away from rest: its first position is 1 mm from it", "rests for",
+                             "orientation is not used"));
 }
 
 TEST_CASE("a column of times beside a rate, and long gaps in time, are said", "[trace]") {
   const Workshop shop;
   shop.write("timed.csv",
              "t,x,y,z\n0,0,0,0\n0.01,0,0,0.001\n0.02,0,0,0.002\n0.52,0,0,0.003\n0.53,0,0,0.004\n");
-  const auto plain = shop.forefeel("trace timed.csv");
-  INFO(plain.out + plain.err);
-  CHECK(plain.code == 0);
-  CHECK_THAT(plain.out + plain.err, Catch::Contains("1 gaps in time, the longest 0.5 s") &&
-                                        !Catch::Contains("column of times is not used"));
-  const auto rated = shop.forefeel("trace timed.csv,columns=x/y/z,rate=100");
-  INFO(rated.out + rated.err);
-  CHECK(rated.code == 0);
-  CHECK_THAT(rated.out + rated.err,
-             Catch::Contains("its column of times is not used: the rate gives the times") &&
-                 !Catch::Contains("gaps in time"));
+  const auto plain = shop.run("trace timed.csv");
+  CHECK_THAT(plain.out + plain.err,
+             Contains("1 gaps in time, the longest 0.5 s") && !Contains("column of times is not used"));
+  const auto rated = shop.run("trace timed.csv,columns=x/y/z,rate=100");
+  CHECK_THAT(rated.out + rated.err, Contains("its column of times is not used: the rate gives the times") &&
+                                        !Contains("gaps in time"));
 }
 
 TEST_CASE("a study takes a trace's own length, unless it gives one itself, and says what the trace is like",
           "[trace]") {
-  const Workshop shop;
-  shop.write("beam.toml", beam_scene("[session]\nseconds = 0.5\ncost = \"constant:0.01\"\n"));
+  const BeamShop shop("[session]\nseconds = 0.5\ncost = \"constant:0.01\"\n");
   shop.write("long.csv", "t,x,y,z\n0,0,0.002,0\n0.1,0,0.003,0\n0.8,0,0.003,0.001\n");
   const auto seconds = [&](const std::string& given) {
     shop.write("study.toml", "scene = \"beam.toml\"\nseeds = [1]\n" + given +
                                  "[vary]\npolicy = [\"nearest\"]\ndevice = [\"trace:long.csv\"]\n");
-    const auto run = shop.forefeel("study study.toml -o out" + std::to_string(given.size()) + " --json");
-    INFO(run.err);
-    REQUIRE(run.code == 0);
-    CHECK_THAT(run.err, Catch::Contains("trace long.csv: starts away from rest: its first position is 2 mm"));
+    const auto run = shop.run("study study.toml -o out" + std::to_string(given.size()) + " --json");
+    CHECK_THAT(run.err, Contains("trace long.csv: starts away from rest: its first position is 2 mm"));
     return run.json()["devices"][0]["seconds"].get<double>();
   };
   CHECK(seconds("") == Approx(0.801));

@@ -1,17 +1,7 @@
 // Waiting times: a command computes only what it needs, progress lines show the current step, and results are cached.
 
-#include <catch2/catch.hpp>
-
-#include <filesystem>
-
 #include "apps/console/console.hpp"
 #include "tests/support/executable.hpp"
-#include "tests/support/paths.hpp"
-#include "tests/support/sanitized.hpp"
-#include "tests/support/skip.hpp"
-
-using namespace forefeel;
-using namespace forefeel::test;
 
 namespace {
 
@@ -36,89 +26,80 @@ TEST_CASE("a progress line gives the time left of a share, and without a share t
 }
 
 TEST_CASE("solve measures no spacing, and gives the same forces as with a spacing of its own") {
-  const Workshop shop;
-  shop.write("beam.toml", beam_scene());
+  const BeamShop shop;
   const std::string at = "solve beam.toml --at=0.002,0,0.003 --json";
-  const Workshop::Outcome automatic = shop.forefeel(at + " --set 'state_space.spacing=\"auto\"'");
-  REQUIRE(automatic.code == 0);
-  CHECK_THAT(automatic.err, Catch::Contains("is not measured"));
-  CHECK_THAT(cached(shop), !Catch::Contains("spacing.json"));
+  const auto automatic = shop.run(at + " --set 'state_space.spacing=\"auto\"'");
+  CHECK_THAT(automatic.err, Contains("is not measured"));
+  CHECK_THAT(cached(shop), !Contains("spacing.json"));
   const auto a = automatic.json()["states"][0]["force"], b = shop.forefeel(at).json()["states"][0]["force"];
-  for (int i = 0; i < 3; ++i) CHECK(a[i].get<double>() == Approx(b[i].get<double>()).epsilon(1e-8));
+  for (int i = 0; i < 3; ++i) CHECK(a[i] == Approx(b[i].get<double>()).epsilon(1e-8));
 }
 
 TEST_CASE("classify with a spacing of its own measures none") {
-  const Workshop shop;
-  shop.write("beam.toml", beam_scene());
-  REQUIRE(shop.forefeel("generate beam.toml -o s.states --quiet").code == 0);
-  REQUIRE(shop.forefeel("classify s.states --scene beam.toml --spacing 0.004 --quiet --set "
-                        "'state_space.spacing=\"auto\"'")
-              .code == 0);
-  CHECK_THAT(cached(shop), !Catch::Contains("spacing.json"));
+  const BeamShop shop;
+  shop.run("generate beam.toml -o s.states --quiet");
+  shop.run(
+      "classify s.states --scene beam.toml --spacing 0.004 --quiet --set "
+      "'state_space.spacing=\"auto\"'");
+  CHECK_THAT(cached(shop), !Contains("spacing.json"));
 }
 
 TEST_CASE(
     "on a terminal, generate --error says which phase goes on and promises no time that it cannot know") {
   if (!has_command("script")) return skip("script is not installed");
-  const Workshop shop;
-  shop.write("beam.toml", beam_scene());
+  const BeamShop shop;
   const std::string seen = on_terminal(shop, "generate beam.toml --error 0.001 -o s.states");
-  CHECK_THAT(seen, Catch::Contains("generate: placing states  ") && Catch::Contains("so far") &&
-                       Catch::Contains("generate: checking the error ") && Catch::Contains("tight solves"));
+  CHECK_THAT(seen, Contains("generate: placing states  ", "so far", "generate: checking the error ",
+                            "tight solves"));
   const std::size_t placing = seen.find("placing states  ");
-  CHECK(seen.substr(placing, seen.find('\r', placing) - placing).find("left") == std::string::npos);
+  CHECK_THAT(seen.substr(placing, seen.find('\r', placing) - placing), !Contains("left"));
 }
 
 TEST_CASE("on a terminal, mesh says what it does") {
   if (!has_command("script")) return skip("script is not installed");
   const Workshop shop;
   CHECK_THAT(on_terminal(shop, "mesh --phantom ball --elements 300 -o ball.msh"),
-             Catch::Contains("mesh  making the phantom ball, 0:00 so far"));
+             Contains("mesh  making the phantom ball, 0:00 so far"));
   shop.write("cube.off",
              "OFF\n8 12 0\n0 0 0\n1 0 0\n0 1 0\n1 1 0\n0 0 1\n1 0 1\n0 1 1\n1 1 1\n3 0 2 1\n3 1 2 3\n"
              "3 4 5 6\n3 5 7 6\n3 0 1 4\n3 1 5 4\n3 2 6 3\n3 3 6 7\n3 0 4 2\n3 2 4 6\n3 1 3 5\n3 3 7 5\n");
   CHECK_THAT(on_terminal(shop, "mesh cube.off --elements 4000 -o cube.msh"),
-             Catch::Contains("surface 1 of at most 14") && Catch::Contains("tried"));
+             Contains("surface 1 of at most 14", "tried"));
 }
 
 TEST_CASE("on a terminal, measuring a spacing shows which one is tried") {
   if (!has_command("script")) return skip("script is not installed");
-  const Workshop shop;
-  shop.write("beam.toml", beam_scene());
+  const BeamShop shop;
   CHECK_THAT(on_terminal(shop, "generate beam.toml -o s.states --set state_space.spacing=auto"),
-             Catch::Contains("spacing \"auto\"  try 1 of at most 8"));
+             Contains("spacing \"auto\"  try 1 of at most 8"));
 }
 
 TEST_CASE("the cache says its place and size, and is emptied without touching what is not its own") {
-  const Workshop shop;
-  shop.write("beam.toml", beam_scene());
-  REQUIRE(shop.forefeel("session beam.toml --clock virtual --seconds 0.2 --cost constant:0.02 -o run --quiet")
-              .code == 0);
-  REQUIRE(shop.forefeel("session beam.toml --clock virtual --seconds 0.1 --shape-rate 10 -o shapes --quiet "
-                        "--set state_space.jet=3")
-              .code == 0);
-  CHECK_THAT(cached(shop), Catch::Contains("-displacements-jet3.states"));
+  const BeamShop shop;
+  shop.run("session beam.toml --clock virtual --seconds 0.2 --cost constant:0.02 -o run --quiet");
+  shop.run(
+      "session beam.toml --clock virtual --seconds 0.1 --shape-rate 10 -o shapes --quiet "
+      "--set state_space.jet=3");
+  CHECK_THAT(cached(shop), Contains("-displacements-jet3.states"));
   shop.shell("echo mine > ../cache/forefeel/notes.txt");
-  const auto full = shop.forefeel("cache --json").json();
+  const auto full = shop.json("cache");
   CHECK(full["files"].get<int>() >= 2);
   CHECK(full["bytes"].get<long>() > 1000);
   CHECK(full["foreign"] == 1);
   CHECK_THAT(full["place"].get<std::string>(), Catch::EndsWith("/cache/forefeel"));
-  CHECK_THAT(shop.forefeel("cache").out, Catch::Contains("/cache/forefeel: ") && Catch::Contains(" files, "));
+  CHECK_THAT(shop.forefeel("cache").out, Contains("/cache/forefeel: ", " files, "));
 
-  const auto emptied = shop.forefeel("cache --empty --json").json();
+  const auto emptied = shop.json("cache --empty");
   CHECK(emptied["removed"]["files"] == full["files"]);
   CHECK(emptied["removed"]["bytes"] == full["bytes"]);
   CHECK(emptied["files"] == 0);
   CHECK(cached(shop) == "notes.txt\n");
-  CHECK(shop.forefeel("session beam.toml --clock virtual --seconds 0.2 --cost constant:0.02 -o again --quiet")
-            .code == 0);
-  CHECK(shop.forefeel("cache --json").json()["files"].get<int>() >= 2);
+  shop.run("session beam.toml --clock virtual --seconds 0.2 --cost constant:0.02 -o again --quiet");
+  CHECK(shop.json("cache")["files"].get<int>() >= 2);
 }
 
 TEST_CASE("a state file of the cache that a session writes is left there, and said") {
-  const Workshop shop;
-  shop.write("beam.toml", beam_scene());
+  const BeamShop shop;
   const std::string held =
       "'" + executable() +
       "' session beam.toml --clock real --seconds 600 --device path:press --quiet -o run & p=$!; " +
@@ -127,16 +108,15 @@ TEST_CASE("a state file of the cache that a session writes is left there, and sa
   const Workshop::Outcome outcome = shop.shell(held);
   CHECK(outcome.code == 1);
   CHECK(outcome.json()["in_use"].get<int>() > 0);
-  CHECK_THAT(outcome.err, Catch::Contains("in use by another forefeel"));
+  CHECK_THAT(outcome.err, Contains("in use by another forefeel"));
 }
 
 TEST_CASE("generate asks what its threads will take before it begins") {
-  if (test::sanitized) return test::skip("a sanitizer needs the whole address space");
-  const Workshop shop;
-  shop.write("beam.toml", beam_scene());
+  if (sanitized) return skip("a sanitizer needs the whole address space");
+  const BeamShop shop;
   // With little memory left, the error names the number of threads that the limit allows.
   const auto outcome = shop.shell("ulimit -v 3000000; " + executable() +
                                   " generate beam.toml -o s.states --threads 4000 2>&1 || echo code $?");
-  CHECK_THAT(outcome.out, Catch::Contains("--threads") && Catch::Contains("memory (ulimit -u, -v) allow") &&
-                              Catch::Contains("expected at most") && Catch::EndsWith("code 2\n"));
+  CHECK_THAT(outcome.out, Contains("--threads", "memory (ulimit -u, -v) allow", "expected at most") &&
+                              Catch::EndsWith("code 2\n"));
 }

@@ -3,22 +3,12 @@
 // nodes and elements), against the same body without the fault.
 #include <fmt/format.h>
 
-#include <algorithm>
-#include <catch2/catch.hpp>
-#include <numeric>
-#include <random>
-
 #include "apps/scene/scene.hpp"
-#include "geometry/common/error.hpp"
 #include "geometry/mesh/mesh_file.hpp"
 #include "geometry/mesh/tet_mesh.hpp"
 #include "solver/equilibrium/solver.hpp"
 #include "tests/solver/block_body.hpp"
-#include "tests/support/error_of.hpp"
 #include "tests/support/executable.hpp"
-
-using namespace forefeel;
-using test::Workshop;
 
 namespace {
 
@@ -220,8 +210,7 @@ TEST_CASE("tetrahedra in mixed node order are turned, and a tangled mesh is refu
     mixed.nodes[node] += 1.3 * (bounding_box(mixed).centre() - mixed.nodes[node]) +
                          longest_side(mixed) * Vec3(0.71, 0.53, 0.91);
     shop.write("body.msh", msh(mixed));
-    CHECK_THAT(test::error_of([&] { load_scene(shop.path() / "scene.toml", {}); }),
-               Catch::Contains("overlap") && Catch::Contains("tangled"));
+    CHECK_THAT(error_of([&] { load_scene(shop.path() / "scene.toml", {}); }), Contains("overlap", "tangled"));
   }
 }
 
@@ -265,14 +254,13 @@ TEST_CASE("a part that hangs by a node or an edge is named as one that can turn"
              fmt::format("below = {{ axis = \"{}\", share = 0.04 }}\n[contact]\nnearest = [{}, {}, {}]\n",
                          variant.axis, tip[0], tip[1], tip[2]);
     shop.write("scene.toml", hinged);
-    CHECK_THAT(
-        test::error_of([&] { load_scene(shop.path() / "scene.toml", {}); }),
-        Catch::Contains("part 2 of the mesh (48 tetrahedra) hangs on " +
+    CHECK_THAT(error_of([&] { load_scene(shop.path() / "scene.toml", {}); }),
+               Contains("part 2 of the mesh (48 tetrahedra) hangs on " +
                         std::string(edge ? "3 nodes of one line" : "1 node") + ": it can turn freely"));
     TetMesh looked = joined;
     const auto said = check_and_orient(looked, "body.msh").warnings;
     REQUIRE(said.size() == 1);
-    CHECK_THAT(said[0], Catch::Contains("2 parts that hang together by single nodes or edges only"));
+    CHECK_THAT(said[0], Contains("2 parts that hang together by single nodes or edges only"));
     // Held by itself, the part is a body like another.
     Body body;
     body.mesh = joined;

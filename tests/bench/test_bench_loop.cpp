@@ -1,17 +1,10 @@
 // bench loop: the structure of its rows and the counting behind them; timings depend on the machine and are not
 // asserted.
 
-#include <catch2/catch.hpp>
-
 #include "apps/bench/bench_loop_parts.hpp"
 #include "scheduling/render/bare_loop.hpp"
 #include "scheduling/render/loop_thread.hpp"
 #include "tests/support/executable.hpp"
-#include "tests/support/slow.hpp"
-
-using namespace forefeel;
-using test::beam_scene;
-using test::Workshop;
 
 TEST_CASE("missed frames: skipped ones and those whose cost and lateness exceed a frame",
           "[bench_loop]" SLOW("runs forefeel-bench, which only run.sh all builds")) {
@@ -79,7 +72,7 @@ TEST_CASE("bench loop compares the session's loop with a bare one, with and with
   const Workshop::Outcome outcome =
       shop.forefeel_bench("loop beam.toml --seconds 4 --blocks 2 --states 60 --json");
   INFO(outcome.err);
-  const nlohmann::json found = outcome.json();
+  const json found = outcome.json();
   const auto& rows = found["rows"];
   REQUIRE(rows.size() == 3);
   for (const auto& row : rows)

@@ -1,21 +1,8 @@
 // forefeel-bench: what it prints, what it refuses, and that its baselines find the same forces.
 
-#include <algorithm>
-#include <catch2/catch.hpp>
-#include <set>
-#include <string>
-#include <utility>
-#include <vector>
-
 #include "apps/bench/bench.hpp"
 #include "tests/support/executable.hpp"
 #include "tests/support/json_keys.hpp"
-#include "tests/support/slow.hpp"
-
-using namespace forefeel;
-using nlohmann::json;
-using test::beam_scene;
-using test::Workshop;
 
 namespace {
 
@@ -28,7 +15,9 @@ json run_bench(const Workshop& shop, const std::string& arguments) {
 
 void check_bench_refused(const Workshop& shop, const std::string& arguments,
                          const std::vector<std::string>& mentions) {
-  test::check_refused(shop, arguments, mentions, test::bench_executable());
+  const std::string before = shop.files();
+  check_refused(shop.forefeel_bench(arguments), arguments, mentions);
+  CHECK(shop.files() == before);
 }
 
 }  // namespace
@@ -40,7 +29,7 @@ TEST_CASE("bench switch: bounds hold and the latest model wins",
   const Workshop::Outcome outcome = shop.forefeel_bench("switch beam.toml --json");
   INFO(outcome.err);
   REQUIRE(outcome.code == 0);
-  const nlohmann::json found = outcome.json();
+  const json found = outcome.json();
   REQUIRE(found["rows"].size() == 12);
   for (const auto& row : found["rows"]) {
     for (const char* key : {"name", "baseline", "ratio", "ours_us", "baseline_us", "error", "n", "k", "scene",
@@ -71,7 +60,7 @@ TEST_CASE("bench approx: inside is inside the lattice, and what is left out is s
       "--set 'state_space.box=[[-0.009,-0.009,-0.009],[0.015,0.009,0.009]]' -o out");
   INFO(outcome.err);
   REQUIRE(outcome.code == 0);
-  const nlohmann::json found = outcome.json();
+  const json found = outcome.json();
   bool trilinear = false;
   for (const auto& method : found["methods"]) {
     if (method["method"] == "trilinear" || method["method"] == "tricubic") {
@@ -90,13 +79,12 @@ TEST_CASE("bench approx: inside is inside the lattice, and what is left out is s
     }
   CHECK(scalar == std::vector<int>{8});  // 25 + 20 are more than the 36 states
   const std::string notes = found["notes"].dump();
-  CHECK_THAT(notes,
-             Catch::Contains(
-                 "r, r3, r5 with n = 100: needs 120 states (20 to replace), the lattice has 36, left out") &&
-                 Catch::Contains("no multiple of the spacing") &&
-                 Catch::Contains("hermite-r3, hermite-r5 with n = 25"));
-  CHECK_THAT(outcome.err, Catch::Contains("needs 120 states") && !Catch::Contains("gives another force"));
-  CHECK_THAT(shop.files(), Catch::Contains("out/approx.csv"));
+  CHECK_THAT(
+      notes,
+      Contains("r, r3, r5 with n = 100: needs 120 states (20 to replace), the lattice has 36, left out",
+               "no multiple of the spacing", "hermite-r3, hermite-r5 with n = 25"));
+  CHECK_THAT(outcome.err, Contains("needs 120 states") && !Contains("gives another force"));
+  CHECK_THAT(shop.files(), Contains("out/approx.csv"));
   // Eight states are too few to measure a model. All other results are there, and the answer is incomplete.
   const Workshop::Outcome few = shop.forefeel_bench(
       "approx beam.toml --json --set 'material.law=\"linear\"' --set state_space.spacing=0.006 "
@@ -104,7 +92,7 @@ TEST_CASE("bench approx: inside is inside the lattice, and what is left out is s
   INFO(few.err);
   CHECK(few.code == 1);
   CHECK(few.json()["rows"].empty());
-  CHECK_THAT(few.err, Catch::Contains("no row could be measured"));
+  CHECK_THAT(few.err, Contains("no row could be measured"));
 }
 
 TEST_CASE("bench solver: a shrunk lattice and a single state, where all solvers find the same force",
@@ -132,14 +120,13 @@ TEST_CASE("the help of forefeel-bench lists the keys of solver of one state --js
           "[bench]" SLOW("runs forefeel-bench, which only run.sh all builds")) {
   const Workshop shop;
   shop.write("beam.toml", beam_scene());
-  test::compare_keys(declared_bench_json(), "bench_solver.json",
-                     {run_bench(shop, "solver beam.toml --states 1")},
-                     {"failed", "states_of_the_scene", "speedup_over_one_thread", "errors_drawn",
-                      "baseline_states", "baseline_iterations", "baseline_failed", "multivalued",
-                      "off_branch", "peak_bytes", "bytes_per_thread", "cholmod_factor_bytes"});
+  compare_keys(declared_bench_json(), "bench_solver.json", {run_bench(shop, "solver beam.toml --states 1")},
+               {"failed", "states_of_the_scene", "speedup_over_one_thread", "errors_drawn", "baseline_states",
+                "baseline_iterations", "baseline_failed", "multivalued", "off_branch", "peak_bytes",
+                "bytes_per_thread", "cholmod_factor_bytes"});
   const Workshop::Outcome help = shop.forefeel_bench("help outputs bench_solver.json");
   CHECK(help.code == 0);
-  CHECK_THAT(help.out, Catch::Contains("states_of_the_scene"));
+  CHECK_THAT(help.out, Contains("states_of_the_scene"));
 }
 
 TEST_CASE("forefeel-bench refuses what a bench does not take",

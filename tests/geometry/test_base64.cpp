@@ -1,9 +1,5 @@
-#include <catch2/catch.hpp>
-#include <string>
-
 #include "geometry/common/base64.hpp"
-
-using namespace forefeel;
+#include "tests/support/test.hpp"
 
 TEST_CASE("base64 is that of RFC 4648 and comes back") {
   const std::pair<const char*, const char*> pairs[] = {

@@ -2,25 +2,13 @@
 
 #include <omp.h>
 
-#include <algorithm>
-#include <catch2/catch.hpp>
-#include <cmath>
-#include <limits>
-#include <memory>
-#include <optional>
-#include <random>
-#include <set>
-#include <span>
-
 #include "geometry/coverage/regions.hpp"
 #include "geometry/coverage/state_space.hpp"
 #include "geometry/coverage/voxels.hpp"
 #include "geometry/index/adaptive_lattice.hpp"
 #include "geometry/index/delaunay_index.hpp"
 #include "geometry/index/point_octree.hpp"
-#include "tests/support/slow.hpp"
-
-using namespace forefeel;
+#include "tests/support/test.hpp"
 
 namespace {
 

@@ -1,17 +1,12 @@
 // Check solves in a state file.
 
-#include <catch2/catch.hpp>
-
-#include "geometry/common/error.hpp"
 #include "geometry/states/check_solves.hpp"
 #include "geometry/states/state_file.hpp"
-#include "tests/support/temporary_folder.hpp"
-
-using namespace forefeel;
+#include "tests/support/test.hpp"
 
 TEST_CASE("check solves are kept beside the states, and replaced as a whole") {
-  const test::TemporaryFolder folder;
-  const std::filesystem::path file = folder.path() / "s.states";
+  const TemporaryFolder folder;
+  const fs::path file = folder.path() / "s.states";
   State a;
   a.at = {0.1, -1.0 / 3, 2e-9};
   a.force = {1.0 / 7, -2, 3};

@@ -1,17 +1,10 @@
 #include <Eigen/Geometry>
-#include <algorithm>
-#include <catch2/catch.hpp>
-#include <cmath>
-#include <numbers>
-#include <random>
 
-#include "geometry/common/error.hpp"
 #include "geometry/coverage/setups.hpp"
 #include "geometry/coverage/state_space.hpp"
 #include "geometry/index/cone.hpp"
 #include "geometry/index/delaunay_index.hpp"
-
-using namespace forefeel;
+#include "tests/support/test.hpp"
 
 namespace {
 

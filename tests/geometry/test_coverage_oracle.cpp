@@ -1,17 +1,5 @@
-#include <catch2/catch.hpp>
-#include <cmath>
-#include <cstdlib>
-#include <filesystem>
-#include <fstream>
-#include <random>
-
 #include "geometry/coverage/coverage_query.hpp"
-#include "tests/support/paths.hpp"
-#include "tests/support/skip.hpp"
-#include "tests/support/slow.hpp"
-#include "tests/support/temporary_folder.hpp"
-
-using namespace forefeel;
+#include "tests/support/test.hpp"
 
 TEST_CASE("spread, hull membership and gamma equal SciPy's",
           SLOW("compares with SciPy, which only run.sh all installs")) {
@@ -20,8 +8,8 @@ TEST_CASE("spread, hull membership and gamma equal SciPy's",
   std::uniform_real_distribution<double> uniform(-4 * h, 4 * h);
   PointOctree points;
   DelaunayIndex delaunay;
-  if (!test::has_python_module("scipy.spatial")) return test::skip("python3-scipy is not installed");
-  const test::TemporaryFolder folder;
+  if (!has_python_module("scipy.spatial")) return skip("python3-scipy is not installed");
+  const TemporaryFolder folder;
   const std::string states = (folder / "states.csv").string();
   const std::string queries = (folder / "queries.csv").string();
   {
@@ -43,7 +31,7 @@ TEST_CASE("spread, hull membership and gamma equal SciPy's",
     }
   }
   const std::string command = "/usr/bin/python3 '" +
-                              (test::source_folder() / "tests/geometry/coverage_oracle.py").string() + "' " +
+                              (source_folder() / "tests/geometry/coverage_oracle.py").string() + "' " +
                               states + " " + queries;
   CHECK(std::system(command.c_str()) == 0);
 }

@@ -2,10 +2,6 @@
 // bridges.
 
 #include <Eigen/Geometry>
-#include <algorithm>
-#include <catch2/catch.hpp>
-#include <cmath>
-#include <random>
 
 #include "geometry/coverage/coverage_query.hpp"
 #include "geometry/coverage/octree_index.hpp"
@@ -15,8 +11,7 @@
 #include "geometry/coverage/state_space.hpp"
 #include "geometry/index/adaptive_lattice.hpp"
 #include "geometry/index/local_spread.hpp"
-
-using namespace forefeel;
+#include "tests/support/test.hpp"
 
 namespace {
 

@@ -1,17 +1,10 @@
 // Closed parts that cross each other, appended to one file: the body is their union. Ten variants of a seed: turns,
 // sizes, distances, order and sense of the triangles; the exact volume of two spheres that cross.
 #include <Eigen/Geometry>
-#include <algorithm>
-#include <catch2/catch.hpp>
-#include <cmath>
-#include <map>
-#include <numbers>
-#include <random>
 
 #include "geometry/meshing/deviation.hpp"
 #include "geometry/meshing/tetrahedralise.hpp"
-
-using namespace forefeel;
+#include "tests/support/test.hpp"
 
 namespace {
 
@@ -94,8 +87,7 @@ TEST_CASE("spheres that cross become their union, and the word names the crossin
     const Deviation deviation = deviation_of(surface, mesh, made.hausdorff, {}, made.repair);
     const auto words = in_words(deviation, made.repair);
     REQUIRE(words.size() == 1);
-    CHECK_THAT(words[0],
-               Catch::Contains("2 parts of the surface cross each other") && Catch::Contains("union"));
+    CHECK_THAT(words[0], Contains("2 parts of the surface cross each other", "union"));
   }
 }
 

@@ -1,32 +1,11 @@
 // The rows of a CSV file, and the readers of columns of numbers and of text that use them.
 
-#include <catch2/catch.hpp>
-
-#include <cmath>
-#include <filesystem>
-
 #include "geometry/common/csv_rows.hpp"
 #include "geometry/common/csv_table.hpp"
 #include "geometry/common/csv_text.hpp"
 #include "geometry/common/scanner.hpp"
 #include "geometry/states/state_file.hpp"
-#include "tests/support/skip.hpp"
-#include "tests/support/temporary_folder.hpp"
-
-namespace forefeel {
-namespace {
-
-template <class Work>
-std::string message_of(Work&& work) {
-  try {
-    work();
-  } catch (const InputError& error) {
-    return error.what();
-  }
-  return "no error";
-}
-
-}  // namespace
+#include "tests/support/test.hpp"
 
 TEST_CASE("Rows are cut at commas; blank lines, comments and a byte order mark are skipped", "[csv]") {
   const std::string content = "\xef\xbb\xbf# note\r\n\n a , \"b c\",\r\n1,\t2 ,3";
@@ -47,7 +26,7 @@ TEST_CASE("Rows are cut at commas; blank lines, comments and a byte order mark a
 }
 
 TEST_CASE("Columns of numbers are found by name or, without a header, by position", "[csv]") {
-  const test::TemporaryFolder folder;
+  const TemporaryFolder folder;
   constexpr std::string_view columns[] = {"t", "x"};
   const CsvTable named = read_csv(folder.write("a.csv", "x,note,t\n1,one,0.5\n\n+2,,1e-3\n"), columns);
   REQUIRE(named.rows() == 2);
@@ -61,11 +40,11 @@ TEST_CASE("Columns of numbers are found by name or, without a header, by positio
 }
 
 TEST_CASE("What is wrong with columns of numbers is said with file and line", "[csv]") {
-  const test::TemporaryFolder folder;
+  const TemporaryFolder folder;
   constexpr std::string_view columns[] = {"t", "x"};
   const auto said = [&](std::string_view content) {
     const auto file = folder.write("a.csv", content);
-    const std::string text = message_of([&] { read_csv(file, columns); });
+    const std::string text = error_of([&] { read_csv(file, columns); });
     return text.starts_with(file.string()) ? text.substr(file.string().size()) : text;
   };
   CHECK(said("") == ": holds no rows, expected t,x");
@@ -74,12 +53,12 @@ TEST_CASE("What is wrong with columns of numbers is said with file and line", "[
   CHECK(said("t,x\n1,2\n1\n") == ":3: a row of 1 values, expected t,x");
   CHECK(said("t,x\n1,two\n") == ":2: x is 'two', expected a finite number");
   CHECK(said("t,x\n1,nan\n") == ":2: x is 'nan', expected a finite number");
-  CHECK(message_of([&] { read_csv(folder / "none.csv", columns); }) ==
+  CHECK(error_of([&] { read_csv(folder / "none.csv", columns); }) ==
         (folder / "none.csv").string() + ": cannot be read, expected a CSV file");
 }
 
 TEST_CASE("Columns of text are read by name, and numbers where a cell is one", "[csv]") {
-  const test::TemporaryFolder folder;
+  const TemporaryFolder folder;
   const auto read = [&](std::string_view content) {
     return CsvText::read(folder.write("a.csv", content), "a file of a run");
   };
@@ -92,48 +71,45 @@ TEST_CASE("Columns of text are read by name, and numbers where a cell is one", "
   CHECK(std::isnan(table.number(0, "absent")));
   CHECK_FALSE(table.has("absent"));
   const std::string file = (folder / "a.csv").string();
-  CHECK(message_of([&] { read("a,b\n1\n"); }) == file + ":2: has 1 cells, expected 2");
-  CHECK(message_of([&] { read(""); }) == file + ": is empty, expected a header line");
-  CHECK(message_of([&] { CsvText::read(folder / "none", "a file of a run"); }) ==
+  CHECK(error_of([&] { read("a,b\n1\n"); }) == file + ":2: has 1 cells, expected 2");
+  CHECK(error_of([&] { read(""); }) == file + ": is empty, expected a header line");
+  CHECK(error_of([&] { CsvText::read(folder / "none", "a file of a run"); }) ==
         (folder / "none").string() + ": cannot be read, expected a file of a run");
 }
 
 TEST_CASE("A row that was cut is refused: no missing digit is read as a zero", "[csv]") {
-  const test::TemporaryFolder folder;
+  const TemporaryFolder folder;
   constexpr std::string_view columns[] = {"t", "x"};
   const auto said = [&](std::string_view content, bool whole) {
     const auto file = folder.write("a.csv", content);
-    const std::string text = message_of([&] { read_csv(file, columns, whole); });
+    const std::string text = error_of([&] { read_csv(file, columns, whole); });
     return text.starts_with(file.string()) ? text.substr(file.string().size()) : text;
   };
   CHECK(said("t,x,y,z\n0,1,2,3\n1,2\n", false) ==
         ":3: a row of 2 values, expected 4 as in the header: was the file cut short?");
   CHECK(said("t,x\n0,0.1\n1,0", true) ==
         ":3: the file ends within this line, expected a whole file: it was cut short");
-  CHECK(said("t,x\n0,0.1\n1,0", false) == "no error");  // tables of others may end like this
-  CHECK(said("t,x\n0,0.1\n1,0\n", true) == "no error");
-  CHECK_THAT(message_of([&] { CsvText::read(folder.write("b.csv", "a,b\n1,2\n3,4"), "a file of a run"); }),
-             Catch::Contains("b.csv:3: the file ends within this line"));
+  CHECK(said("t,x\n0,0.1\n1,0", false).empty());  // tables of others may end like this
+  CHECK(said("t,x\n0,0.1\n1,0\n", true).empty());
+  CHECK_THAT(error_of([&] { CsvText::read(folder.write("b.csv", "a,b\n1,2\n3,4"), "a file of a run"); }),
+             Contains("b.csv:3: the file ends within this line"));
 }
 
 TEST_CASE("A line without an end is refused before it fills the memory", "[csv]") {
   constexpr std::string_view columns[] = {"t", "x"};
-  CHECK(message_of([&] { read_csv("/dev/zero", columns); }) ==
+  CHECK(error_of([&] { read_csv("/dev/zero", columns); }) ==
         "/dev/zero:1: a line of more than 1048576 bytes, expected a text");
-  const test::TemporaryFolder folder;
+  const TemporaryFolder folder;
   const auto file = folder.write("a.csv", "t,x\n1,2\n" + std::string(2'000'000, '7') + "\n");
-  CHECK_THAT(message_of([&] { read_csv(file, columns); }), Catch::Contains("a.csv:3: a line of more than"));
-  CHECK_THAT(message_of([&] { read_points_csv(file); }), Catch::Contains("a.csv:3: a line of more than"));
+  CHECK_THAT(error_of([&] { read_csv(file, columns); }), Contains("a.csv:3: a line of more than"));
+  CHECK_THAT(error_of([&] { read_points_csv(file); }), Contains("a.csv:3: a line of more than"));
 }
 
 TEST_CASE("A file that is larger than the memory is refused before it is read", "[csv]") {
-  const test::TemporaryFolder folder;
+  const TemporaryFolder folder;
   const auto file = folder.write("large.obj", "v 0 0 0\n");
   std::error_code error;
-  std::filesystem::resize_file(file, std::uintmax_t{4} << 40, error);  // sparse
-  if (error) return test::skip("this file system has no files of 4 TB");
-  CHECK_THAT(message_of([&] { read_file(file); }),
-             Catch::Contains("of memory are left, expected a smaller file"));
+  fs::resize_file(file, std::uintmax_t{4} << 40, error);  // sparse
+  if (error) return skip("this file system has no files of 4 TB");
+  CHECK_THAT(error_of([&] { read_file(file); }), Contains("of memory are left, expected a smaller file"));
 }
-
-}  // namespace forefeel

@@ -1,13 +1,10 @@
 // Warnings about a mesh that deviates from its surface.
-#include <catch2/catch.hpp>
-#include <cmath>
 
 #include "geometry/meshing/deviation.hpp"
 #include "geometry/meshing/phantom.hpp"
 #include "geometry/meshing/tetrahedralise.hpp"
 #include "tests/support/mesh_samples.hpp"
-
-using namespace forefeel;
+#include "tests/support/test.hpp"
 
 TEST_CASE(
     "a mesh with a twentieth less volume, or off by a twentieth of its length, is said with what to do") {
@@ -24,10 +21,10 @@ TEST_CASE(
   CHECK(lost.volume_change == Approx(-0.5).margin(0.08));
   const auto words = in_words(lost, {});
   REQUIRE(words.size() == 2);
-  CHECK_THAT(words[0], Catch::Contains("% less volume than the surface; more elements"));
-  CHECK_THAT(words[1], Catch::Contains("20 % of its longest side; more elements"));
+  CHECK_THAT(words[0], Contains("% less volume than the surface; more elements"));
+  CHECK_THAT(words[1], Contains("20 % of its longest side; more elements"));
   CHECK_THAT(in_words(lost, {.self_intersections = 3})[0],
-             Catch::Contains("whose overlapping parts count twice; mend the surface"));
+             Contains("whose overlapping parts count twice; mend the surface"));
   // A scaled mesh is compared with the scaled surface.
   TetMesh larger = ball;
   scale_to_length(larger, 2);

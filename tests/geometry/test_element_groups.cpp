@@ -1,25 +1,13 @@
 // Groups of tetrahedra in every format that has them.
-#include <catch2/catch.hpp>
-
-#include <sys/wait.h>
-
-#include <cmath>
-#include <cstdlib>
-#include <map>
-#include <string>
-#include <vector>
 
 #include "geometry/mesh/mesh_file.hpp"
 #include "geometry/mesh/mesh_formats.hpp"
 #include "geometry/mesh/tet_mesh.hpp"
-#include "tests/support/error_of.hpp"
+#include "tests/geometry/vtk_writer.hpp"
 #include "tests/support/labelled_meshes.hpp"
 #include "tests/support/mesh_samples.hpp"
-#include "tests/support/skip.hpp"
-#include "tests/support/slow.hpp"
-#include "tests/support/temporary_folder.hpp"
+#include "tests/support/test.hpp"
 
-using namespace forefeel;
 using Groups = std::map<std::string, std::vector<TetIndex>>;
 
 namespace {
@@ -30,7 +18,7 @@ const Groups labels{
 }  // namespace
 
 TEST_CASE("element groups: physical volumes of Gmsh, references of Medit, labels in cell arrays of VTK") {
-  const test::TemporaryFolder folder;
+  const TemporaryFolder folder;
   const auto groups = [&](const char* name, const char* content) {
     const TetMesh mesh = read_mesh(folder.write(name, content));
     CHECK(mesh.nodes.size() == 5);
@@ -46,7 +34,7 @@ TEST_CASE("element groups: physical volumes of Gmsh, references of Medit, labels
 }
 
 TEST_CASE("Gmsh 1: nodes, tetrahedra and physical regions; damage is refused by line") {
-  const test::TemporaryFolder folder;
+  const TemporaryFolder folder;
   const TetMesh mesh = read_mesh(folder.write("1.msh", test::labelled_gmsh1));
   CHECK(mesh.nodes[4] == Vec3(1, 1, 1));
   CHECK(mesh.groups.at("physical_2_5") == std::vector<NodeIndex>{0, 1, 2});
@@ -54,13 +42,13 @@ TEST_CASE("Gmsh 1: nodes, tetrahedra and physical regions; damage is refused by 
     std::string content = test::labelled_gmsh1;
     content.replace(content.find(from), from.size(), to);
     const auto file = folder.write("bad.msh", content);
-    return test::error_of([&] { read_mesh(file); });
+    return error_of([&] { read_mesh(file); });
   };
   CHECK_THAT(refused("2 4 1 2 3 4", "2 5 1 2 3 4"),
-             Catch::Contains("bad.msh:12: an element of 5 nodes, expected 4"));
-  CHECK_THAT(refused("2 3 4 9", "2 3 4 5"), Catch::Contains("names node 5"));
-  CHECK_THAT(refused("$ENDELM", "$ENDNOD"), Catch::Contains("where $ENDELM was expected"));
-  CHECK_THAT(refused("$ELM", "$Elements"), Catch::Contains("where $NOD or $ELM was expected"));
+             Contains("bad.msh:12: an element of 5 nodes, expected 4"));
+  CHECK_THAT(refused("2 3 4 9", "2 3 4 5"), Contains("names node 5"));
+  CHECK_THAT(refused("$ENDELM", "$ENDNOD"), Contains("where $ENDELM was expected"));
+  CHECK_THAT(refused("$ELM", "$Elements"), Contains("where $NOD or $ELM was expected"));
 }
 
 TEST_CASE(
@@ -75,7 +63,7 @@ TEST_CASE(
 }
 
 TEST_CASE("element groups are written as physical volumes and read back") {
-  const test::TemporaryFolder folder;
+  const TemporaryFolder folder;
   TetMesh mesh = read_mesh(folder.write("22.msh", test::labelled_gmsh22));
   mesh.groups["held"] = {0, 2};
   mesh.groups.erase("physical_2_5");
@@ -90,7 +78,7 @@ TEST_CASE("element groups are written as physical volumes and read back") {
 }
 
 TEST_CASE("the summary of a mesh gives elements and volume of each region") {
-  const test::TemporaryFolder folder;
+  const TemporaryFolder folder;
   const MeshSummary sum = summarise(read_mesh(folder.write("22.msh", test::labelled_gmsh22)));
   REQUIRE(sum.regions.size() == 2);
   CHECK(sum.regions[0].name == "a tumour");
@@ -101,53 +89,19 @@ TEST_CASE("the summary of a mesh gives elements and volume of each region") {
 
 TEST_CASE("labels that VTK itself wrote, ASCII and binary, old and new",
           SLOW("compares with VTK, which only run.sh all installs")) {
-  const test::TemporaryFolder folder;
-  folder.write("labels.vtk", test::labelled_legacy);
-  const auto script = folder.write("write.py", R"(import sys
-try:
-    from vtkmodules.vtkIOLegacy import vtkUnstructuredGridReader, vtkUnstructuredGridWriter
-    from vtkmodules.vtkIOXML import vtkXMLUnstructuredGridWriter
-except ImportError:
-    sys.exit(77)
-folder = sys.argv[1]
-reader = vtkUnstructuredGridReader()
-reader.SetFileName(folder + '/labels.vtk')
-reader.ReadAllScalarsOn()
-reader.ReadAllFieldsOn()
-reader.Update()
-grid = reader.GetOutput()
-assert grid.GetCellData().GetArray('tissue') and grid.GetCellData().GetArray('tumour')
-for version in (42, 51):
-    for binary in (0, 1):
-        w = vtkUnstructuredGridWriter()
-        w.SetFileVersion(version)
-        (w.SetFileTypeToBinary if binary else w.SetFileTypeToASCII)()
-        w.SetFileName('%s/vtk_%d_%d.vtk' % (folder, version, binary))
-        w.SetInputData(grid)
-        assert w.Write()
-for mode in ('Ascii', 'Binary', 'Appended'):
-    w = vtkXMLUnstructuredGridWriter()
-    getattr(w, 'SetDataModeTo' + mode)()
-    w.SetFileName('%s/vtk_%s.vtu' % (folder, mode))
-    w.SetInputData(grid)
-    assert w.Write()
-)");
-  const int status = std::system(
-      ("/usr/bin/python3 " + script.string() + " " + folder.path().string() + " 2>/dev/null").c_str());
-  if (WIFEXITED(status) && (WEXITSTATUS(status) == 77 || WEXITSTATUS(status) == 127))
-    return test::skip("python3-vtk9 is not installed");
-  REQUIRE(status == 0);
-  for (const char* name : {"vtk_42_0.vtk", "vtk_42_1.vtk", "vtk_51_0.vtk", "vtk_51_1.vtk", "vtk_Ascii.vtu",
-                           "vtk_Binary.vtu", "vtk_Appended.vtu"}) {
-    INFO(name);
-    CHECK(read_mesh(folder / name).element_groups == labels);
+  const TemporaryFolder folder;
+  for (const fs::path& file :
+       written_by_vtk(folder, labelled_legacy,
+                      "grid.GetCellData().GetArray('tissue') and grid.GetCellData().GetArray('tumour')")) {
+    INFO(file);
+    CHECK(read_mesh(file).element_groups == labels);
   }
 }
 
 TEST_CASE(
     "a partitioned Gmsh 4.1 mesh keeps its groups: partitions share those of their parent, or name their "
     "own") {
-  const test::TemporaryFolder folder;
+  const TemporaryFolder folder;
   for (const bool own : {false, true}) {
     const std::string physical = own ? "1 5 " : "0 ";
     const std::string text =
@@ -167,7 +121,7 @@ TEST_CASE(
 }
 
 TEST_CASE("second-order tetrahedra give their corners in Gmsh and VTK, and bent edges are said") {
-  const test::TemporaryFolder folder;
+  const TemporaryFolder folder;
   const std::string points =
       "0 0 0\n1 0 0\n0 1 0\n0 0 1\n0.5 0 0\n0.5 0.5 0\n0 0.5 0\n0 0 0.5\n0.5 0 0.5\n0 0.5 0.5\n";
   std::string numbered;
@@ -198,11 +152,11 @@ TEST_CASE("second-order tetrahedra give their corners in Gmsh and VTK, and bent 
   CHECK(bent.second_order.bent == Approx(0.1));
   const auto said = check_and_orient(bent, "bent.msh").warnings;
   REQUIRE(said.size() == 1);
-  CHECK_THAT(said[0], Catch::Contains("are straightened") && Catch::Contains("10.0 %"));
+  CHECK_THAT(said[0], Contains("are straightened", "10.0 %"));
 }
 
 TEST_CASE("other volume elements are refused by name, with what to do") {
-  const test::TemporaryFolder folder;
+  const TemporaryFolder folder;
   const auto problem = [&](const std::string& type, int nodes) {
     std::string text = "$MeshFormat\n2.2 0 8\n$EndMeshFormat\n$Nodes\n8\n";
     for (int i = 1; i <= 8; ++i)
@@ -211,10 +165,9 @@ TEST_CASE("other volume elements are refused by name, with what to do") {
     text += "$EndNodes\n$Elements\n1\n1 " + type + " 2 1 1";
     for (int i = 1; i <= nodes; ++i) text += " " + std::to_string(i);
     const auto file = folder.write("h.msh", text + "\n$EndElements\n");
-    return test::error_of([&] { read_mesh(file); });
+    return error_of([&] { read_mesh(file); });
   };
-  CHECK_THAT(problem("5", 8),
-             Catch::Contains("hexahedra (element type 5) are not read") && Catch::Contains("forefeel mesh"));
-  CHECK_THAT(problem("6", 6), Catch::Contains("prisms (element type 6)"));
-  CHECK_THAT(problem("7", 5), Catch::Contains("pyramids (element type 7)"));
+  CHECK_THAT(problem("5", 8), Contains("hexahedra (element type 5) are not read", "forefeel mesh"));
+  CHECK_THAT(problem("6", 6), Contains("prisms (element type 6)"));
+  CHECK_THAT(problem("7", 5), Contains("pyramids (element type 7)"));
 }

@@ -1,11 +1,5 @@
-#include <catch2/catch.hpp>
-#include <cmath>
-#include <random>
-#include <set>
-
 #include "geometry/states/energy_jet.hpp"
-
-using namespace forefeel;
+#include "tests/support/test.hpp"
 
 namespace {
 

@@ -1,10 +1,6 @@
 // The text of an error is put together from its parts, and the parts are kept.
 
-#include <catch2/catch.hpp>
-
-#include "geometry/common/error.hpp"
-
-namespace forefeel {
+#include "tests/support/test.hpp"
 
 TEST_CASE("The place of an error is written as file, line, option, key and value", "[error]") {
   CHECK(InputPlace{.file = "trace.csv"}.text() == "trace.csv");
@@ -45,9 +41,7 @@ TEST_CASE("A long input is quoted in short: no line repeats a file", "[error]") 
   CHECK(line(InputError({.file = "/" + flood}, "cannot be read")).size() < 600);
   std::string umlauts;
   for (int i = 0; i < 50'000; ++i) umlauts += "ü";
-  CHECK_THAT(line(InputError("name", umlauts + " is unknown")), Catch::Contains("ü…ü"));
+  CHECK_THAT(line(InputError("name", umlauts + " is unknown")), Contains("ü…ü"));
   const std::string whole = "'a b' at the body's end of 'c', expected users' names";
   CHECK(InputError("name", whole).problem() == whole);
 }
-
-}  // namespace forefeel

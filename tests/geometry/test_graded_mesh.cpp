@@ -1,20 +1,10 @@
 // Meshes graded toward a contact, and edges along the rim of the clamp.
 
-#include <catch2/catch.hpp>
-
-#include <algorithm>
-#include <cmath>
-#include <numbers>
-
 #include "geometry/meshing/phantom.hpp"
 #include "geometry/meshing/size_field.hpp"
 #include "geometry/meshing/tetrahedralise.hpp"
-#include "tests/support/error_of.hpp"
 #include "tests/support/mesh_samples.hpp"
-#include "tests/support/slow.hpp"
-
-using namespace forefeel;
-using test::error_of;
+#include "tests/support/test.hpp"
 
 namespace {
 
@@ -135,13 +125,13 @@ TEST_CASE("a graded mesh is refused in words") {
   CHECK_THAT(error_of([&] {
                tetrahedralise(cube, {.name = "cube", .toward = Toward{{0, 0, 1}, 0.1}});
              }),
-             Catch::Contains("cube") && Catch::Contains("number of elements"));
+             Contains("cube", "number of elements"));
   CHECK_THAT(error_of([&] {
                tetrahedralise(cube, {.elements = 500, .name = "cube", .toward = Toward{{0, 0, 1}, 0}});
              }),
-             Catch::Contains("radius") && Catch::Contains("positive"));
+             Contains("radius", "positive"));
   CHECK_THAT(error_of([&] {
                graded_phantom("ball", {.toward = {{0, 0, 1}, -1}});
              }),
-             Catch::Contains("radius") && Catch::Contains("positive"));
+             Contains("radius", "positive"));
 }

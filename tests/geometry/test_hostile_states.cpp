@@ -1,26 +1,12 @@
 // State files that are made to hang or to mislead a reader.
 
-#include <catch2/catch.hpp>
-
 #include <sqlite3.h>
 
-#include <cstring>
-#include <filesystem>
-#include <fstream>
-#include <sstream>
-
-#include "geometry/common/error.hpp"
 #include "geometry/states/state_file.hpp"
 #include "tests/geometry/state_samples.hpp"
-#include "tests/support/error_of.hpp"
-#include "tests/support/temporary_folder.hpp"
-
-using namespace forefeel;
-using namespace forefeel::test;
+#include "tests/support/test.hpp"
 
 namespace {
-
-namespace fs = std::filesystem;
 
 void run_sql(const fs::path& file, const char* sql) {
   sqlite3* database = nullptr;
@@ -43,10 +29,10 @@ fs::path changed(const TemporaryFolder& folder, const char* sql, int n = 4) {
 void check_refused_by_all(const fs::path& file, const char* text) {
   INFO(file);
   const std::string read = error_of([&] { StateFile::open_read_only(file).read_all(); });
-  CHECK_THAT(read, Catch::Contains(text));
-  CHECK(read.find('\n') == std::string::npos);
-  CHECK_THAT(error_of([&] { load_states(file); }), Catch::Contains(text));
-  CHECK_THAT(error_of([&] { StateFile::open_or_create(file, header()); }), Catch::Contains(text));
+  CHECK_THAT(read, Contains(text));
+  CHECK_THAT(read, !Contains("\n"));
+  CHECK_THAT(error_of([&] { load_states(file); }), Contains(text));
+  CHECK_THAT(error_of([&] { StateFile::open_or_create(file, header()); }), Contains(text));
 }
 
 }  // namespace
@@ -148,7 +134,7 @@ TEST_CASE("a spacing of zero or less, and a box without a size, are refused") {
   check_refused_by_all(changed(folder, "UPDATE header SET value = -9e999 WHERE key = 'box_low_y'"),
                        "finite box");
   const auto old = changed(folder, "UPDATE states SET h = -1, checksum = NULL WHERE id = 1");
-  CHECK_THAT(error_of([&] { load_states(old); }), Catch::Contains("spacing h = -1"));
+  CHECK_THAT(error_of([&] { load_states(old); }), Contains("spacing h = -1"));
 }
 
 TEST_CASE("texts of identity and notes that are too long are refused, one by one and together") {

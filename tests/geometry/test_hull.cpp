@@ -3,17 +3,12 @@
 // label must stay.
 
 #include <Eigen/Geometry>
-#include <algorithm>
-#include <catch2/catch.hpp>
-#include <cmath>
-#include <random>
 
 #include "geometry/coverage/region_summary.hpp"
 #include "geometry/coverage/regions.hpp"
 #include "geometry/coverage/state_space.hpp"
 #include "geometry/index/delaunay_index.hpp"
-
-using namespace forefeel;
+#include "tests/support/test.hpp"
 
 namespace {
 

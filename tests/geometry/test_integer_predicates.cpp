@@ -3,14 +3,10 @@
 
 #include <CGAL/Gmpz.h>
 
-#include <catch2/catch.hpp>
-#include <cmath>
-#include <random>
-
 #include "geometry/common/types.hpp"
 #include "geometry/index/integer_predicates.hpp"
+#include "tests/support/test.hpp"
 
-namespace forefeel {
 namespace {
 
 using Exact = CGAL::Gmpz;
@@ -94,5 +90,3 @@ TEST_CASE("points without a common grid are not decided here", "[integers]") {
                     row({most, -most, -most}, {-most, -most, -most}), 0, 1, 2)));
   CHECK(sphere_sign(wide(0, 4), wide(1, 4), wide(2, 4), wide(3, 4)) == 0);  // corners of a cube
 }
-
-}  // namespace forefeel

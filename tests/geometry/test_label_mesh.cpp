@@ -1,18 +1,10 @@
 // Tetrahedra of label volumes: volumes, conforming interfaces, warnings.
 
-#include <catch2/catch.hpp>
-
-#include <algorithm>
-#include <cmath>
-#include <map>
-
-#include "geometry/common/error.hpp"
 #include "geometry/segmentation/label_domain.hpp"
 #include "geometry/segmentation/label_mesh.hpp"
 #include "tests/support/label_samples.hpp"
-#include "tests/support/slow.hpp"
+#include "tests/support/test.hpp"
 
-namespace forefeel {
 namespace {
 
 double sphere(double radius) {
@@ -113,13 +105,9 @@ TEST_CASE("two labels of an atlas with hundreds of them; without a choice it is 
   for (int v = 0; v < 700; ++v) atlas.values.push_back(100 + v);
   for (std::size_t v = 0; v < 700; ++v) atlas.voxels[v] = static_cast<std::uint16_t>(3 + v);  // in a corner
   LabelMeshReport report;
-  try {
-    mesh_labels(atlas, {.elements = 2000, .name = "atlas.nii"}, report);
-    FAIL("no choice");
-  } catch (const InputError& error) {
-    CHECK_THAT(error.what(), Catch::Contains("atlas.nii: holds 703 different values, expected at most 255") &&
-                                 Catch::Contains("--labels that choose") && Catch::Contains("(702 in all)"));
-  }
+  CHECK_THAT(error_of([&] { mesh_labels(atlas, {.elements = 2000, .name = "atlas.nii"}, report); }),
+             Contains("atlas.nii: holds 703 different values, expected at most 255", "--labels that choose",
+                      "(702 in all)"));
   const TetMesh mesh = mesh_labels(atlas, {.elements = 2000, .labels = {{1, "shell"}, {7, "core"}}}, report);
   CHECK(mesh.tets.size() == Approx(2000).epsilon(0.05));
   REQUIRE(report.regions.size() == 2);
@@ -183,5 +171,3 @@ TEST_CASE("flat tetrahedra are opened without a change of labels or neighbours")
   TetMesh body{.nodes = mesh.nodes, .tets = mesh.tets, .groups = {}};
   CHECK(mesh_quality(body).min_dihedral_deg > 10);
 }
-
-}  // namespace forefeel

@@ -1,16 +1,9 @@
 // Readers of label volumes: every format gives the same volume, and false headers are refused.
 
-#include <catch2/catch.hpp>
-
-#include <cstdlib>
-
-#include "geometry/common/error.hpp"
 #include "geometry/segmentation/label_volume.hpp"
 #include "tests/support/label_samples.hpp"
-#include "tests/support/skip.hpp"
-#include "tests/support/temporary_folder.hpp"
+#include "tests/support/test.hpp"
 
-namespace forefeel {
 namespace {
 
 std::string replaced(std::string text, const std::string& from, const std::string& to) {
@@ -19,13 +12,8 @@ std::string replaced(std::string text, const std::string& from, const std::strin
   return text.replace(at, from.size(), to);
 }
 
-std::string problem_of(const std::filesystem::path& file) {
-  try {
-    read_label_volume(file);
-  } catch (const InputError& error) {
-    return error.what();
-  }
-  return "no error";
+std::string problem_of(const fs::path& file) {
+  return error_of([&] { read_label_volume(file); });
 }
 
 void check_same(const LabelVolume& read, const LabelVolume& expected) {
@@ -40,7 +28,7 @@ void check_same(const LabelVolume& read, const LabelVolume& expected) {
 
 TEST_CASE("every format gives the same labels, spacing and place") {
   const LabelVolume expected = test::nested_spheres({9, 7, 6}, {1, 2, 3}, 6, 3);
-  const test::TemporaryFolder folder;
+  const TemporaryFolder folder;
   for (const auto& [name, content] : test::label_files(expected)) {
     INFO(name);
     check_same(read_label_volume(folder.write(name, content)), expected);
@@ -48,9 +36,9 @@ TEST_CASE("every format gives the same labels, spacing and place") {
 }
 
 TEST_CASE("gzip as the program makes it is read: .nii.gz and .nrrd") {
-  if (!test::has_command("gzip")) return test::skip("gzip is not installed");
+  if (!has_command("gzip")) return skip("gzip is not installed");
   const LabelVolume expected = test::nested_spheres({9, 7, 6}, {1, 2, 3}, 6, 3);
-  const test::TemporaryFolder folder;
+  const TemporaryFolder folder;
   const auto nifti = folder.write("a.nii", test::nifti_bytes(expected));
   const auto raw = folder.write("raw", test::label_bytes(expected));
   REQUIRE(std::system(("gzip '" + nifti.string() + "' '" + raw.string() + "'").c_str()) == 0);
@@ -59,13 +47,13 @@ TEST_CASE("gzip as the program makes it is read: .nii.gz and .nrrd") {
                                            "encoding: gzip\ndata file: raw.gz"),
                                   test::label_bytes(expected), ""));
   check_same(read_label_volume(folder / "c.nhdr"), expected);
-  std::filesystem::resize_file(folder / "a.nii.gz", std::filesystem::file_size(folder / "a.nii.gz") - 20);
-  CHECK_THAT(problem_of(folder / "a.nii.gz"), Catch::Contains("cut short"));
+  fs::resize_file(folder / "a.nii.gz", fs::file_size(folder / "a.nii.gz") - 20);
+  CHECK_THAT(problem_of(folder / "a.nii.gz"), Contains("cut short"));
 }
 
 TEST_CASE("a turned volume is turned: rows of TransformMatrix are the directions of the axes") {
   const LabelVolume plain = test::nested_spheres({9, 7, 6}, {1, 2, 3}, 6, 3);
-  const test::TemporaryFolder folder;
+  const TemporaryFolder folder;
   const std::string mha = test::label_files(plain)["b.mha"];
   const auto file =
       folder.write("b.mha", replaced(mha, "Offset", "TransformMatrix = 0 1 0 -1 0 0 0 0 1\nOffset"));
@@ -76,11 +64,11 @@ TEST_CASE("a turned volume is turned: rows of TransformMatrix are the directions
 
 TEST_CASE("headers that claim what is not there are one line each") {
   const LabelVolume plain = test::nested_spheres({9, 7, 6}, {1, 2, 3}, 6, 3);
-  const test::TemporaryFolder folder;
+  const TemporaryFolder folder;
   std::map<std::string, std::string> files = test::label_files(plain);
   const auto refused = [&](const std::string& name, const std::string& content, const std::string& mentions) {
     INFO(name << " " << mentions);
-    CHECK_THAT(problem_of(folder.write(name, content)), Catch::Contains(mentions));
+    CHECK_THAT(problem_of(folder.write(name, content)), Contains(mentions));
   };
   const std::string size = "9 7 6", huge = "1000000000 1000000000 1000000000",
                     bytes = test::label_bytes(plain);
@@ -114,13 +102,10 @@ TEST_CASE("an atlas of many labels is read; more values than labels can be are n
     for (int v = 0; v < n; ++v) text += std::to_string((v * 7919) % n) + ' ';
     return text;
   };
-  const test::TemporaryFolder folder;
+  const TemporaryFolder folder;
   const LabelVolume atlas = read_label_volume(folder.write("atlas.nrrd", values(725)));
   REQUIRE(atlas.values.size() == 725);
   for (int v = 0; v < 725; ++v)
     REQUIRE(atlas.values[atlas.voxels[static_cast<std::size_t>(v)]] == (v * 7919) % 725);
-  CHECK_THAT(problem_of(folder.write("scan.nrrd", values(70'000))),
-             Catch::Contains("65535 different values"));
+  CHECK_THAT(problem_of(folder.write("scan.nrrd", values(70'000))), Contains("65535 different values"));
 }
-
-}  // namespace forefeel

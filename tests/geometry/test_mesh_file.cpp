@@ -1,33 +1,19 @@
-#include <catch2/catch.hpp>
-
-#include <cmath>
-#include <random>
-
-#include "geometry/common/error.hpp"
 #include "geometry/mesh/mesh_file.hpp"
 #include "geometry/meshing/phantom.hpp"
 #include "tests/support/mesh_samples.hpp"
-#include "tests/support/paths.hpp"
-#include "tests/support/skip.hpp"
-#include "tests/support/temporary_folder.hpp"
-
-using namespace forefeel;
-using test::TemporaryFolder;
+#include "tests/support/test.hpp"
 
 namespace {
 
-std::string error_of(const std::filesystem::path& file) {
-  try {
+std::string refusal_of(const fs::path& file) {
+  return error_of([&] {
     TetMesh mesh = read_mesh(file);
     check_and_orient(mesh, file.string());
-  } catch (const InputError& error) {
-    return error.what();
-  }
-  return "";
+  });
 }
 
 // Only a valid mesh or an error in one line passes.
-bool sound(const std::filesystem::path& file) {
+bool sound(const fs::path& file) {
   try {
     TetMesh mesh = read_mesh(file);
     check_and_orient(mesh, file.string());
@@ -111,26 +97,24 @@ TEST_CASE("mesh errors name file and line") {
     std::string text = good;
     const std::size_t at = text.find(from);
     REQUIRE(at != std::string::npos);
-    return error_of(folder.write("bad.msh", text.replace(at, from.size(), to)));
+    return refusal_of(folder.write("bad.msh", text.replace(at, from.size(), to)));
   };
-  CHECK(error_of(folder / "absent.msh").find("absent.msh: cannot be read") != std::string::npos);
-  CHECK(error_of(folder.write("empty.msh", "")).find("empty.msh: is empty") != std::string::npos);
-  CHECK(error_of(folder.path()).find("unknown kind of mesh") != std::string::npos);
-  CHECK(error_of(folder.write("what.stl", "solid")).find("expected .msh, .vtk, .vtu or .mesh") !=
-        std::string::npos);
-  CHECK(error_of(folder.write("hello.msh", "hello")).find("hello.msh:1: is not a Gmsh file") !=
-        std::string::npos);
-  CHECK(changed("1.25", "one").find("bad.msh:12: 'one' is not a number") != std::string::npos);
-  CHECK(changed("1.25", "nan").find("not finite") != std::string::npos);
-  CHECK(changed(" 13 ", " 14 ").find("names node 14, which is not in $Nodes") != std::string::npos);
-  CHECK(changed("2.2 0 8", "4.0 0 8").find("bad.msh:2: Gmsh format 4.0 is not read") != std::string::npos);
-  CHECK(changed(" 4 2 1 1", " 5 2 1 1").find("hexahedra (element type 5) are not read") != std::string::npos);
-  CHECK(changed("$Nodes\n6", "$Nodes\n999999999").find("cut short") != std::string::npos);
-  CHECK(changed("$Nodes\n6", "$Nodes\n-6").find("negative") != std::string::npos);
+  CHECK_THAT(refusal_of(folder / "absent.msh"), Contains("absent.msh: cannot be read"));
+  CHECK_THAT(refusal_of(folder.write("empty.msh", "")), Contains("empty.msh: is empty"));
+  CHECK_THAT(refusal_of(folder.path()), Contains("unknown kind of mesh"));
+  CHECK_THAT(refusal_of(folder.write("what.stl", "solid")), Contains("expected .msh, .vtk, .vtu or .mesh"));
+  CHECK_THAT(refusal_of(folder.write("hello.msh", "hello")), Contains("hello.msh:1: is not a Gmsh file"));
+  CHECK_THAT(changed("1.25", "one"), Contains("bad.msh:12: 'one' is not a number"));
+  CHECK_THAT(changed("1.25", "nan"), Contains("not finite"));
+  CHECK_THAT(changed(" 13 ", " 14 "), Contains("names node 14, which is not in $Nodes"));
+  CHECK_THAT(changed("2.2 0 8", "4.0 0 8"), Contains("bad.msh:2: Gmsh format 4.0 is not read"));
+  CHECK_THAT(changed(" 4 2 1 1", " 5 2 1 1"), Contains("hexahedra (element type 5) are not read"));
+  CHECK_THAT(changed("$Nodes\n6", "$Nodes\n999999999"), Contains("cut short"));
+  CHECK_THAT(changed("$Nodes\n6", "$Nodes\n-6"), Contains("negative"));
   const std::string no_tets =
       "$MeshFormat\n2.2 0 8\n$EndMeshFormat\n$Nodes\n1\n1 0 0 0\n$EndNodes\n$Elements\n1\n1 15 2 0 1 "
       "1\n$EndElements\n";
-  CHECK(error_of(folder.write("points.msh", no_tets)).find("holds no tetrahedra") != std::string::npos);
+  CHECK_THAT(refusal_of(folder.write("points.msh", no_tets)), Contains("holds no tetrahedra"));
 }
 
 TEST_CASE("a mesh that cannot be written is an error and leaves nothing") {
@@ -138,16 +122,16 @@ TEST_CASE("a mesh that cannot be written is an error and leaves nothing") {
   const TetMesh mesh = test::sample_mesh();
   CHECK_THROWS_AS(write_msh(folder / "no/such/folder.msh", mesh), InputError);
   CHECK_THROWS_AS(write_msh(folder.path(), mesh), InputError);
-  CHECK_THROWS_WITH(write_msh("/dev/full", mesh), Catch::Contains("cannot be written: No space left"));
+  CHECK_THROWS_WITH(write_msh("/dev/full", mesh), Contains("cannot be written: No space left"));
   CHECK(folder.entries() == 0);
 }
 
 TEST_CASE("real Gmsh 2.2 files", "[shared]") {
-  if (test::shared_folder().empty()) return test::skip("no reference data beside the sources");
-  const TetMesh liver = read_mesh(test::shared_folder() + "/liver/liver_1777.msh");
+  if (shared_folder().empty()) return skip("no reference data beside the sources");
+  const TetMesh liver = read_mesh(shared_folder() + "/liver/liver_1777.msh");
   CHECK(liver.nodes.size() == 501);
   CHECK(liver.tets.size() == 1725);
   CHECK(longest_side(liver) == Approx(0.22).epsilon(0.02));
-  const TetMesh beam = read_mesh(test::shared_folder() + "/beam/beam.msh");
+  const TetMesh beam = read_mesh(shared_folder() + "/beam/beam.msh");
   CHECK(mesh_quality(beam).volume == Approx(0.1 * 0.02 * 0.02).epsilon(1e-12));
 }

@@ -1,17 +1,9 @@
-#include <catch2/catch.hpp>
-
 #include <Eigen/Geometry>
 
-#include <cmath>
-#include <numbers>
-#include <set>
-
-#include "geometry/common/error.hpp"
 #include "geometry/mesh/tet_mesh.hpp"
 #include "geometry/meshing/phantom.hpp"
 #include "tests/support/mesh_samples.hpp"
-
-using namespace forefeel;
+#include "tests/support/test.hpp"
 
 namespace {
 
@@ -75,7 +67,7 @@ TEST_CASE("a mesh is turned with a warning, or refused") {
   const auto refused = [&](auto&& change, const char* line) {
     TetMesh bad = good;
     change(bad);
-    CHECK_THROWS_WITH(check_and_orient(bad, "f.msh"), Catch::Contains("f.msh: ") && Catch::Contains(line));
+    CHECK_THROWS_WITH(check_and_orient(bad, "f.msh"), Contains("f.msh: ", line));
   };
   refused([](TetMesh& m) { m.tets.clear(); }, "no tetrahedra");
   refused([](TetMesh& m) { m.tets[1][0] = m.tets[1][1]; }, "tetrahedron 1 (from 0");

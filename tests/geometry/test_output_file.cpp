@@ -1,33 +1,12 @@
 // Output files: links and file modes are kept, and the user's own files are not replaced.
 
-#include <catch2/catch.hpp>
-
 #include <sys/stat.h>
 
-#include <filesystem>
-#include <fstream>
-#include <sstream>
-
-#include "geometry/common/error.hpp"
 #include "geometry/common/output_file.hpp"
 #include "geometry/common/result_folder.hpp"
-#include "tests/support/error_of.hpp"
-#include "tests/support/temporary_folder.hpp"
-
-using namespace forefeel;
-using test::error_of;
-using test::TemporaryFolder;
-
-namespace fs = std::filesystem;
+#include "tests/support/test.hpp"
 
 namespace {
-
-std::string content_of(const fs::path& file) {
-  std::ifstream in(file);
-  std::ostringstream text;
-  text << in.rdbuf();
-  return text.str();
-}
 
 void write(const fs::path& file, const char* text) {
   OutputFile out(file);
@@ -52,17 +31,17 @@ TEST_CASE("a symbolic link stays, and the file that it leads to is written") {
   write(folder / "second.csv", "new");
   CHECK(fs::is_symlink(link));
   CHECK(fs::is_symlink(folder / "second.csv"));
-  CHECK(content_of(target) == "new");
+  CHECK(text_of(target) == "new");
 
   fs::create_symlink("far/absent.csv", folder / "open.csv");  // its target is made
   write(folder / "open.csv", "first");
   CHECK(fs::is_symlink(folder / "open.csv"));
-  CHECK(content_of(folder / "far/absent.csv") == "first");
+  CHECK(text_of(folder / "far/absent.csv") == "first");
 
   fs::create_symlink("no/such/folder.csv", folder / "lost.csv");
-  CHECK_THAT(error_of([&] { write(folder / "lost.csv", ""); }), Catch::Contains("does not exist"));
+  CHECK_THAT(error_of([&] { write(folder / "lost.csv", ""); }), Contains("does not exist"));
   fs::create_symlink("round.csv", folder / "round.csv");
-  CHECK_THAT(error_of([&] { write(folder / "round.csv", ""); }), Catch::Contains("in a circle"));
+  CHECK_THAT(error_of([&] { write(folder / "round.csv", ""); }), Contains("in a circle"));
 }
 
 TEST_CASE("a file that is replaced keeps its mode") {
@@ -72,7 +51,7 @@ TEST_CASE("a file that is replaced keeps its mode") {
     REQUIRE(::chmod(file.c_str(), mode) == 0);
     write(file, "new");
     CHECK(mode_of(file) == mode);
-    CHECK(content_of(file) == "new");
+    CHECK(text_of(file) == "new");
   }
 }
 
@@ -83,20 +62,19 @@ TEST_CASE("a folder with somebody's own file of a name that would be written is 
   const auto claim = [&](const fs::path& at) {
     return error_of([&] { claim_folder(at, {"report.html", "*.csv"}); });
   };
-  CHECK_THAT(claim(folder / "mine"),
-             Catch::Contains("report.html: is there already and was not made by forefeel"));
+  CHECK_THAT(claim(folder / "mine"), Contains("report.html: is there already and was not made by forefeel"));
   CHECK_FALSE(fs::exists(folder / "mine/.forefeel"));
-  CHECK(content_of(own) == "my own");
+  CHECK(text_of(own) == "my own");
   fs::remove(own);
   folder.write("mine/notes.txt", "my own");  // no name of ours
   CHECK(claim(folder / "mine").empty());
   folder.write("mine/report.html", "ours");
   CHECK(claim(folder / "mine").empty());  // a later run replaces it
-  CHECK_THAT(error_of([&] { claim_folder(folder / "mine", {"*.txt"}); }), Catch::Contains("notes.txt"));
+  CHECK_THAT(error_of([&] { claim_folder(folder / "mine", {"*.txt"}); }), Contains("notes.txt"));
 
   fs::create_directory(folder / "other");
   folder.write("other/table.csv", "my own");
-  CHECK_THAT(claim(folder / "other"), Catch::Contains("table.csv"));
+  CHECK_THAT(claim(folder / "other"), Contains("table.csv"));
 }
 
 TEST_CASE("a folder that an older version filled, without the marker, is taken") {

@@ -1,13 +1,5 @@
-#include <catch2/catch.hpp>
-
-#include <algorithm>
-#include <cmath>
-#include <numbers>
-
-#include "geometry/common/error.hpp"
 #include "geometry/meshing/phantom.hpp"
-
-using namespace forefeel;
+#include "tests/support/test.hpp"
 
 TEST_CASE("phantoms have the wanted number of elements and pass the checks") {
   for (const std::string& name : phantom_names())
@@ -64,6 +56,6 @@ TEST_CASE("volumes against exact ones") {
 }
 
 TEST_CASE("an unknown phantom lists the known ones") {
-  CHECK_THROWS_WITH(phantom("kidney"), Catch::Contains("liver, beam, ball, slab"));
+  CHECK_THROWS_WITH(phantom("kidney"), Contains("liver, beam, ball, slab"));
   CHECK_THROWS_AS(phantom("beam", 1), InputError);
 }

@@ -1,16 +1,9 @@
 // Quantiles against hand-worked values and those that the documentation of numpy prints for its methods
 // `inverted_cdf`, `nearest` and `linear`.
 
-#include <catch2/catch.hpp>
-
-#include <array>
-#include <cmath>
-#include <limits>
-#include <random>
-
 #include "geometry/common/quantiles.hpp"
+#include "tests/support/test.hpp"
 
-namespace forefeel {
 namespace {
 
 constexpr auto inverted_cdf = QuantileRule::inverted_cdf;
@@ -70,5 +63,3 @@ TEST_CASE("At least the share of the sample lies at or below the inverted CDF, l
     CHECK(q < 2 * tenth);       // how many are below
   }
 }
-
-}  // namespace forefeel

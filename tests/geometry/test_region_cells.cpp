@@ -1,16 +1,8 @@
-#include <algorithm>
-#include <array>
-#include <catch2/catch.hpp>
-#include <cmath>
-#include <random>
-#include <set>
-
 #include "geometry/common/union_find.hpp"
 #include "geometry/coverage/region_file.hpp"
 #include "geometry/coverage/regions.hpp"
 #include "geometry/coverage/state_space.hpp"
-
-using namespace forefeel;
+#include "tests/support/test.hpp"
 
 namespace {
 

@@ -2,15 +2,9 @@
 
 #include <omp.h>
 
-#include <algorithm>
-#include <catch2/catch.hpp>
-#include <random>
-
 #include "geometry/coverage/regions.hpp"
 #include "geometry/coverage/state_space.hpp"
-#include "tests/support/slow.hpp"
-
-using namespace forefeel;
+#include "tests/support/test.hpp"
 
 namespace {
 

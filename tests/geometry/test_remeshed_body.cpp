@@ -1,19 +1,9 @@
 // Volume meshes made finer: split in eight, or made anew from their boundary, with their groups.
 
-#include <catch2/catch.hpp>
-
-#include <algorithm>
-#include <set>
-#include <utility>
-
 #include "geometry/mesh/subdivided_mesh.hpp"
 #include "geometry/meshing/phantom.hpp"
 #include "geometry/meshing/remeshed_body.hpp"
-#include "tests/support/error_of.hpp"
-#include "tests/support/slow.hpp"
-
-using namespace forefeel;
-using test::error_of;
+#include "tests/support/test.hpp"
 
 namespace {
 
@@ -83,13 +73,12 @@ TEST_CASE("groups that a mesh of the boundary cannot keep are refused with the r
   const std::vector<NodeIndex> surface = surface_nodes(mesh);
   for (NodeIndex node = 0; node < mesh.nodes.size() && inner.groups["deep"].empty(); ++node)
     if (!std::ranges::binary_search(surface, node)) inner.groups["deep"] = {node};
-  CHECK_THAT(refusal(inner), Catch::Contains("slab.msh") && Catch::Contains("'deep'") &&
-                                 Catch::Contains("nodes inside the body"));
+  CHECK_THAT(refusal(inner), Contains("slab.msh", "'deep'", "nodes inside the body"));
   TetMesh line = mesh;
   const Triangle edge = boundary_triangles(mesh).front();
   line.groups["edge"] = {std::min(edge[0], edge[1]), std::max(edge[0], edge[1])};
-  CHECK_THAT(refusal(line), Catch::Contains("'edge'") && Catch::Contains("in a line"));
+  CHECK_THAT(refusal(line), Contains("'edge'", "in a line"));
   TetMesh lump = mesh;
   lump.element_groups["lump"] = some;
-  CHECK_THAT(refusal(lump), Catch::Contains("'lump'") && Catch::Contains("border inside it"));
+  CHECK_THAT(refusal(lump), Contains("'lump'", "border inside it"));
 }

@@ -1,12 +1,7 @@
 // SHA-256 against the examples of FIPS 180-4.
 
-#include <catch2/catch.hpp>
-#include <random>
-#include <string>
-
 #include "geometry/common/sha256.hpp"
-
-namespace forefeel {
+#include "tests/support/test.hpp"
 
 TEST_CASE("SHA-256 of the standard's examples", "[sha256]") {
   CHECK(Sha256{}.hex() == "e3b0c44298fc1c149afbf4c8996fb92427ae41e4649b934ca495991b7852b855");
@@ -34,5 +29,3 @@ TEST_CASE("SHA-256 does not depend on how the bytes are divided", "[sha256]") {
   CHECK(Sha256{}.add(0.0).hex() == Sha256{}.add(-0.0).hex());
   CHECK(Sha256{}.add(1.0).hex() != Sha256{}.add(std::int64_t{1}).hex());
 }
-
-}  // namespace forefeel

@@ -1,12 +1,10 @@
 // Labels at (site, displacement): on a plane those of one state space, the same after any rotation, blind to the far
 // side of a lobe and to far sites.
 #include <Eigen/Geometry>
-#include <catch2/catch.hpp>
-#include <random>
 
 #include "geometry/coverage/sited_labels.hpp"
+#include "tests/support/test.hpp"
 
-namespace forefeel {
 namespace {
 
 constexpr double h = 0.006, depth = 0.025, reach = 0.01;
@@ -81,5 +79,3 @@ TEST_CASE("Far sites and the far side of a lobe label nothing") {
   CHECK(labels.at({Vec3(0, 0, -0.003), -Vec3::UnitZ(), -x}) == Label::blank);
   CHECK(labels.states_near() == 0);
 }
-
-}  // namespace forefeel

@@ -1,33 +1,11 @@
 // State files: values bit for bit, damage, foreign files, one writer.
 
-#include <catch2/catch.hpp>
-
 #include <sqlite3.h>
 #include <sys/stat.h>
 
-#include <cmath>
-#include <fstream>
-#include <random>
-#include <sstream>
-
-#include "geometry/common/error.hpp"
 #include "geometry/states/state_file.hpp"
 #include "tests/geometry/state_samples.hpp"
-#include "tests/support/error_of.hpp"
-#include "tests/support/temporary_folder.hpp"
-
-using namespace forefeel;
-using namespace forefeel::test;
-
-namespace {
-
-std::string content_of(const std::filesystem::path& file) {
-  std::ostringstream out;
-  out << std::ifstream(file, std::ios::binary).rdbuf();
-  return out.str();
-}
-
-}  // namespace
+#include "tests/support/test.hpp"
 
 TEST_CASE("states come back bit for bit, in order, with header") {
   const TemporaryFolder folder;
@@ -75,7 +53,7 @@ TEST_CASE("the columns are plain, unknown values are NULL") {
 }
 
 namespace {
-void change(const std::filesystem::path& file, const char* sql) {
+void change(const fs::path& file, const char* sql) {
   sqlite3* database = nullptr;
   REQUIRE(sqlite3_open(file.c_str(), &database) == SQLITE_OK);
   CHECK(sqlite3_exec(database, sql, nullptr, nullptr, nullptr) == SQLITE_OK);
@@ -85,7 +63,7 @@ void change(const std::filesystem::path& file, const char* sql) {
 
 TEST_CASE("a row with a wrong checksum is left out, counted, and deleted on demand") {
   const TemporaryFolder folder;
-  const std::filesystem::path file = folder / "s.states";
+  const fs::path file = folder / "s.states";
   const std::vector<State> all = states(30);
   StateFile::open_or_create(file, header()).append(all);
   CHECK(StateFile::open_read_only(file).damaged() == 0);
@@ -117,28 +95,27 @@ TEST_CASE("a row with a wrong checksum is left out, counted, and deleted on dema
 
 TEST_CASE("states whose squares overflow and broken pages are refused when states are loaded") {
   const TemporaryFolder folder;
-  const std::filesystem::path file = folder / "s.states";
+  const fs::path file = folder / "s.states";
   StateFile::open_or_create(file, header()).append(states(400));
   CHECK_NOTHROW(load_states(file));
   for (const char* column : {"x", "fz", "k31"}) {
-    const std::filesystem::path far = folder / (std::string(column) + ".states");
-    std::filesystem::copy_file(file, far);
+    const fs::path far = folder / (std::string(column) + ".states");
+    fs::copy_file(file, far);
     change(far,
            ("UPDATE states SET checksum = NULL, " + std::string(column) + " = -1e160 WHERE id = 3").c_str());
-    CHECK_THROWS_WITH(load_states(far), Catch::Contains(far.string()) && Catch::Contains("above 1e+100"));
+    CHECK_THROWS_WITH(load_states(far), Contains(far.string(), "above 1e+100"));
   }
   // The pages of the table, not its first one.
   std::fstream bytes(file, std::ios::in | std::ios::out | std::ios::binary);
-  bytes.seekp(static_cast<std::streamoff>(std::filesystem::file_size(file)) - 3 * 4096);
+  bytes.seekp(static_cast<std::streamoff>(fs::file_size(file)) - 3 * 4096);
   bytes << std::string(4096, '\xff');
   bytes.close();
-  CHECK_THROWS_WITH(load_states(file),
-                    Catch::Contains(file.string()) && Catch::Contains("is damaged or no state file"));
+  CHECK_THROWS_WITH(load_states(file), Contains(file.string(), "is damaged or no state file"));
 }
 
 TEST_CASE("an older file without checksums is read and can be appended to") {
   const TemporaryFolder folder;
-  const std::filesystem::path file = folder / "s.states";
+  const fs::path file = folder / "s.states";
   const std::vector<State> all = states(5);
   StateFile::open_or_create(file, header()).append(std::span(all).first(4));
   change(file, "ALTER TABLE states DROP COLUMN checksum");
@@ -160,10 +137,10 @@ TEST_CASE("a file of another body is refused, and the error names the differing 
   other.identity["material"] = "sha256 zz";
   other.identity["contact"] = "sha256 dd";
   const std::string line = error_of([&] { StateFile::open_or_create(folder / "s.states", other); });
-  CHECK(line.find("belongs to another body") != std::string::npos);
-  CHECK(line.find("material (file sha256 bb, here sha256 zz)") != std::string::npos);
-  CHECK(line.find("contact (file none, here sha256 dd)") != std::string::npos);
-  CHECK(line.find("mesh") == std::string::npos);
+  CHECK_THAT(line, Contains("belongs to another body"));
+  CHECK_THAT(line, Contains("material (file sha256 bb, here sha256 zz)"));
+  CHECK_THAT(line, Contains("contact (file none, here sha256 dd)"));
+  CHECK_THAT(line, !Contains("mesh"));
   CHECK(StateFile::open_or_create(folder / "s.states", header()).size() == 1);
 }
 
@@ -173,12 +150,12 @@ TEST_CASE("states of a body and states that name no body never share a file") {
   nobody.identity.clear();
   StateFile::open_or_create(folder / "body.states", header()).append(std::vector{state(1)});
   StateFile::open_or_create(folder / "measured.states", nobody).append(std::vector{state(1), state(2)});
-  const std::string before = content_of(folder / "measured.states");
+  const std::string before = text_of(folder / "measured.states");
   CHECK_THAT(error_of([&] { StateFile::open_or_create(folder / "body.states", nobody); }),
-             Catch::Contains("body.states: holds 1 states of a body"));
+             Contains("body.states: holds 1 states of a body"));
   CHECK_THAT(error_of([&] { StateFile::open_or_create(folder / "measured.states", header()); }),
-             Catch::Contains("measured.states: holds 2 states that name no body"));
-  CHECK(content_of(folder / "measured.states") == before);
+             Contains("measured.states: holds 2 states that name no body"));
+  CHECK(text_of(folder / "measured.states") == before);
   CHECK(StateFile::open_or_create(folder / "measured.states", nobody).size() == 2);
   StateFile::open_or_create(folder / "empty.states", nobody);
   CHECK(StateFile::open_or_create(folder / "empty.states", header()).header().identity == header().identity);
@@ -187,32 +164,32 @@ TEST_CASE("states of a body and states that name no body never share a file") {
 
 TEST_CASE("what is no state file is refused in one line") {
   const TemporaryFolder folder;
-  const auto both = [&](const std::filesystem::path& file, const char* text) {
+  const auto both = [&](const fs::path& file, const char* text) {
     INFO(file);
-    CHECK_THAT(error_of([&] { StateFile::open_read_only(file); }), Catch::Contains(text));
+    CHECK_THAT(error_of([&] { StateFile::open_read_only(file); }), Contains(text));
   };
   both(folder / "absent.states", "cannot be read: No such file");
   both(folder.path(), "is a folder");
   both(folder.write("empty.states", ""), "is empty");
   both(folder.write("text.states", "x,y,z,fx,fy,fz\n0,0,0,0,0,0\n"), "is not a state file");
   CHECK_THAT(error_of([&] { StateFile::open_or_create(folder / "text.states", header()); }),
-             Catch::Contains("is not a state file"));
-  CHECK(content_of(folder / "text.states").starts_with("x,y,z"));
+             Contains("is not a state file"));
+  CHECK(text_of(folder / "text.states").starts_with("x,y,z"));
   CHECK_THAT(error_of([&] { StateFile::open_or_create(folder / "no/such.states", header()); }),
-             Catch::Contains("does not exist"));
+             Contains("does not exist"));
   sqlite3* database = nullptr;
   sqlite3_open((folder / "other.states").c_str(), &database);
   sqlite3_exec(database, "CREATE TABLE states (x REAL)", nullptr, nullptr, nullptr);
   sqlite3_close(database);
   both(folder / "other.states", "is a database, but not a state file");
   CHECK_THAT(error_of([&] { StateFile::open_or_create(folder / "other.states", header()); }),
-             Catch::Contains("not a state file"));
+             Contains("not a state file"));
 }
 
 TEST_CASE("a state file cut or damaged anywhere is refused or read, never worse") {
   const TemporaryFolder folder;
   { StateFile::open_or_create(folder / "s.states", header()).append(states(40)); }
-  const std::string good = content_of(folder / "s.states");
+  const std::string good = text_of(folder / "s.states");
   std::mt19937 random(7);
   for (int trial = 0; trial < 150; ++trial) {
     std::string bad = good;
@@ -222,12 +199,12 @@ TEST_CASE("a state file cut or damaged anywhere is refused or read, never worse"
       for (int k = 0; k < 30; ++k) bad[random() % bad.size()] = static_cast<char>(random());
     const auto file = folder.write("bad.states", bad);
     const std::string line = error_of([&] { StateFile::open_read_only(file).read_all(); });
-    CHECK(line.find('\n') == std::string::npos);
+    CHECK_THAT(line, !Contains("\n"));
     if (trial % 2) CHECK(!line.empty());
     const std::string appended =
         error_of([&] { StateFile::open_or_create(file, header()).append(states(3)); });
-    CHECK(appended.find('\n') == std::string::npos);
-    for (const char* suffix : {"-wal", "-shm"}) std::filesystem::remove(file.string() + suffix);
+    CHECK_THAT(appended, !Contains("\n"));
+    for (const char* suffix : {"-wal", "-shm"}) fs::remove(file.string() + suffix);
   }
 }
 
@@ -236,14 +213,14 @@ TEST_CASE("one writer at a time, readers beside it") {
   StateFile writer = StateFile::open_or_create(folder / "s.states", header());
   writer.append(states(3));
   CHECK_THAT(error_of([&] { StateFile::open_or_create(folder / "s.states", header()); }),
-             Catch::Contains("is being written by another process"));
+             Contains("is being written by another process"));
   const StateFile reader = StateFile::open_read_only(folder / "s.states");
   CHECK(reader.size() == 3);
   writer.append(states(4));
   CHECK(reader.size() == 7);
   CHECK(load_states(folder / "s.states").states.size() == 7);
   StateFile& read_only = const_cast<StateFile&>(reader);
-  CHECK_THAT(error_of([&] { read_only.append(states(1)); }), Catch::Contains("opened for reading"));
+  CHECK_THAT(error_of([&] { read_only.append(states(1)); }), Contains("opened for reading"));
 }
 
 TEST_CASE("replacing is one transaction") {

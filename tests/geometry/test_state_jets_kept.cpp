@@ -1,28 +1,17 @@
 // Energy jets in state files, CSV files and messages: bit for bit, in any mixture of orders.
 
-#include <catch2/catch.hpp>
-
 #include <signal.h>
 #include <sqlite3.h>
 #include <sys/wait.h>
 #include <unistd.h>
 
-#include <algorithm>
-#include <fstream>
-#include <iterator>
-
-#include "geometry/common/error.hpp"
 #include "geometry/states/energy_jet.hpp"
 #include "geometry/states/repeated_states.hpp"
 #include "geometry/states/state_file.hpp"
 #include "geometry/states/state_message.hpp"
 #include "geometry/states/state_summary.hpp"
 #include "tests/geometry/state_samples.hpp"
-#include "tests/support/error_of.hpp"
-#include "tests/support/temporary_folder.hpp"
-
-using namespace forefeel;
-using namespace forefeel::test;
+#include "tests/support/test.hpp"
 
 namespace {
 
@@ -30,19 +19,14 @@ bool all_same(const std::vector<State>& a, const std::vector<State>& b) {
   return std::ranges::equal(a, b, [](const State& s, const State& t) { return same(s, t); });
 }
 
-std::string content_of(const std::filesystem::path& file) {
-  std::ifstream in(file, std::ios::binary);
-  return {std::istreambuf_iterator<char>(in), {}};
-}
-
-void change(const std::filesystem::path& file, const std::string& sql) {
+void change(const fs::path& file, const std::string& sql) {
   sqlite3* database = nullptr;
   REQUIRE(sqlite3_open(file.c_str(), &database) == SQLITE_OK);
   CHECK(sqlite3_exec(database, sql.c_str(), nullptr, nullptr, nullptr) == SQLITE_OK);
   sqlite3_close(database);
 }
 
-int columns_of_states(const std::filesystem::path& file) {
+int columns_of_states(const fs::path& file) {
   sqlite3* database = nullptr;
   REQUIRE(sqlite3_open(file.c_str(), &database) == SQLITE_OK);
   sqlite3_stmt* rows = nullptr;
@@ -57,7 +41,7 @@ int columns_of_states(const std::filesystem::path& file) {
 
 TEST_CASE("jets of all orders, and none, come back from a state file bit for bit") {
   const TemporaryFolder folder;
-  const std::filesystem::path file = folder / "s.states";
+  const fs::path file = folder / "s.states";
   const std::vector<State> all = states_with_jets(40);
   StateFile::open_or_create(file, header()).append(all);
   CHECK(all_same(StateFile::open_read_only(file).read_all(), all));
@@ -70,7 +54,7 @@ TEST_CASE("jets of all orders, and none, come back from a state file bit for bit
 
 TEST_CASE("the columns of jets come with the first jet; files without one stay as they were") {
   const TemporaryFolder folder;
-  const std::filesystem::path file = folder / "s.states";
+  const fs::path file = folder / "s.states";
   const std::vector<State> plain = states(20), jets = states_with_jets(20);
   {
     StateFile written = StateFile::open_or_create(file, header());
@@ -93,7 +77,7 @@ TEST_CASE("the columns of jets come with the first jet; files without one stay a
 
 TEST_CASE("an older file without checksums takes jets too") {
   const TemporaryFolder folder;
-  const std::filesystem::path file = folder / "s.states";
+  const fs::path file = folder / "s.states";
   const std::vector<State> plain = states(5), jets = states_with_jets(8);
   StateFile::open_or_create(file, header()).append(plain);
   change(file, "ALTER TABLE states DROP COLUMN checksum");
@@ -107,7 +91,7 @@ TEST_CASE("an older file without checksums takes jets too") {
 
 TEST_CASE("a damaged jet damages its row") {
   const TemporaryFolder folder;
-  const std::filesystem::path file = folder / "s.states";
+  const fs::path file = folder / "s.states";
   std::vector<State> all(6, state(1));
   for (int i = 0; i < 6; ++i) all[std::size_t(i)].jet = jet(3, 2 * i);
   StateFile::open_or_create(file, header()).append(all);
@@ -122,10 +106,9 @@ TEST_CASE("a damaged jet damages its row") {
   // Without a checksum, as after another tool's edit, a jet is checked by what it says.
   change(file, "DELETE FROM states WHERE id <> 2");
   change(file, "UPDATE states SET checksum = NULL");
-  CHECK_THAT(error_of([&] { load_states(file); }),
-             Catch::Contains("s.states") && Catch::Contains("e004 of a jet is unknown"));
+  CHECK_THAT(error_of([&] { load_states(file); }), Contains("s.states", "e004 of a jet is unknown"));
   change(file, "ALTER TABLE states DROP COLUMN e111");
-  CHECK_THAT(error_of([&] { load_states(file); }), Catch::Contains("has 46 of the 47 columns of jets"));
+  CHECK_THAT(error_of([&] { load_states(file); }), Contains("has 46 of the 47 columns of jets"));
 }
 
 TEST_CASE("a writer killed while jets come loses nothing that it had confirmed") {
@@ -167,12 +150,12 @@ TEST_CASE("jets of all orders survive the way through CSV bit for bit") {
   const std::vector<State> again = read_states_csv(folder / "s.csv");
   REQUIRE(again.size() == all.size());
   for (std::size_t i = 0; i < all.size(); ++i) CHECK(same(again[i].jet.get(), all[i].jet.get()));
-  const std::string text = content_of(folder / "s.csv"), line = text.substr(0, text.find('\n'));
-  CHECK(line.find(",energy,e300,e210,e201,") != std::string::npos);
+  const std::string text = text_of(folder / "s.csv"), line = text.substr(0, text.find('\n'));
+  CHECK_THAT(line, Contains(",energy,e300,e210,e201,"));
   CHECK(line.ends_with(",e014,e005,limit"));
   write_states_csv(folder / "plain.csv", states(4));
-  const std::string plain = content_of(folder / "plain.csv");
-  CHECK(plain.find("e300") == std::string::npos);
+  const std::string plain = text_of(folder / "plain.csv");
+  CHECK_THAT(plain, !Contains("e300"));
 }
 
 TEST_CASE("CSV columns of jets are whole degrees, and the error names the first that is not") {
@@ -180,7 +163,7 @@ TEST_CASE("CSV columns of jets are whole degrees, and the error names the first 
   const std::string head = "x,y,z,fx,fy,fz,";
   const auto refused = [&](const std::string& text, const char* what) {
     const auto file = folder.write("bad.csv", text);
-    CHECK_THAT(error_of([&] { read_states_csv(file); }), Catch::Contains("bad.csv") && Catch::Contains(what));
+    CHECK_THAT(error_of([&] { read_states_csv(file); }), Contains("bad.csv", what));
   };
   const std::string third = "e300,e210,e201,e120,e111,e102,e030,e021,e012,e003";
   refused(head + "e300,e210,e201,e120,e111,limit\n1,2,3,4,5,6,1,2,3,4,5,6\n",

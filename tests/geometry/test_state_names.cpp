@@ -1,19 +1,8 @@
 // One state file under several names: the lock, SQLite's log, and what a reader sees.
 
-#include <catch2/catch.hpp>
-
-#include <filesystem>
-
-#include "geometry/common/error.hpp"
 #include "geometry/states/state_file.hpp"
 #include "tests/geometry/state_samples.hpp"
-#include "tests/support/error_of.hpp"
-#include "tests/support/temporary_folder.hpp"
-
-using namespace forefeel;
-using namespace forefeel::test;
-
-namespace fs = std::filesystem;
+#include "tests/support/test.hpp"
 
 TEST_CASE("a second writer under a hard link is refused, and no state is lost") {
   const TemporaryFolder folder;
@@ -22,14 +11,14 @@ TEST_CASE("a second writer under a hard link is refused, and no state is lost") 
     StateFile writer = StateFile::open_or_create(file, header());
     writer.append(states(3));
     fs::create_hard_link(file, other);
-    CHECK_THAT(error_of([&] { StateFile::open_or_create(other, header()); }), Catch::Contains("2 names"));
+    CHECK_THAT(error_of([&] { StateFile::open_or_create(other, header()); }), Contains("2 names"));
     writer.append(states(4));
     CHECK_THAT(error_of([&] { StateFile::open_read_only(other); }),
-               Catch::Contains("is being written under another of its names"));
+               Contains("is being written under another of its names"));
     CHECK(StateFile::open_read_only(file).size() == 7);
   }
   CHECK_THAT(error_of([&] { StateFile::open_or_create(file, header()); }),
-             Catch::Contains("has 2 names (hard links), expected one"));
+             Contains("has 2 names (hard links), expected one"));
   CHECK(StateFile::open_read_only(file).size() == 7);
   CHECK(StateFile::open_read_only(other).size() == 7);  // nothing writes it: all of it is in the file
   CHECK_FALSE(fs::exists(other.string() + "-wal"));
@@ -48,12 +37,12 @@ TEST_CASE("a symbolic link is the file that it leads to: one writer, one log") {
     writer.append(states(3));
     CHECK(fs::is_regular_file(fs::symlink_status(file)));
     CHECK_THAT(error_of([&] { StateFile::open_or_create(file, header()); }),
-               Catch::Contains("is being written by another process"));
+               Contains("is being written by another process"));
   }
   CHECK(fs::is_symlink(link));
   StateFile writer = StateFile::open_or_create(file, header());
   CHECK_THAT(error_of([&] { StateFile::open_or_create(link, header()); }),
-             Catch::Contains("is being written by another process"));
+             Contains("is being written by another process"));
   writer.append(states(4));
   CHECK(StateFile::open_read_only(link).size() == 7);
 }

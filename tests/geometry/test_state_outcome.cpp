@@ -1,19 +1,11 @@
 // Equilibria with inverted elements: an outcome of their own in state files.
 
-#include <catch2/catch.hpp>
-
 #include <sqlite3.h>
-
-#include <string>
-#include <vector>
 
 #include "geometry/states/state_file.hpp"
 #include "geometry/states/state_outcome.hpp"
 #include "tests/geometry/state_samples.hpp"
-#include "tests/support/temporary_folder.hpp"
-
-using namespace forefeel;
-using namespace forefeel::test;
+#include "tests/support/test.hpp"
 
 namespace {
 
@@ -32,7 +24,7 @@ State plain(double min_jacobian) {
   return s;
 }
 
-std::string query(const std::filesystem::path& file, const std::string& sql) {
+std::string query(const fs::path& file, const std::string& sql) {
   sqlite3* database = nullptr;
   REQUIRE(sqlite3_open(file.c_str(), &database) == SQLITE_OK);
   std::string seen;

@@ -1,16 +1,8 @@
 // Sites of states in state files, CSV files and messages: bit for bit, beside states without one and with jets.
-#include <catch2/catch.hpp>
 
-#include <fstream>
-
-#include "geometry/common/error.hpp"
 #include "geometry/states/state_message.hpp"
 #include "tests/geometry/state_samples.hpp"
-#include "tests/support/error_of.hpp"
-#include "tests/support/temporary_folder.hpp"
-
-using namespace forefeel;
-using namespace forefeel::test;
+#include "tests/support/test.hpp"
 
 namespace {
 
@@ -37,7 +29,7 @@ void check_same(const std::vector<State>& found, const std::vector<State>& wante
   }
 }
 
-std::string refusal(const std::filesystem::path& file, const std::string& text) {
+std::string refusal(const fs::path& file, const std::string& text) {
   std::ofstream(file) << text;
   return error_of([&] { read_states_csv(file); });
 }
@@ -69,18 +61,18 @@ TEST_CASE("a CSV of states has the columns of sites where some state has one") {
   write_states_csv(folder / "plain.csv", std::vector<State>{state(1)});
   std::string line;
   std::getline(std::ifstream(folder / "plain.csv") >> std::ws, line);
-  CHECK_THAT(line, !Catch::Contains("sx"));
+  CHECK_THAT(line, !Contains("sx"));
   CHECK_THAT(refusal(folder / "a.csv", "sx,sy,x,y,z,fx,fy,fz\n0,0,0,0,0,0,0,0\n"),
-             Catch::Contains("2 of the columns sx, sy, sz"));
+             Contains("2 of the columns sx, sy, sz"));
   CHECK_THAT(refusal(folder / "b.csv", "sx,sy,sz,x,y,z,fx,fy,fz\n0,,0,0,0,0,0,0,0\n"),
-             Catch::Contains("the site is not a place"));
+             Contains("the site is not a place"));
   std::ofstream(folder / "p.csv") << "x,y,z,sx,sy,sz\n1,2,3,4,5,6\n";
   const std::vector<SitedPoint> points = read_sited_points_csv(folder / "p.csv");
   REQUIRE(points.size() == 1);
   CHECK(points[0].site == Vec3(4, 5, 6));
   CHECK(points[0].at == Vec3(1, 2, 3));
   std::ofstream(folder / "q.csv") << "x,y,z\n1,2,3\n";
-  CHECK_THAT(error_of([&] { read_sited_points_csv(folder / "q.csv"); }), Catch::Contains("no column sx"));
+  CHECK_THAT(error_of([&] { read_sited_points_csv(folder / "q.csv"); }), Contains("no column sx"));
 }
 
 TEST_CASE("a message of a state carries its site") {

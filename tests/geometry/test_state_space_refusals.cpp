@@ -1,14 +1,7 @@
 // States that a state space refuses.
 
-#include <catch2/catch.hpp>
-
-#include <limits>
-#include <string>
-
-#include "geometry/common/error.hpp"
 #include "geometry/coverage/state_space.hpp"
-
-using namespace forefeel;
+#include "tests/support/test.hpp"
 
 namespace {
 
@@ -20,12 +13,7 @@ State measured(const Vec3& at, const Vec3& force) {
 }
 
 std::string refusal(StateSpace& space, const State& state) {
-  try {
-    space.insert(state);
-  } catch (const InputError& error) {
-    return error.what();
-  }
-  return "";
+  return error_of([&] { space.insert(state); });
 }
 
 }  // namespace
@@ -36,14 +24,11 @@ TEST_CASE("a state space refuses what is not usable or not finite, and stays as 
   REQUIRE(space.insert(measured({0, 0, 0}, {1, 0, 0})).is_new);
   State failed = measured({0.006, 0, 0}, {1, 0, 0});
   failed.solve.status = SolveStatus::diverged;
-  CHECK_THAT(refusal(space, failed), Catch::Contains("ended as diverged"));
-  CHECK_THAT(refusal(space, measured({unknown, 0, 0}, {1, 0, 0})), Catch::Contains("position is not finite"));
-  CHECK_THAT(refusal(space, measured({0, infinite, 0}, {1, 0, 0})),
-             Catch::Contains("position is not finite"));
-  CHECK_THAT(refusal(space, measured({0.006, 0, 0}, {1, infinite, 0})),
-             Catch::Contains("force is not finite"));
-  CHECK_THAT(refusal(space, measured({0.006, 0, 0}, {1, unknown, 0})),
-             Catch::Contains("force is not finite"));
+  CHECK_THAT(refusal(space, failed), Contains("ended as diverged"));
+  CHECK_THAT(refusal(space, measured({unknown, 0, 0}, {1, 0, 0})), Contains("position is not finite"));
+  CHECK_THAT(refusal(space, measured({0, infinite, 0}, {1, 0, 0})), Contains("position is not finite"));
+  CHECK_THAT(refusal(space, measured({0.006, 0, 0}, {1, infinite, 0})), Contains("force is not finite"));
+  CHECK_THAT(refusal(space, measured({0.006, 0, 0}, {1, unknown, 0})), Contains("force is not finite"));
   CHECK(space.size() == 1);
   CHECK(space.insert(measured({0.006, 0, 0}, Vec3::Constant(unknown))).is_new);  // a place without a force
 }

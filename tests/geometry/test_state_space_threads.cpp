@@ -1,16 +1,10 @@
 // Const queries of a constant state space from many threads at once (also run under ThreadSanitizer).
 
-#include <catch2/catch.hpp>
-
-#include <random>
-#include <thread>
-#include <vector>
-
 #include "geometry/coverage/setups.hpp"
 #include "geometry/coverage/state_space.hpp"
 #include "geometry/index/path_walk.hpp"
+#include "tests/support/test.hpp"
 
-namespace forefeel {
 namespace {
 
 struct Answer {
@@ -60,5 +54,3 @@ TEST_CASE("many threads query a state space and get what one thread gets") {
   }
   CHECK(space.label({0.001, 0.001, 0.002}) == Label::safe);
 }
-
-}  // namespace forefeel

@@ -1,22 +1,12 @@
 // The queue in front of a state file: many threads, killed processes, failing disks.
 
-#include <catch2/catch.hpp>
-
 #include <signal.h>
 #include <sys/wait.h>
 #include <unistd.h>
 
-#include <chrono>
-#include <fstream>
-#include <thread>
-
-#include "geometry/common/error.hpp"
 #include "geometry/states/state_file.hpp"
 #include "tests/geometry/state_samples.hpp"
-#include "tests/support/temporary_folder.hpp"
-
-using namespace forefeel;
-using namespace forefeel::test;
+#include "tests/support/test.hpp"
 
 TEST_CASE("many threads push, everything is written once") {
   for (const int threads : {1, 2, 3, 7}) {
@@ -120,7 +110,7 @@ TEST_CASE("parts of a file that a killed process was creating are removed, those
   put("other.states." + gone + ".part");
   put("s.states.old.part");
   StateFile::open_or_create(file, header());
-  const auto there = [&](const std::string& name) { return std::filesystem::exists(folder / name); };
+  const auto there = [&](const std::string& name) { return fs::exists(folder / name); };
   CHECK(there("s.states"));
   CHECK_FALSE(there("s.states." + gone + ".part"));
   CHECK_FALSE(there("s.states." + gone + ".part-journal"));

@@ -1,27 +1,11 @@
-#include <catch2/catch.hpp>
-
 #include <signal.h>
 #include <unistd.h>
 
-#include <atomic>
-#include <chrono>
-#include <cmath>
-#include <cstdio>
-#include <random>
-
-#include "geometry/common/error.hpp"
 #include "geometry/meshing/child_process.hpp"
 #include "geometry/meshing/phantom.hpp"
 #include "geometry/meshing/tetrahedralise.hpp"
-#include "tests/support/error_of.hpp"
 #include "tests/support/mesh_samples.hpp"
-#include "tests/support/paths.hpp"
-#include "tests/support/skip.hpp"
-#include "tests/support/temporary_folder.hpp"
-
-using namespace forefeel;
-using test::error_of;
-using test::TemporaryFolder;
+#include "tests/support/test.hpp"
 
 namespace {
 
@@ -75,7 +59,7 @@ TEST_CASE("surface errors name file and line") {
   const TemporaryFolder folder;
   const auto refused = [&](const char* name, const std::string& text, const char* line) {
     const auto file = folder.write(name, text);
-    CHECK_THAT(error_of([&] { read_surface(file); }), Catch::Contains(name) && Catch::Contains(line));
+    CHECK_THAT(error_of([&] { read_surface(file); }), Contains(name, line));
   };
   refused("a.obj", "", "is empty");
   refused("a.obj", "v 0 0 0\n", "holds no triangles");
@@ -157,8 +141,7 @@ TEST_CASE("a surface that encloses nothing is refused") {
   point.nodes = {{1, 1, 1}, {1, 1, 1}, {1, 1, 1}};
   point.triangles = {{0, 1, 2}};
   CHECK_THROWS_AS(tetrahedralise(point, {}), InputError);
-  CHECK_THROWS_WITH(tetrahedralise({}, {.name = "nothing.obj"}),
-                    Catch::Contains("nothing.obj: holds no triangles"));
+  CHECK_THROWS_WITH(tetrahedralise({}, {.name = "nothing.obj"}), Contains("nothing.obj: holds no triangles"));
   CHECK_THROWS_AS(tetrahedralise(test::unit_cube(), {.length = -1.0}), InputError);
 }
 
@@ -166,10 +149,10 @@ TEST_CASE("the limit of time holds for repair and all tries together, and is sai
   const auto line = error_of([] {
     tetrahedralise(test::unit_cube(), {.elements = 200'000, .name = "cube.obj", .time_limit = 0.05});
   });
-  CHECK_THAT(line, Catch::Contains("cube.obj: no mesh was found in 0.05 s, the limit of time"));
+  CHECK_THAT(line, Contains("cube.obj: no mesh was found in 0.05 s, the limit of time"));
   std::atomic<bool> stop = true;
   CHECK_THAT(error_of([&] { tetrahedralise(test::unit_cube(), {.stop = &stop}); }),
-             Catch::Contains("interrupted while it was meshed"));
+             Contains("interrupted while it was meshed"));
 }
 
 TEST_CASE("a body of no size that can be solved is refused, as a coordinate of 1e37 makes it") {
@@ -177,7 +160,7 @@ TEST_CASE("a body of no size that can be solved is refused, as a coordinate of 1
     Surface torn = test::unit_cube();
     torn.nodes.back() = Vec3::Constant(far);
     CHECK_THAT(error_of([&] { tetrahedralise(torn, {.elements = 400, .name = "torn.obj"}); }),
-               Catch::Contains("torn.obj: is 1e+") && Catch::Contains("m long, expected 1e-06 to 1e+06 m"));
+               Contains("torn.obj: is 1e+", "m long, expected 1e-06 to 1e+06 m"));
   }
 }
 
@@ -228,8 +211,8 @@ TEST_CASE("phantom surfaces are closed and enclose their bodies") {
 }
 
 TEST_CASE("the real liver is meshed with the wanted numbers of elements", "[shared]") {
-  if (test::shared_folder().empty()) return test::skip("no reference data beside the sources");
-  const Surface liver = read_surface(test::shared_folder() + "/liver/liver-smooth.obj");
+  if (shared_folder().empty()) return skip("no reference data beside the sources");
+  const Surface liver = read_surface(shared_folder() + "/liver/liver-smooth.obj");
   REQUIRE(liver.triangles.size() == 4384);
   for (const std::size_t elements : {1777ul, 8000ul}) {
     TetrahedraliseReport report;

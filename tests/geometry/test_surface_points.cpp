@@ -1,17 +1,11 @@
 // Surfaces whose triangles do not share points, and open surfaces that only a wrap can mend.
-#include <catch2/catch.hpp>
-#include <cmath>
-#include <string>
-#include <vector>
+#include <fmt/format.h>
 
 #include "geometry/mesh/length_unit.hpp"
 #include "geometry/meshing/phantom.hpp"
 #include "geometry/meshing/surface.hpp"
-#include "tests/support/error_of.hpp"
 #include "tests/support/mesh_samples.hpp"
-#include "tests/support/temporary_folder.hpp"
-
-using namespace forefeel;
+#include "tests/support/test.hpp"
 
 namespace {
 
@@ -37,7 +31,7 @@ void check_cube(const Surface& surface) {
 }  // namespace
 
 TEST_CASE("points that coincide exactly are one: a surface whose triangles share none is closed") {
-  const test::TemporaryFolder folder;
+  const TemporaryFolder folder;
   Surface cube = apart(test::unit_cube());
   for (Vec3& x : cube.nodes)
     if (x[0] == 0) x[0] = -0.0;
@@ -51,14 +45,14 @@ TEST_CASE("points that coincide exactly are one: a surface whose triangles share
 }
 
 TEST_CASE("PLY: triangle strips are refused by name") {
-  const test::TemporaryFolder folder;
+  const TemporaryFolder folder;
   const auto file =
       folder.write("strips.ply",
                    "ply\nformat ascii 1.0\nelement vertex 3\nproperty float x\nproperty float y\n"
                    "property float z\nelement tristrips 1\nproperty list int int vertex_indices\n"
                    "end_header\n0 0 0\n1 0 0\n0 1 0\n3 0 1 2\n");
-  CHECK_THAT(test::error_of([&] { read_surface(file); }),
-             Catch::Contains("strips.ply:9: triangle strips are not read, expected faces"));
+  CHECK_THAT(error_of([&] { read_surface(file); }),
+             Contains("strips.ply:9: triangle strips are not read, expected faces"));
 }
 
 TEST_CASE("an open surface that must be wrapped becomes a solid, not a thin shell around its skin") {

@@ -1,35 +1,23 @@
 // VTK's surfaces, and how they are distinguished from meshes.
-#include <catch2/catch.hpp>
-
-#include <sys/wait.h>
-
-#include <cstdlib>
-#include <string>
 
 #include "geometry/mesh/mesh_file.hpp"
 #include "geometry/meshing/surface.hpp"
-#include "tests/support/error_of.hpp"
 #include "tests/support/mesh_samples.hpp"
-#include "tests/support/skip.hpp"
-#include "tests/support/slow.hpp"
-#include "tests/support/temporary_folder.hpp"
-
-using namespace forefeel;
-using test::error_of;
+#include "tests/support/test.hpp"
 
 TEST_CASE("a .vtk is a surface or a mesh by its DATASET, and each reader names the other kind") {
-  const test::TemporaryFolder folder;
+  const TemporaryFolder folder;
   const auto surface = folder.write("s.vtk", test::surface_files(test::unit_cube()).at("old.vtk"));
   const auto mesh = folder.write("m.vtk", test::sample_mesh_files().at("legacy3_ascii.vtk"));
   CHECK(is_surface_file(surface));
   CHECK_FALSE(is_surface_file(mesh));
   CHECK_FALSE(is_surface_file(folder / "absent.vtk"));
-  CHECK_THAT(error_of([&] { read_mesh(surface); }), Catch::Contains("POLYDATA is a surface"));
-  CHECK_THAT(error_of([&] { read_surface(mesh); }), Catch::Contains("UNSTRUCTURED_GRID is a mesh"));
+  CHECK_THAT(error_of([&] { read_mesh(surface); }), Contains("POLYDATA is a surface"));
+  CHECK_THAT(error_of([&] { read_surface(mesh); }), Contains("UNSTRUCTURED_GRID is a mesh"));
 }
 
 TEST_CASE("triangle strips turn every second triangle; polygons are cut into fans") {
-  const test::TemporaryFolder folder;
+  const TemporaryFolder folder;
   const Surface strip = read_surface(folder.write(
       "s.vtk",
       "# vtk DataFile Version 3.0\nx\nASCII\nDATASET POLYDATA\nPOINTS 4 float\n0 0 0 1 0 0 0 1 0 1 1 0\n"
@@ -46,12 +34,12 @@ TEST_CASE("triangle strips turn every second triangle; polygons are cut into fan
                                   "# vtk DataFile Version 3.0\nx\nASCII\nDATASET POLYDATA\nPOINTS 1 float\n"
                                   "0 0 0\nPOLYGONS 1 4\n3 0 0 1\n"));
       }),
-      Catch::Contains("a face names point 1, expected 0 to 0"));
+      Contains("a face names point 1, expected 0 to 0"));
 }
 
 TEST_CASE("surfaces that VTK itself wrote, as polygons and as strips, read back with the same volume",
           SLOW("compares with VTK, which only run.sh all installs")) {
-  const test::TemporaryFolder folder;
+  const TemporaryFolder folder;
   const auto script = folder.write("write.py", R"(import sys
 try:
     from vtkmodules.vtkFiltersCore import vtkStripper, vtkTriangleFilter
@@ -76,11 +64,7 @@ for name, source in (('polygons', cube), ('strips', strips)):
             w.SetInputConnection(source.GetOutputPort())
             assert w.Write()
 )");
-  const int status = std::system(
-      ("/usr/bin/python3 " + script.string() + " " + folder.path().string() + " 2>/dev/null").c_str());
-  if (WIFEXITED(status) && (WEXITSTATUS(status) == 77 || WEXITSTATUS(status) == 127))
-    return test::skip("python3-vtk9 is not installed");
-  REQUIRE(status == 0);
+  if (!python_ran(script.string() + " " + folder.path().string(), "python3-vtk9 is not installed")) return;
   for (const char* kind : {"polygons", "strips"})
     for (const char* name : {"_42_0.vtk", "_42_1.vtk", "_51_0.vtk", "_51_1.vtk"}) {
       INFO(kind << name);

@@ -1,15 +1,9 @@
 // Bytes that are not UTF-8, against iconv(3).
 
-#include <catch2/catch.hpp>
-
 #include <iconv.h>
 
-#include <random>
-#include <string>
-
 #include "geometry/common/utf8.hpp"
-
-using forefeel::valid_utf8;
+#include "tests/support/test.hpp"
 
 namespace {
 

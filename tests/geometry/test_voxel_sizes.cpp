@@ -3,19 +3,10 @@
 #include <fmt/format.h>
 
 #include <Eigen/Geometry>
-#include <algorithm>
-#include <catch2/catch.hpp>
-#include <cmath>
-#include <cstring>
-#include <random>
 
-#include "geometry/common/error.hpp"
 #include "geometry/segmentation/label_volume.hpp"
-#include "tests/support/error_of.hpp"
 #include "tests/support/label_samples.hpp"
-#include "tests/support/temporary_folder.hpp"
-
-using namespace forefeel;
+#include "tests/support/test.hpp"
 
 namespace {
 
@@ -63,7 +54,7 @@ bool warned(const LabelVolume& volume, const std::string& words) {
 }
 
 std::string replaced(std::string text, const std::string& from, const std::string& to) {
-  REQUIRE(text.find(from) != std::string::npos);
+  REQUIRE_THAT(text, Contains(from));
   return text.replace(text.find(from), from.size(), to);
 }
 
@@ -71,7 +62,7 @@ std::string replaced(std::string text, const std::string& from, const std::strin
 
 TEST_CASE("NIfTI: negative sizes, and forms that contradict each other") {
   const LabelVolume plain = test::nested_spheres({5, 4, 6}, {1, 2, 3}, 4, 2);
-  const test::TemporaryFolder folder;
+  const TemporaryFolder folder;
   std::mt19937 random(44);
   const auto real = [&](double low, double high) {
     return std::uniform_real_distribution<double>(low, high)(random);
@@ -101,7 +92,7 @@ TEST_CASE("NIfTI: negative sizes, and forms that contradict each other") {
     file.pixdim[negative] = 0;
     for (const bool qform : {true, false}) {
       file.has_qform = qform;
-      CHECK_THAT(test::error_of(read), Catch::Contains(fmt::format("pixdim[{}] is 0", negative + 1)));
+      CHECK_THAT(error_of(read), Contains(fmt::format("pixdim[{}] is 0", negative + 1)));
     }
     file.pixdim = size;
     // sform agrees, then has other sizes, then directions alone, then another turn.
@@ -124,7 +115,7 @@ TEST_CASE("NIfTI: negative sizes, and forms that contradict each other") {
 
 TEST_CASE("negative sizes in MetaImage, NRRD and VTI; every format says where x, y and z point") {
   const LabelVolume plain = test::nested_spheres({5, 4, 6}, {1, 2, 3}, 4, 2);
-  const test::TemporaryFolder folder;
+  const TemporaryFolder folder;
   auto files = test::label_files(plain);
   const auto read = [&](const std::string& name, const std::string& from, const std::string& to) {
     return read_label_volume(folder.write(name, replaced(files[name], from, to)));

@@ -1,17 +1,9 @@
 // A moving body as .vtu files: what is written is read back; damaged files are refused.
 
-#include <catch2/catch.hpp>
-#include <fstream>
-#include <numeric>
-
-#include "geometry/common/error.hpp"
 #include "geometry/mesh/mesh_file.hpp"
 #include "geometry/mesh/vtu_series.hpp"
-#include "tests/support/error_of.hpp"
 #include "tests/support/mesh_samples.hpp"
-#include "tests/support/temporary_folder.hpp"
-
-using namespace forefeel;
+#include "tests/support/test.hpp"
 
 namespace {
 
@@ -22,7 +14,7 @@ TetMesh two_tets() {
   return mesh;
 }
 
-std::filesystem::path write_frame(const test::TemporaryFolder& folder, bool surface, std::vector<float>& u) {
+fs::path write_frame(const TemporaryFolder& folder, bool surface, std::vector<float>& u) {
   const TetMesh mesh = two_tets();
   std::vector<NodeIndex> nodes = surface_nodes(mesh);
   if (!surface) {
@@ -38,7 +30,7 @@ std::filesystem::path write_frame(const test::TemporaryFolder& folder, bool surf
 }  // namespace
 
 TEST_CASE("displacements and node numbers come back as they were written") {
-  const test::TemporaryFolder folder;
+  const TemporaryFolder folder;
   std::vector<float> u;
   for (const bool surface : {true, false}) {
     const MovedNodes read = read_moved_nodes(write_frame(folder, surface, u));
@@ -51,7 +43,7 @@ TEST_CASE("displacements and node numbers come back as they were written") {
 }
 
 TEST_CASE("a file of the whole body is a mesh of the moved body") {
-  const test::TemporaryFolder folder;
+  const TemporaryFolder folder;
   std::vector<float> u;
   const TetMesh rest = two_tets(), moved = read_mesh(write_frame(folder, false, u));
   CHECK(moved.tets == rest.tets);
@@ -61,7 +53,7 @@ TEST_CASE("a file of the whole body is a mesh of the moved body") {
 }
 
 TEST_CASE("the list of a series comes back; what is no series is refused") {
-  const test::TemporaryFolder folder;
+  const TemporaryFolder folder;
   const std::vector<SeriesFile> series{{.t = 0, .file = "shape/a.vtu"},
                                        {.t = 1.0 / 3, .file = "shape/b.vtu"}};
   write_pvd(folder / "s.pvd", series);
@@ -78,9 +70,9 @@ TEST_CASE("the list of a series comes back; what is no series is refused") {
 }
 
 TEST_CASE("a file that is cut short or has no displacements is refused") {
-  const test::TemporaryFolder folder;
+  const TemporaryFolder folder;
   std::vector<float> u;
-  const std::filesystem::path file = write_frame(folder, true, u);
+  const fs::path file = write_frame(folder, true, u);
   std::ifstream in(file, std::ios::binary);
   const std::string whole{std::istreambuf_iterator<char>(in), {}};
   REQUIRE_NOTHROW(read_moved_nodes(file));

@@ -1,26 +1,15 @@
 // The writer of .vtu files in its four forms: our reader and VTK's find the same values in them.
 
-#include <sys/wait.h>
-#include <catch2/catch.hpp>
-
-#include <cmath>
-#include <cstdlib>
-#include <limits>
-
 #include "geometry/mesh/mesh_file.hpp"
 #include "geometry/mesh/vtu_writer.hpp"
-#include "tests/support/skip.hpp"
-#include "tests/support/slow.hpp"
-#include "tests/support/temporary_folder.hpp"
-
-using namespace forefeel;
+#include "tests/support/test.hpp"
 
 namespace {
 
 const std::vector<Vec3> corners{{0, 0, 0}, {1.0 / 3, 0, 0}, {0, 1, 0}, {0, 0, 1}, {1, 1, 1e-30}};
 const std::vector<Tet> tets{{0, 1, 2, 3}, {1, 2, 3, 4}};
 
-void write(const std::filesystem::path& file, VtuData data) {
+void write(const fs::path& file, VtuData data) {
   VtuWriter out(file, data);
   out.begin(corners.size(), tets.size());
   out.section("PointData", "Scalars=\"a &amp; b\"");
@@ -40,7 +29,7 @@ void write(const std::filesystem::path& file, VtuData data) {
 
 TEST_CASE("a grid is the same as text, base64, raw and compressed data",
           SLOW("compares with VTK, which only run.sh all installs")) {
-  const test::TemporaryFolder folder;
+  const TemporaryFolder folder;
   const std::pair<const char*, VtuData> kinds[] = {{"text.vtu", VtuData::text},
                                                    {"base64.vtu", VtuData::base64},
                                                    {"raw.vtu", VtuData::raw},
@@ -76,8 +65,5 @@ for file in sys.argv[1:]:
     if not file.endswith('text.vtu'):
         assert data.GetArray('unknown').GetValue(0) != data.GetArray('unknown').GetValue(0)
 )");
-  const int status = std::system(("/usr/bin/python3 " + script.string() + files + " 2>/dev/null").c_str());
-  if (WIFEXITED(status) && (WEXITSTATUS(status) == 77 || WEXITSTATUS(status) == 127))
-    return test::skip("python3-vtk9 is not installed");
-  CHECK(status == 0);
+  python_ran(script.string() + files, "python3-vtk9 is not installed");
 }

@@ -1,21 +1,18 @@
 // The architecture: the includes in the sources must match rooms.txt, which lists which room may include
 // which.
 
-#include <catch2/catch.hpp>
 #include <iostream>
 
 #include "tests/house/layers.hpp"
-#include "tests/support/paths.hpp"
-#include "tests/support/temporary_folder.hpp"
+#include "tests/support/test.hpp"
 
-using namespace forefeel;
 using namespace forefeel::house;
 
 namespace {
 
 struct Sources {
-  Table table = read_table(test::source_folder() / "tests/house/rooms.txt");
-  std::vector<Include> includes = read_includes(test::source_folder());
+  Table table = read_table(source_folder() / "tests/house/rooms.txt");
+  std::vector<Include> includes = read_includes(source_folder());
 };
 
 void check_none(const Sources& sources, const std::vector<std::string>& faults) {
@@ -50,7 +47,7 @@ TEST_CASE("headers that are heavy to compile are included where they are used", 
 }
 
 TEST_CASE("a cycle put in for the purpose is found, with its path", "[layering]") {
-  const test::TemporaryFolder root;
+  const TemporaryFolder root;
   root.write("rooms.txt",
              "solver/low :\nsolver/middle : solver/low\nsolver/high : solver/low solver/middle\n");
   root.write("solver/low/a.hpp", "#include \"solver/high/c.hpp\"\n");
@@ -66,7 +63,7 @@ TEST_CASE("a cycle put in for the purpose is found, with its path", "[layering]"
   REQUIRE(rooms.size() == 1);
   REQUIRE(units.size() == 1);
   CHECK_THAT(rooms[0], Catch::StartsWith("solver/high -> solver/middle -> solver/low -> solver/high\n"));
-  CHECK_THAT(rooms[0], Catch::Contains("solver/high/c.cpp:3 includes solver/middle/b.hpp"));
+  CHECK_THAT(rooms[0], Contains("solver/high/c.cpp:3 includes solver/middle/b.hpp"));
   CHECK_THAT(units[0],
              Catch::StartsWith("solver/high/c -> solver/middle/b -> solver/low/a -> solver/high/c\n"));
   CHECK(drawing(table, includes) ==
@@ -76,7 +73,7 @@ TEST_CASE("a cycle put in for the purpose is found, with its path", "[layering]"
 }
 
 TEST_CASE("other faults that the check is there for are found", "[layering]") {
-  const test::TemporaryFolder root;
+  const TemporaryFolder root;
   root.write("rooms.txt",
              "geometry/mesh : geometry/index\ngeometry/index :\ngeometry/gone :\n"
              "<CGAL/* : geometry/mesh/*_cgal.hpp\n");

@@ -1,25 +1,10 @@
 // The installed library: builds every example against it in a clean prefix and runs the examples.
 
-#include <algorithm>
-#include <catch2/catch.hpp>
-#include <cstdio>
-#include <fstream>
-#include <iterator>
-#include <map>
 #include <regex>
-#include <sstream>
 
 #include "tests/support/executable.hpp"
-#include "tests/support/paths.hpp"
-#include "tests/support/sanitized.hpp"
-#include "tests/support/skip.hpp"
-#include "tests/support/slow.hpp"
-
-using namespace forefeel::test;
 
 namespace {
-
-namespace fs = std::filesystem;
 
 std::string ran(const Workshop& shop, const std::string& command) {
   const Workshop::Outcome outcome = shop.shell(command);
@@ -110,9 +95,9 @@ void check_manual(const Workshop& shop) {
   for (const char* command :
        {"mesh", "solve", "generate", "import", "export", "info", "show", "classify", "evaluate", "trace",
         "session", "replay", "study", "reproduce", "cache", "help"})
-    CHECK_THAT(page, Catch::Contains(std::string(".SS forefeel ") + command + "\n"));
-  CHECK_THAT(page, Catch::Contains(".SH EXAMPLES\n") && Catch::Contains("forefeel cache \\-\\-empty"));
-  CHECK_THAT(page, Catch::Contains(".SH FILES\n") && Catch::Contains("~/.cache/forefeel"));
+    CHECK_THAT(page, Contains(std::string(".SS forefeel ") + command + "\n"));
+  CHECK_THAT(page, Contains(".SH EXAMPLES\n", "forefeel cache \\-\\-empty"));
+  CHECK_THAT(page, Contains(".SH FILES\n", "~/.cache/forefeel"));
   const std::string complete =
       "source prefix/share/bash-completion/completions/forefeel; COMP_WORDS=(forefeel ";
   CHECK(ran(shop, "bash -c '" + complete + "sess); COMP_CWORD=1; _forefeel; echo ${COMPREPLY[@]}'") ==
@@ -126,20 +111,19 @@ void check_command(const Workshop& shop) {
   shop.write("beam.toml", beam_scene());
   const std::string session =
       " session beam.toml --clock virtual --seconds 0.1 --cost constant:0.01 --policy ahead --json -o run";
-  const auto summary = nlohmann::json::parse(ran(shop, "build/command_policy" + session));
+  const auto summary = json::parse(ran(shop, "build/command_policy" + session));
   CHECK(summary["policy"] == "ahead");
   const Workshop::Outcome unknown = shop.shell("prefix/bin/forefeel" + session);
   CHECK(unknown.code == 2);
-  CHECK_THAT(unknown.err, Catch::Contains("'ahead'") && Catch::Contains("nearest"));
-  CHECK_THAT(ran(shop, "build/command_policy --help"),
-             Catch::Contains("reproduce") && Catch::Contains("classify"));
+  CHECK_THAT(unknown.err, Contains("'ahead'", "nearest"));
+  CHECK_THAT(ran(shop, "build/command_policy --help"), Contains("reproduce", "classify"));
 }
 
 // Every link of the installed README leads to an installed file.
 void check_readme(const Workshop& shop) {
   const fs::path folder = shop.path() / "prefix/share/doc/forefeel";
   const std::string text = ran(shop, "cat prefix/share/doc/forefeel/README.md");
-  CHECK_THAT(text, Catch::Contains("`share/forefeel`") && Catch::Contains("# Forefeel\n"));
+  CHECK_THAT(text, Contains("`share/forefeel`", "# Forefeel\n"));
   const std::regex link(R"(\]\(([^)]+)\))");
   int found = 0;
   for (std::sregex_iterator match(text.begin(), text.end(), link), end; match != end; ++match, ++found) {
@@ -170,10 +154,9 @@ TEST_CASE("examples are built against the installed library in a clean prefix, a
   CHECK(value_after(first, "force: ") < 0);  // against a motion along +x
 
   const std::string labels = ran(shop, "build/own_states");
-  CHECK_THAT(labels, Catch::Contains("-80 mm: blank") && Catch::Contains("-40 mm: safe") &&
-                         Catch::Contains("  0 mm: gap") && Catch::Contains(" 40 mm: safe"));
+  CHECK_THAT(labels, Contains("-80 mm: blank", "-40 mm: safe", "  0 mm: gap", " 40 mm: safe"));
   shop.write("one.csv", "x,y,z,fx,fy,fz\n0,0,0,0,0,0\n");
-  CHECK_THAT(ran(shop, "build/own_states one.csv"), Catch::Contains("sparse") && !Catch::Contains("safe"));
+  CHECK_THAT(ran(shop, "build/own_states one.csv"), Contains("sparse") && !Contains("safe"));
   CHECK(shop.shell("build/own_states none.csv").code == 2);
 
   const std::string session = ran(shop, "build/session_in_code");

@@ -1,17 +1,10 @@
 // The installed Python package.
 
-#include <catch2/catch.hpp>
-
 #include "tests/support/executable.hpp"
-#include "tests/support/paths.hpp"
-#include "tests/support/skip.hpp"
-#include "tests/support/slow.hpp"
-
-using namespace forefeel::test;
 
 TEST_CASE("the Python package is installed where the message says, and imports there",
           "[package]" SLOW("installs the Python package, which only run.sh all builds")) {
-  if (!std::filesystem::exists(build_folder() / "apps" / "python" / "forefeel" / "__init__.py"))
+  if (!fs::exists(build_folder() / "apps" / "python" / "forefeel" / "__init__.py"))
     return skip("the Python module is not built: pybind11 is not installed");
   const Workshop shop;
   const Workshop::Outcome installed = shop.shell("cmake --install '" + build_folder().string() +
@@ -19,9 +12,9 @@ TEST_CASE("the Python package is installed where the message says, and imports t
   INFO(installed.out << installed.err);
   REQUIRE(installed.code == 0);
   const std::string folder = (shop.path() / "prefix/lib/python3/dist-packages").string();
-  CHECK_THAT(installed.out, Catch::Contains("PYTHONPATH=" + folder));
-  CHECK(std::filesystem::exists(folder + "/forefeel/_core.pyi"));
-  CHECK(std::filesystem::exists(folder + "/forefeel/py.typed"));
+  CHECK_THAT(installed.out, Contains("PYTHONPATH=" + folder));
+  CHECK(fs::exists(folder + "/forefeel/_core.pyi"));
+  CHECK(fs::exists(folder + "/forefeel/py.typed"));
   const Workshop::Outcome used = shop.shell("cd / && PYTHONPATH='" + folder +
                                             "' /usr/bin/python3 -c \"import forefeel as f; print(f.__file__, "
                                             "f.classify([[0,0,0]], [[0,0,1]], 0.1))\"");

@@ -2,24 +2,11 @@
 // A digest whose patterns match nothing would never change, so configuring must fail (forefeel_revision in
 // the top CMakeLists.txt).
 
-#include <catch2/catch.hpp>
-#include <fstream>
-#include <iterator>
 #include <regex>
 
 #include "tests/support/executable.hpp"
-#include "tests/support/paths.hpp"
-
-using namespace forefeel::test;
 
 namespace {
-
-namespace fs = std::filesystem;
-
-std::string text_of(const fs::path& file) {
-  std::ifstream in(file);
-  return {std::istreambuf_iterator<char>(in), {}};
-}
 
 // A project that calls the repository's own forefeel_revision on its folder `rooms`.
 void write_project(const Workshop& shop, const std::string& patterns) {
@@ -55,7 +42,7 @@ TEST_CASE("a digest changes with each file that it covers, and covers at least o
   write_project(shop, "rooms/*.cpp");
   const Workshop::Outcome refused = shop.shell("cmake -G Ninja -S . -B build");
   CHECK(refused.code != 0);
-  CHECK_THAT(refused.err, Catch::Contains("a revision covers no file"));
+  CHECK_THAT(refused.err, Contains("a revision covers no file"));
 }
 
 // The patterns that the build itself uses, followed from the folder of their CMakeLists.txt.

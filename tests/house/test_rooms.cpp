@@ -1,14 +1,11 @@
 // The rules for the size and the names of rooms and files (rooms.hpp): the tree keeps them, and a fault put in for the
 // purpose is found.
 
-#include <catch2/catch.hpp>
 #include <iostream>
 
 #include "tests/house/rooms.hpp"
-#include "tests/support/paths.hpp"
-#include "tests/support/temporary_folder.hpp"
+#include "tests/support/test.hpp"
 
-using namespace forefeel;
 using namespace forefeel::house;
 
 namespace {
@@ -19,7 +16,7 @@ void check_none(const std::vector<std::string>& faults) {
 }
 
 // Subjects a, b, … of a room, each a header.
-void fill(const test::TemporaryFolder& root, const std::string& room, std::size_t subjects) {
+void fill(const TemporaryFolder& root, const std::string& room, std::size_t subjects) {
   for (std::size_t i = 0; i < subjects; ++i)
     root.write(room + "/" + room.substr(room.find('/') + 1) + std::to_string(i) + ".hpp", "#pragma once\n");
 }
@@ -27,8 +24,8 @@ void fill(const test::TemporaryFolder& root, const std::string& room, std::size_
 }  // namespace
 
 TEST_CASE("a room holds 3 to 30 subjects", "[rooms]") {
-  check_none(faults_of_size(read_files(test::source_folder())));
-  const test::TemporaryFolder root;
+  check_none(faults_of_size(read_files(source_folder())));
+  const TemporaryFolder root;
   fill(root, "geometry/mesh", 3);
   fill(root, "geometry/index", 30);
   root.write("geometry/index/index0.cpp", "");  // of the same subject
@@ -43,8 +40,8 @@ TEST_CASE("a room holds 3 to 30 subjects", "[rooms]") {
 }
 
 TEST_CASE("no two rooms of a folder have one name, and no two files of the tree", "[rooms]") {
-  check_none(names_used_twice(read_files(test::source_folder())));
-  const test::TemporaryFolder root;
+  check_none(names_used_twice(read_files(source_folder())));
+  const TemporaryFolder root;
   root.write("apps/main/main.cpp", "");
   root.write("tests/support/main.cpp", "");
   root.write("solver/common/sum.hpp", "");
@@ -58,8 +55,8 @@ TEST_CASE("no two rooms of a folder have one name, and no two files of the tree"
 }
 
 TEST_CASE("no source file of the five folders has more than 400 lines", "[rooms]") {
-  check_none(long_files(read_files(test::source_folder())));
-  const test::TemporaryFolder root;
+  check_none(long_files(read_files(source_folder())));
+  const TemporaryFolder root;
   root.write("geometry/mesh/a.cpp", std::string(400, '\n'));
   root.write("geometry/mesh/b.hpp", std::string(401, '\n'));
   root.write("tests/geometry/c.cpp", std::string(401, '\n'));
@@ -68,8 +65,8 @@ TEST_CASE("no source file of the five folders has more than 400 lines", "[rooms]
 }
 
 TEST_CASE("no comment is wider than 120 columns", "[rooms]") {
-  check_none(wide_comments(read_files(test::source_folder())));
-  const test::TemporaryFolder root;
+  check_none(wide_comments(read_files(source_folder())));
+  const TemporaryFolder root;
   root.write("geometry/mesh/a.cpp",
              "\n  // " + std::string(115, 'x') + "\nint wide = 0;  // " + std::string(115, 'x') + "\n");
   CHECK(wide_comments(read_files(root.path())).empty());
@@ -80,7 +77,7 @@ TEST_CASE("no comment is wider than 120 columns", "[rooms]") {
 }
 
 TEST_CASE("at most 50 rooms, and at most 330 arrows between them", "[rooms]") {
-  check_none(too_many_rooms_or_arrows(read_includes(test::source_folder())));
+  check_none(too_many_rooms_or_arrows(read_includes(source_folder())));
   std::vector<Include> includes;
   const auto room = [](std::size_t i) { return "solver/room" + std::to_string(i); };
   const auto arrow = [&](std::size_t from, std::size_t to) {

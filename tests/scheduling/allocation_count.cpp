@@ -4,11 +4,11 @@ namespace {
 thread_local std::size_t count = 0;
 }  // namespace
 
-namespace forefeel::testing {
+namespace forefeel::test {
 std::size_t allocations() {
   return count;
 }
-}  // namespace forefeel::testing
+}  // namespace forefeel::test
 
 #if FOREFEEL_COUNTS_ALLOCATIONS
 // operator new, Eigen and the C library all end here.

@@ -15,8 +15,8 @@
 #define FOREFEEL_COUNTS_ALLOCATIONS 1
 #endif
 
-namespace forefeel::testing {
+namespace forefeel::test {
 
 std::size_t allocations();  // of this thread so far; always 0 under a sanitizer
 
-}  // namespace forefeel::testing
+}  // namespace forefeel::test

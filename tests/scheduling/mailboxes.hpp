@@ -11,7 +11,7 @@
 #include "scheduling/workers/rank_protocol.hpp"
 #include "scheduling/workers/transport.hpp"
 
-namespace forefeel::testing {
+namespace forefeel::test {
 
 // Mailboxes in memory. A rank that no thread serves appears to hang.
 struct Mail {
@@ -53,4 +53,4 @@ class Endpoint final : public Transport {
   int rank_;
 };
 
-}  // namespace forefeel::testing
+}  // namespace forefeel::test

@@ -1,14 +1,10 @@
 #pragma once
 // The force that a device got, against the limits of safety by the wall clock.
 
-#include <algorithm>
-#include <catch2/catch.hpp>
-#include <cmath>
-#include <vector>
-
 #include "scheduling/session/session.hpp"
+#include "tests/support/test.hpp"
 
-namespace forefeel::testing {
+namespace forefeel::test {
 
 struct SentForce {
   double t;  // when its frame began, by the wall clock of the session [s]
@@ -46,4 +42,4 @@ inline void check_sent(const SessionResult& result, const SafetyOptions& limits,
   CHECK(sent.back().force == Vec3::Zero());
 }
 
-}  // namespace forefeel::testing
+}  // namespace forefeel::test

@@ -2,17 +2,13 @@
 // A beam of a few tetrahedra, 8 x 2 x 2 cm, clamped at x = 0 and touched at the free end. A solve takes well
 // under a millisecond. Sideways forces are a fraction of a newton, axial forces some newtons.
 
-#include <array>
-#include <filesystem>
-#include <memory>
-#include <string>
-
 #include <unistd.h>
 
 #include "scheduling/session/session.hpp"
 #include "solver/body/body.hpp"
+#include "tests/support/test.hpp"
 
-namespace forefeel::testing {
+namespace forefeel::test {
 
 inline TetMesh beam_mesh(int cells_x = 4, int cells_y = 1, int cells_z = 1) {
   TetMesh mesh;
@@ -96,4 +92,10 @@ inline SessionOptions virtual_options(double seconds = 1) {
   return options;
 }
 
-}  // namespace forefeel::testing
+inline void expect_no_state_twice(const SessionResult& result) {
+  std::set<std::tuple<double, double, double>> solved;
+  for (const DispatchRecord& d : result.dispatch)
+    if (d.status == DispatchStatus::solved) REQUIRE(solved.insert({d.at.x(), d.at.y(), d.at.z()}).second);
+}
+
+}  // namespace forefeel::test

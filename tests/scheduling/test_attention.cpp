@@ -1,15 +1,9 @@
 // The warnings before the figures of a session, and the numbers behind them.
 
-#include <catch2/catch.hpp>
-
 #include "geometry/states/state_outcome.hpp"
 #include "scheduling/record/attention.hpp"
 #include "scheduling/record/summary_columns.hpp"
 #include "small_body.hpp"
-
-using namespace forefeel;
-using testing::small_input;
-using testing::virtual_options;
 
 namespace {
 
@@ -67,7 +61,7 @@ TEST_CASE("what passivity control changes of the force is said, as the errors do
   summary.energy.control.added_p50 = 0.2;
   summary.energy.control.added_p95 = 0.75;
   REQUIRE(attention(summary).size() == 1);
-  CHECK_THAT(attention(summary)[0], Catch::Contains("by 20 % (p50), 75 % (p95)"));
+  CHECK_THAT(attention(summary)[0], Contains("by 20 % (p50), 75 % (p95)"));
   summary.energy.control.added_p95 = 0.005;
   CHECK(attention(summary).empty());
 }
@@ -76,8 +70,7 @@ TEST_CASE("what holding the force for a frame gives to the hand is said of unsta
   SessionSummary summary = summarise(quiet_run(), small_input(), virtual_options(1));
   summary.energy.stability = StabilityReport{.stable = false, .since = 0.1, .hold = 0.0335};
   REQUIRE(attention(summary).size() == 1);
-  CHECK_THAT(attention(summary)[0],
-             Catch::Contains("the hand got 0.0335 J in all because each force is held"));
+  CHECK_THAT(attention(summary)[0], Contains("the hand got 0.0335 J in all because each force is held"));
   summary.energy.stability->stable = true;  // damping absorbed it
   CHECK(attention(summary).empty());
 }
@@ -90,7 +83,7 @@ TEST_CASE("an error bar that held too seldom in a label is said with that label"
     result.frames[k].force = Vec3(1.01, 0, 0);
   }
   REQUIRE(lines(result).size() == 1);
-  CHECK_THAT(lines(result)[0], Catch::Contains("40 % of 100 samples labelled blank"));
+  CHECK_THAT(lines(result)[0], Contains("40 % of 100 samples labelled blank"));
 }
 
 TEST_CASE("a motion that starts pressed in while zero is rendered is said, with the time until it is right") {
@@ -101,10 +94,9 @@ TEST_CASE("a motion that starts pressed in while zero is rendered is said, with 
     result.frames[k].judged.error = 1;
   }
   REQUIRE(lines(result).size() == 1);
-  CHECK_THAT(lines(result)[0], Catch::Contains("starts pressed in") && Catch::Contains("2.3 N") &&
-                                   Catch::Contains("0 N was rendered") && Catch::Contains("0.4 s"));
+  CHECK_THAT(lines(result)[0], Contains("starts pressed in", "2.3 N", "0 N was rendered", "0.4 s"));
   for (FrameRecord& frame : result.frames) frame.force.setZero();
-  CHECK_THAT(lines(result)[0], Catch::Contains("no later sample was within the JND"));
+  CHECK_THAT(lines(result)[0], Contains("no later sample was within the JND"));
 }
 
 TEST_CASE("more than 5 % of frames clamped is said first of all, with the limit") {
@@ -116,8 +108,8 @@ TEST_CASE("more than 5 % of frames clamped is said first of all, with the limit"
   SessionSummary summary = summarise(result, small_input(), virtual_options(1));
   summary.safety.force_limit = 3.3;
   REQUIRE(attention(summary).size() == 2);
-  CHECK_THAT(attention(summary)[0], Catch::Contains("98.5 %") && Catch::Contains("3.3 N"));
-  CHECK_THAT(attention(summary)[1], Catch::Contains("38 %") && Catch::Contains("outside the box"));
+  CHECK_THAT(attention(summary)[0], Contains("98.5 %", "3.3 N"));
+  CHECK_THAT(attention(summary)[1], Contains("38 %", "outside the box"));
 }
 
 TEST_CASE("a position on a face of the box is inside") {
@@ -132,8 +124,7 @@ TEST_CASE("a percentage of few samples is given as counts") {
   CHECK(share_of_samples(0.981, 213) == "98.1 % of 213");
   CHECK(share_of_samples(unknown, 0) == "unknown");
   REQUIRE(lines(quiet_run(1)).size() == 2);
-  CHECK_THAT(lines(quiet_run(1))[0],
-             Catch::Contains("errors rest on 1 sample") && !Catch::Contains("samples"));
+  CHECK_THAT(lines(quiet_run(1))[0], Contains("errors rest on 1 sample") && !Contains("samples"));
 }
 
 TEST_CASE("states with inverted elements do not count as solved, and are said") {

@@ -1,21 +1,8 @@
-#include <algorithm>
-#include <catch2/catch.hpp>
-#include <cmath>
-#include <map>
-#include <set>
-#include <thread>
-#include <utility>
-#include <vector>
-
 #include "scheduling/session/planner.hpp"
 #include "scheduling/session/session_plan.hpp"
 #include "scheduling/session/session_setup.hpp"
 #include "scheduling/workers/worker_threads.hpp"
 #include "small_body.hpp"
-
-using namespace forefeel;
-using testing::small_input;
-using testing::virtual_options;
 
 namespace {
 
@@ -199,7 +186,7 @@ TEST_CASE("batches: a worker does one thing at a time, and what has not begun ha
 }
 
 TEST_CASE("worker threads: a job's neighbours come after it, all of them right; cancelled ones say so") {
-  const auto body = testing::small_body();
+  const auto body = test::small_body();
   StateSolver judge(std::make_shared<SolverBasis>(body), nullptr, {.spacing = 0.006});
   WorkerThreads workers(body, {.spacing = 0.006, .tolerance = 1e-6}, [] { return 0.0; });
   std::thread thread([&] { workers.serve(); });

@@ -1,18 +1,12 @@
 // What a session does on both contacts: a place that is grasped, and a body that is touched anywhere.
-#include <catch2/catch.hpp>
-#include <cmath>
-#include <limits>
 #include <mutex>
-#include <stdexcept>
 
 #include "geometry/states/state_file.hpp"
 #include "scheduling/policy/policy.hpp"
 #include "scheduling/session/input_replay.hpp"
 #include "small_body.hpp"
-#include "tests/support/temporary_folder.hpp"
 #include "touched_liver.hpp"
 
-namespace forefeel {
 namespace {
 
 struct Contacted {
@@ -22,15 +16,15 @@ struct Contacted {
 
 // anywhere: on the liver; else on a small linear body with one place.
 Contacted contacted(bool anywhere) {
-  if (anywhere) return {testing::liver(), testing::options_for(PathName::palpation, 0.012, 2.5)};
-  return {testing::small_input(), testing::virtual_options(2)};
+  if (anywhere) return {test::liver(), test::options_for(PathName::palpation, 0.012, 2.5)};
+  return {small_input(), virtual_options(2)};
 }
 
 // The liver's session where many states are wanted.
 Contacted demanding(bool anywhere) {
   Contacted made = contacted(anywhere);
   if (anywhere) {
-    const SessionInput strict = testing::liver_with([](TouchTask& task) { task.tolerance = 0.002; });
+    const SessionInput strict = test::liver_with([](TouchTask& task) { task.tolerance = 0.002; });
     made.input.touched.anywhere = strict.touched.anywhere;
   }
   return made;
@@ -122,7 +116,7 @@ TEST_CASE("a failing planner of a real session loses nothing of the run", "[cont
   made.input.parts.policy = std::make_shared<Failing>();
   const SessionResult run = run_session(made.input, made.options);
   REQUIRE(run.failures.size() == 1);
-  CHECK(run.failures[0].find("a policy failed") != std::string::npos);
+  CHECK_THAT(run.failures[0], Contains("a policy failed"));
   REQUIRE_FALSE(run.frames.empty());
   CHECK(run.frames.back().sent.isZero(0));
 }
@@ -130,7 +124,7 @@ TEST_CASE("a failing planner of a real session loses nothing of the run", "[cont
 TEST_CASE("a run is rendered again bit by bit from its inputs", "[contacts]") {
   const bool anywhere = GENERATE(false, true);
   CAPTURE(anywhere);
-  const test::TemporaryFolder folder;
+  const TemporaryFolder folder;
   const Contacted made = demanding(anywhere);
   SessionPlan plan = with_inputs_file(make_plan(made.input, made.options), folder.path() / "inputs", "test");
   const SessionResult run = run_session(plan);
@@ -142,10 +136,10 @@ TEST_CASE("a run is rendered again bit by bit from its inputs", "[contacts]") {
   CHECK(again.states == run.states.size());
   CHECK(again.whole);
   if (!anywhere) return;
-  CHECK_THROWS_WITH(replay_inputs(folder.path() / "inputs"), Catch::Contains("--scene"));
-  const SessionInput other = testing::liver_with([](TouchTask& task) { task.friction = 0.4; });
+  CHECK_THROWS_WITH(replay_inputs(folder.path() / "inputs"), Contains("--scene"));
+  const SessionInput other = test::liver_with([](TouchTask& task) { task.friction = 0.4; });
   CHECK_THROWS_WITH(replay_inputs(folder.path() / "inputs", "test", {}, [&] { return other.touched; }),
-                    Catch::Contains("friction"));
+                    Contains("friction"));
 }
 
 TEST_CASE("states arrive at given times, and foreign ones are rendered alone", "[contacts]") {
@@ -165,12 +159,9 @@ TEST_CASE("states arrive at given times, and foreign ones are rendered alone", "
       plan.arrivals.list.push_back(
           {.t = 0.2,
            .at = state.at,
-           .site =
-               anywhere ? testing::liver_task().field->rest().map().nearest(state.site) : SurfacePlace()});
+           .site = anywhere ? test::liver_task().field->rest().map().nearest(state.site) : SurfacePlace()});
   const SessionResult arrived = run_session(plan);
   REQUIRE_FALSE(arrived.dispatch.empty());
   for (const DispatchRecord& d : arrived.dispatch) CHECK(d.status == DispatchStatus::arrived);
   CHECK(arrived.counts.solved == plan.arrivals.list.size());
 }
-
-}  // namespace forefeel

@@ -1,17 +1,8 @@
-#include <algorithm>
-#include <catch2/catch.hpp>
-#include <cmath>
-#include <thread>
-#include <vector>
-
-#include "geometry/common/error.hpp"
 #include "scheduling/motion/random.hpp"
 #include "scheduling/record/needed_states.hpp"
 #include "scheduling/workers/cost.hpp"
 #include "scheduling/workers/reference_service.hpp"
 #include "small_body.hpp"
-
-using namespace forefeel;
 
 namespace {
 
@@ -85,7 +76,7 @@ TEST_CASE("costs outside their ranges are refused, and each prints as it is writ
 }
 
 TEST_CASE("recorded costs are measured once, however many ask at the same time; rest has no -0") {
-  const SessionInput input = testing::small_input();
+  const SessionInput input = small_input();
   ReferenceService service(reference_options(input), 2);
   RecordedCosts lists[4];
   {
@@ -101,7 +92,7 @@ TEST_CASE("recorded costs are measured once, however many ask at the same time; 
 }
 
 TEST_CASE("a reference is waited for as long as is said, and is there later all the same") {
-  const SessionInput input = testing::small_input();
+  const SessionInput input = small_input();
   ReferenceService service(reference_options(input), 1);
   const auto now = std::chrono::steady_clock::now();
   const Vec3 x(0.003, -0.002, 0.001), y(0.001, 0.002, -0.003);

@@ -1,26 +1,13 @@
 // The columns that a run and a cell of a study write are those that `forefeel help outputs` lists.
 
-#include <algorithm>
-#include <catch2/catch.hpp>
-#include <filesystem>
-#include <fstream>
-#include <set>
-#include <sstream>
-#include <string>
-#include <vector>
-
 #include "scheduling/record/run_files.hpp"
 #include "scheduling/record/summary_columns.hpp"
 #include "scheduling/study/cell_result.hpp"
 #include "tests/scheduling/small_body.hpp"
-#include "tests/support/temporary_folder.hpp"
-
-using namespace forefeel;
-using namespace forefeel::testing;
 
 namespace {
 
-std::vector<std::string> lines_of(const std::filesystem::path& file) {
+std::vector<std::string> lines_of(const fs::path& file) {
   std::ifstream in(file);
   std::vector<std::string> lines;
   for (std::string line; std::getline(in, line);) lines.push_back(line);
@@ -47,7 +34,7 @@ std::set<std::string> names_in(const std::vector<Declared>& rows) {
 }  // namespace
 
 TEST_CASE("the tables of a virtual run have the columns that are declared for it, and as many cells a row") {
-  const test::TemporaryFolder folder;
+  const TemporaryFolder folder;
   const SessionInput input = small_input();
   const SessionOptions options = virtual_options(0.3);
   write_run_files(folder.path(), run_session(input, options), options);

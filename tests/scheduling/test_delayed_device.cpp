@@ -1,17 +1,10 @@
 // A delay of whole frames in the loop: the boundary of stability falls as published.
 
-#include <catch2/catch.hpp>
-#include <cmath>
-#include <vector>
-
-#include "geometry/common/error.hpp"
 #include "scheduling/motion/delayed_device.hpp"
 #include "scheduling/motion/hand_device.hpp"
 #include "scheduling/session/passivity_plan.hpp"
 #include "small_body.hpp"
 #include "tests/support/free_swing.hpp"
-
-using namespace forefeel;
 
 namespace {
 

@@ -1,15 +1,7 @@
-#include <catch2/catch.hpp>
-#include <cmath>
-#include <fstream>
-
-#include "geometry/common/error.hpp"
 #include "scheduling/motion/device.hpp"
 #include "scheduling/motion/hand_device.hpp"
 #include "scheduling/motion/trace.hpp"
 #include "small_body.hpp"
-#include "tests/support/temporary_folder.hpp"
-
-using namespace forefeel;
 
 namespace {
 
@@ -26,15 +18,10 @@ std::vector<Vec3> motion(Device& device, double seconds, double step = 1e-3) {
 }
 
 std::string message(const DeviceSpec& device, const FactoryContext& where = context) {
-  try {
-    make_device(device, where);
-  } catch (const InputError& error) {
-    return error.what();
-  }
-  return "";
+  return error_of([&] { make_device(device, where); });
 }
 
-void write(const std::filesystem::path& file, const std::string& text) {
+void write(const fs::path& file, const std::string& text) {
   std::ofstream(file) << text;
 }
 
@@ -109,7 +96,7 @@ TEST_CASE("tremor and noise have the asked root mean square and are seeded") {
 }
 
 TEST_CASE("a trace is interpolated through its rows and held after its end") {
-  const test::TemporaryFolder folder;
+  const TemporaryFolder folder;
   write(folder / "a.csv", "t,x,y,z\n5,0,0,0\n5.5,0.001,0,0\n6,0.002,0.001,0\n6.5,0.002,0.003,0.001\n");
   FactoryContext where = context;
   where.folder = folder.path();
@@ -128,7 +115,7 @@ TEST_CASE("a trace is interpolated through its rows and held after its end") {
 }
 
 TEST_CASE("bad traces name file and line") {
-  const test::TemporaryFolder folder;
+  const TemporaryFolder folder;
   FactoryContext where = context;
   where.folder = folder.path();
   const std::vector<std::pair<std::string, std::string>> cases{
@@ -144,9 +131,9 @@ TEST_CASE("bad traces name file and line") {
   for (const auto& [text, expected] : cases) {
     CAPTURE(text);
     write(folder / "bad.csv", text);
-    CHECK_THAT(message(TraceMotion{.file = "bad.csv"}, where), Catch::Contains(expected));
+    CHECK_THAT(message(TraceMotion{.file = "bad.csv"}, where), Contains(expected));
   }
-  CHECK_THAT(message(TraceMotion{.file = "missing.csv"}, where), Catch::Contains("missing.csv"));
+  CHECK_THAT(message(TraceMotion{.file = "missing.csv"}, where), Contains("missing.csv"));
 }
 
 TEST_CASE("devices outside their ranges are refused") {
@@ -157,15 +144,15 @@ TEST_CASE("devices outside their ranges are refused") {
     return motion;
   };
   CHECK(message(press).empty());
-  CHECK_THAT(message(PathMotion{.speed = 0}), Catch::Contains("speed is '0', expected a number of at least"));
-  CHECK_THAT(message(PathMotion{.speed = 1e9}), Catch::Contains("speed is 1e+09, expected at most 1000 m/s"));
-  CHECK_THAT(message(PathMotion{.speed = std::nan("")}), Catch::Contains("device path:press,speed=nan: "));
-  CHECK_THAT(message(path(&PathMotion::amplitude, 1e9)), Catch::Contains("at most 10 m"));
-  CHECK_THAT(message(path(&PathMotion::tremor, -1)), Catch::Contains("tremor is '-1'"));
-  CHECK_THAT(message(path(&PathMotion::noise, 2)), Catch::Contains("noise is 2, expected at most 1 m"));
-  CHECK_THAT(message(HandMotion{.grip = 0}), Catch::Contains("at least 1"));
-  CHECK_THAT(message(HandMotion{.target = {.speed = -1}}), Catch::Contains("speed is '-1'"));
-  CHECK_THAT(message(TraceMotion{.file = "a.csv", .scale = std::nan("")}), Catch::Contains("scale is 'nan'"));
+  CHECK_THAT(message(PathMotion{.speed = 0}), Contains("speed is '0', expected a number of at least"));
+  CHECK_THAT(message(PathMotion{.speed = 1e9}), Contains("speed is 1e+09, expected at most 1000 m/s"));
+  CHECK_THAT(message(PathMotion{.speed = std::nan("")}), Contains("device path:press,speed=nan: "));
+  CHECK_THAT(message(path(&PathMotion::amplitude, 1e9)), Contains("at most 10 m"));
+  CHECK_THAT(message(path(&PathMotion::tremor, -1)), Contains("tremor is '-1'"));
+  CHECK_THAT(message(path(&PathMotion::noise, 2)), Contains("noise is 2, expected at most 1 m"));
+  CHECK_THAT(message(HandMotion{.grip = 0}), Contains("at least 1"));
+  CHECK_THAT(message(HandMotion{.target = {.speed = -1}}), Contains("speed is '-1'"));
+  CHECK_THAT(message(TraceMotion{.file = "a.csv", .scale = std::nan("")}), Contains("scale is 'nan'"));
 }
 
 TEST_CASE("a device prints as it is written on the command line") {

@@ -1,12 +1,6 @@
 // Parts of a session that a user may supply. Each one here wraps a built-in part. Registered under a name or
 // given as an object, it must give the same bits as that part.
 
-#include <algorithm>
-#include <catch2/catch.hpp>
-#include <cmath>
-#include <thread>
-
-#include "geometry/common/error.hpp"
 #include "run_logs.hpp"
 #include "scheduling/motion/device.hpp"
 #include "scheduling/motion/predictor.hpp"
@@ -18,11 +12,6 @@
 #include "scheduling/workers/reference_service.hpp"
 #include "scheduling/workers/worker_threads.hpp"
 #include "small_body.hpp"
-#include "tests/support/temporary_folder.hpp"
-
-using namespace forefeel;
-using testing::small_input;
-using testing::virtual_options;
 
 namespace {
 
@@ -75,23 +64,13 @@ class Runs {
   std::string logs(const SessionOptions& options, const SessionParts& parts = {}) {
     SessionInput input = small_input();
     input.parts = parts;
-    return testing::logs(input, options, folder_ / std::to_string(count_++));
+    return test::logs(input, options, folder_ / std::to_string(count_++));
   }
 
  private:
-  test::TemporaryFolder folder_;
+  TemporaryFolder folder_;
   int count_ = 0;
 };
-
-template <class Do>
-std::string refusal(Do&& what) {
-  try {
-    what();
-  } catch (const InputError& error) {
-    return error.what();
-  }
-  return "";
-}
 
 }  // namespace
 
@@ -167,65 +146,62 @@ TEST_CASE("what nobody registered is refused with the names that are") {
   const auto refused = [](auto&& change) {
     SessionOptions options = virtual_options();
     change(options);
-    return refusal([&] { make_plan(small_input(), options); });
+    return error_of([&] { make_plan(small_input(), options); });
   };
   CHECK_THAT(refused([](SessionOptions& o) { o.planning.policy = "wrapped"; }),
-             Catch::Contains("unknown policy 'wrapped', expected one of ") && Catch::Contains("coverage") &&
-                 Catch::Contains("wrapped-nearest"));
+             Contains("unknown policy 'wrapped', expected one of ", "coverage", "wrapped-nearest"));
   CHECK_THAT(refused([](SessionOptions& o) { o.motion.predictor = "wrapped"; }),
-             Catch::Contains("kalman, wrapped-velocity"));
-  CHECK_THAT(
-      refused([](SessionOptions& o) { o.motion.device = Registered("wrapped"); }),
-      Catch::Contains("path:NAME, trace:FILE, hand:PROFILE or one of") && Catch::Contains("wrapped-path"));
+             Contains("kalman, wrapped-velocity"));
+  CHECK_THAT(refused([](SessionOptions& o) { o.motion.device = Registered("wrapped"); }),
+             Contains("path:NAME, trace:FILE, hand:PROFILE or one of", "wrapped-path"));
   CHECK_THAT(refused([](SessionOptions& o) { o.workers.cost = Registered("wrapped"); }),
-             Catch::Contains("recorded, paper or one of") && Catch::Contains("wrapped-lognormal"));
+             Contains("recorded, paper or one of", "wrapped-lognormal"));
   CHECK_THAT(refused([](SessionOptions& o) { o.workers.kind = "wrapped"; }),
-             Catch::Contains("threads, wrapped-threads"));
+             Contains("threads, wrapped-threads"));
 }
 
 TEST_CASE("settings of a registered part are checked against those that its factory reads") {
   const auto refused = [](PartSettings settings) {
     SessionOptions options = virtual_options();
     options.motion.device = Registered("wrapped-path", std::move(settings));
-    return refusal([&] { make_plan(small_input(), options); });
+    return error_of([&] { make_plan(small_input(), options); });
   };
   CHECK(refused({{"speed", "0.1"}}).empty());
   CHECK(refused({{"speeed", "0.1"}}) ==
         "device wrapped-path:speeed=0.1: unknown setting 'speeed', expected speed, tremor");
   CHECK(refused({{"speed", "fast"}}) == "device wrapped-path:speed=fast: speed is 'fast', expected a number");
   CHECK(refused({{"speed", "2"}}) == "device wrapped-path:speed=2: speed is 2, expected 0.001 to 1");
-  CHECK_THAT(refused({{"speed", "0.1"}, {"speed", "0.2"}}), Catch::Contains("'speed' is given twice"));
-  CHECK_THAT(refused({{"", "fast"}}), Catch::Contains("unknown setting 'fast'"));
+  CHECK_THAT(refused({{"speed", "0.1"}, {"speed", "0.2"}}), Contains("'speed' is given twice"));
+  CHECK_THAT(refused({{"", "fast"}}), Contains("unknown setting 'fast'"));
 }
 
 TEST_CASE("no name is registered twice, none that cannot be written") {
   REQUIRE(before_main);
   register_others();
   const PolicyFactory policy = [](FactoryContext&) { return make_policy("fifo"); };
-  CHECK_THAT(refusal([&] { register_policy("coverage", policy); }),
-             Catch::Contains("'coverage' is registered already"));
-  CHECK_THAT(refusal([&] { register_policy("wrapped-nearest", policy); }),
-             Catch::Contains("registered already"));
+  CHECK_THAT(error_of([&] { register_policy("coverage", policy); }),
+             Contains("'coverage' is registered already"));
+  CHECK_THAT(error_of([&] { register_policy("wrapped-nearest", policy); }), Contains("registered already"));
   for (const std::string name : {"", "a b", "a:b", "a,b", "a=b", "\"a\""}) {
     CAPTURE(name);
-    CHECK_THAT(refusal([&] { register_policy(name, policy); }), Catch::Contains("cannot be a name"));
+    CHECK_THAT(error_of([&] { register_policy(name, policy); }), Contains("cannot be a name"));
   }
-  CHECK_THAT(refusal([&] { register_device("hand", {}); }), Catch::Contains("'hand' is built in"));
-  CHECK_THAT(refusal([&] { register_cost("paper", {}); }), Catch::Contains("'paper' is built in"));
-  CHECK_THAT(refusal([&] {
+  CHECK_THAT(error_of([&] { register_device("hand", {}); }), Contains("'hand' is built in"));
+  CHECK_THAT(error_of([&] { register_cost("paper", {}); }), Contains("'paper' is built in"));
+  CHECK_THAT(error_of([&] {
                register_predictor("kalman", [](FactoryContext&) { return make_predictor("kalman"); });
              }),
-             Catch::Contains("registered already"));
-  CHECK_THAT(refusal([&] { register_workers("none", {}); }), Catch::Contains("makes no workers"));
-  CHECK_THAT(refusal([&] { register_device("nothing", {}); }), Catch::Contains("has no factory"));
+             Contains("registered already"));
+  CHECK_THAT(error_of([&] { register_workers("none", {}); }), Contains("makes no workers"));
+  CHECK_THAT(error_of([&] { register_device("nothing", {}); }), Contains("has no factory"));
 }
 
 TEST_CASE("a kind of workers without simulation is refused under the virtual clock") {
   register_workers("only-real", {.real = make_wrapped_threads});
   SessionOptions options = virtual_options();
   options.workers.kind = "only-real";
-  CHECK_THAT(refusal([&] { make_plan(small_input(), options); }),
-             Catch::Contains("has no workers for the virtual clock, expected --clock real"));
+  CHECK_THAT(error_of([&] { make_plan(small_input(), options); }),
+             Contains("has no workers for the virtual clock, expected --clock real"));
   options.clock.kind = Clock::real;
   CHECK_NOTHROW(make_plan(small_input(), options));
 }
@@ -251,7 +227,7 @@ TEST_CASE("a rehearsed session refuses objects that can be used once") {
   SessionOptions options = virtual_options(0.2);
   options.planning.policy = "clairvoyant";
   input.parts.predictor = make_predictor("kalman");
-  CHECK_THAT(refusal([&] { make_plan(input, options); }), Catch::Contains("register it under a name"));
+  CHECK_THAT(error_of([&] { make_plan(input, options); }), Contains("register it under a name"));
   input.parts = {.policy = make_policy("clairvoyant-greedy")};
   CHECK_NOTHROW(run_session(input, options));  // a policy object is run as it is
 }
@@ -279,8 +255,7 @@ TEST_CASE("summary and errors name a part given as an object, not the one that t
 
   input.parts.device = std::make_shared<Lost>();
   options.clock.seconds = 1;
-  CHECK_THROWS_WITH(make_plan(input, options),
-                    Catch::Contains("object") && Catch::Contains("at 0.5 s is not finite"));
+  CHECK_THROWS_WITH(make_plan(input, options), Contains("object", "at 0.5 s is not finite"));
 }
 
 TEST_CASE("what the factory of a registered part throws names the part") {
@@ -298,13 +273,13 @@ TEST_CASE("what the factory of a registered part throws names the part") {
     return true;
   }();
   REQUIRE(once);
-  CHECK(refusal([] { make_policy("torn"); }) == "policy torn: its factory failed: no weights in model.bin");
-  CHECK(refusal([] {
+  CHECK(error_of([] { make_policy("torn"); }) == "policy torn: its factory failed: no weights in model.bin");
+  CHECK(error_of([] {
           make_device(Registered("torn", {{"file", "b.csv"}}), {});
         }) == "device torn:file=b.csv: b.csv: is empty");
-  CHECK(refusal([] {
+  CHECK(error_of([] {
           make_predictor(Registered("torn", {{"gain", "9"}}));
         }) == "predictor torn:gain=9: gain is 9, expected 0 to 2");
-  CHECK(refusal([] { make_predictor("torn"); }) ==
+  CHECK(error_of([] { make_predictor("torn"); }) ==
         "predictor torn: its factory threw what is no std::exception");
 }

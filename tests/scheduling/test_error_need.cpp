@@ -1,13 +1,8 @@
 // The chance of an error above the JND that a state removes: against numerical integration, what it learns from the
 // errors of states, and its placebo.
 
-#include <catch2/catch.hpp>
-#include <cmath>
-#include <vector>
-
 #include "scheduling/policy/error_need.hpp"
-
-using namespace forefeel;
+#include "tests/support/test.hpp"
 
 namespace {
 

@@ -1,11 +1,6 @@
-#include <catch2/catch.hpp>
-#include <cmath>
-#include <vector>
-
 #include "scheduling/judge/visited_cells.hpp"
 #include "scheduling/record/exact_rendering.hpp"
-
-using namespace forefeel;
+#include "tests/support/test.hpp"
 
 namespace {
 

@@ -1,14 +1,5 @@
 // A worker that returns impossible states: a force 1000 times too large, the stiffness of another body, NaN.
 
-#include <catch2/catch.hpp>
-
-#include <algorithm>
-#include <cmath>
-#include <fstream>
-#include <limits>
-#include <optional>
-#include <span>
-
 #include "scheduling/record/summary.hpp"
 #include "scheduling/session/planner.hpp"
 #include "scheduling/session/plausible.hpp"
@@ -16,9 +7,6 @@
 #include "scheduling/session/session_setup.hpp"
 #include "scheduling/workers/reference_service.hpp"
 #include "small_body.hpp"
-#include "tests/support/temporary_folder.hpp"
-
-using namespace forefeel;
 
 namespace {
 
@@ -50,8 +38,8 @@ struct OneWorker final : Generator {
 };
 
 struct Bench {
-  SessionInput input = testing::small_input();
-  SessionPlan plan = make_plan(input, testing::virtual_options());
+  SessionInput input = small_input();
+  SessionPlan plan = make_plan(input, virtual_options());
   OneWorker worker;
   std::vector<State> told;
   Planner planner{planner_setup(plan), worker, {.on_state = [this](const State& s) { told.push_back(s); }}};
@@ -103,16 +91,16 @@ TEST_CASE("a state that arrives without a solve is judged like a solved one") {
 }
 
 TEST_CASE("arrivals: a state of another unit is set aside, counted and said") {
-  const test::TemporaryFolder folder;
+  const TemporaryFolder folder;
   std::ofstream(folder / "a.csv") << "t,x,y,z\n0.01,0,0,0\n0.05,0.006,0,0\n0.1,0,0.006,0\n0.15,0,0,0.006\n";
-  SessionOptions options = testing::virtual_options(0.3);
+  SessionOptions options = virtual_options(0.3);
   options.planning.arrivals = folder / "a.csv";
-  SessionInput input = testing::small_input();
+  SessionInput input = small_input();
   input.references = std::make_shared<ReferenceService>(reference_options(input), 1);
   State wrong = input.references->get(Vec3(0, 0.006, 0));
   wrong.force *= 1000;
   wrong.stiffness *= 1000;
-  SessionInput poisoned = testing::small_input();
+  SessionInput poisoned = small_input();
   poisoned.references = std::make_shared<ReferenceService>(reference_options(poisoned), 1);
   poisoned.references->learn(std::span(&wrong, 1));
   for (const Clock clock : {Clock::virtual_time, Clock::real}) {

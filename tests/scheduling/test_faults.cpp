@@ -2,18 +2,7 @@
 // or gives no number, a clock that steps. The loop runs on, what the device gets stays inside the limits of force and
 // slew by the wall clock, and each fault is counted and said.
 
-#include <algorithm>
-#include <atomic>
-#include <catch2/catch.hpp>
-#include <chrono>
-#include <filesystem>
-#include <limits>
-#include <memory>
 #include <mutex>
-#include <set>
-#include <stdexcept>
-#include <string>
-#include <thread>
 
 #include "approx/model/updater.hpp"
 #include "run_logs.hpp"
@@ -26,13 +15,6 @@
 #include "scheduling/workers/worker_threads.hpp"
 #include "sent_limits.hpp"
 #include "small_body.hpp"
-#include "tests/support/paths.hpp"
-#include "tests/support/slow.hpp"
-
-using namespace forefeel;
-using testing::check_sent;
-using testing::small_input;
-using testing::virtual_options;
 
 namespace {
 
@@ -314,16 +296,16 @@ TEST_CASE("a clock that goes backwards or leaps changes the force by no more tha
 TEST_CASE("session, planner, loop and workers read steady clocks alone") {
   std::size_t files = 0;
   for (const char* folder : {"scheduling", "approx", "solver", "geometry"})
-    for (const auto& entry : std::filesystem::recursive_directory_iterator(test::source_folder() / folder)) {
+    for (const auto& entry : fs::recursive_directory_iterator(source_folder() / folder)) {
       const std::string ending = entry.path().extension().string();
       if (ending != ".cpp" && ending != ".hpp") continue;
       ++files;
-      const std::string text = testing::text(entry.path());
+      const std::string text = text_of(entry.path());
       CAPTURE(entry.path().string());
       for (const char* word : {"system_clock", "gettimeofday", "high_resolution_clock"})
-        CHECK(text.find(word) == std::string::npos);
+        CHECK_THAT(text, !Contains(word));
       // real_run.cpp looks at it to count its steps
-      if (entry.path().filename() != "real_run.cpp") CHECK(text.find("CLOCK_REALTIME") == std::string::npos);
+      if (entry.path().filename() != "real_run.cpp") CHECK_THAT(text, !Contains("CLOCK_REALTIME"));
     }
   CHECK(files > 200);
 }

@@ -5,14 +5,6 @@
 #include <sys/wait.h>
 #include <unistd.h>
 
-#include <algorithm>
-#include <atomic>
-#include <catch2/catch.hpp>
-#include <cmath>
-#include <stdexcept>
-#include <string>
-#include <vector>
-
 #include "approx/model/updater.hpp"
 #include "scheduling/record/attention.hpp"
 #include "scheduling/record/summary.hpp"
@@ -20,10 +12,6 @@
 #include "scheduling/render/render_loop.hpp"
 #include "scheduling/session/session.hpp"
 #include "small_body.hpp"
-
-using namespace forefeel;
-using testing::small_input;
-using testing::virtual_options;
 
 namespace {
 

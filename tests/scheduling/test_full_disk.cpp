@@ -3,24 +3,12 @@
 #include <signal.h>
 #include <sys/resource.h>
 
-#include <algorithm>
-#include <catch2/catch.hpp>
-#include <filesystem>
-#include <memory>
-#include <string>
-
-#include "geometry/common/error.hpp"
 #include "geometry/states/state_file.hpp"
 #include "run_logs.hpp"
 #include "scheduling/record/summary.hpp"
 #include "scheduling/session/session.hpp"
 #include "scheduling/workers/reference_service.hpp"
 #include "small_body.hpp"
-#include "tests/support/temporary_folder.hpp"
-
-using namespace forefeel;
-using testing::small_input;
-using testing::virtual_options;
 
 namespace {
 
@@ -50,7 +38,7 @@ class FullDisk {
 TEST_CASE("a full disk of the states' file costs later states their place in it, and nothing else") {
   for (const Clock clock : {Clock::virtual_time, Clock::real}) {
     CAPTURE(static_cast<int>(clock));
-    const test::TemporaryFolder folder;
+    const TemporaryFolder folder;
     SessionInput input = small_input();
     input.files.states = folder / "session.states";
     if (clock == Clock::real) input.touched.space.spacing = 0.0015;  // more states than it can solve
@@ -67,20 +55,20 @@ TEST_CASE("a full disk of the states' file costs later states their place in it,
     CHECK(result.frames.size() + result.loop.skipped >= (clock == Clock::real ? 3000 : 600));
     REQUIRE(result.failures.size() == 1);
     CHECK_THAT(result.failures[0], Catch::StartsWith((folder / "session.states").string() + ": cannot be") &&
-                                       Catch::Contains("are not in this file"));
+                                       Contains("are not in this file"));
     const auto kept = StateFile::open_read_only(*input.files.states).read_all();
     CHECK(kept.size() < result.states.size());
     CHECK(summarise(result, input, options).run.failures == result.failures);
     // the tables of the run are whole
     prepare_run_folder(folder / "run");
     write_run_files(folder / "run", result, options);
-    const std::string frames = testing::text(folder / "run" / "frames.csv");
+    const std::string frames = text_of(folder / "run" / "frames.csv");
     CHECK(static_cast<std::size_t>(std::ranges::count(frames, '\n')) == result.frames.size() + 1);
   }
 }
 
 TEST_CASE("a full disk of the cache is a warning only, and the results are the same") {
-  const test::TemporaryFolder folder;
+  const TemporaryFolder folder;
   SessionInput input = small_input();
   const SessionOptions options = virtual_options(0.4);
   const SessionResult without = run_session(input, options);
@@ -95,7 +83,7 @@ TEST_CASE("a full disk of the cache is a warning only, and the results are the s
   CHECK(result.failures.empty());
   CHECK_FALSE(result.interrupted());
   REQUIRE(result.warnings.size() == 1);
-  CHECK_THAT(result.warnings[0], Catch::Contains("cache of reference solves is no longer written"));
+  CHECK_THAT(result.warnings[0], Contains("cache of reference solves is no longer written"));
   REQUIRE(result.frames.size() == without.frames.size());
   for (std::size_t k = 0; k < result.frames.size(); ++k) {
     REQUIRE(result.frames[k].force == without.frames[k].force);
@@ -105,18 +93,13 @@ TEST_CASE("a full disk of the cache is a warning only, and the results are the s
 }
 
 TEST_CASE("tables that can be written are, and the error names those that cannot") {
-  const test::TemporaryFolder folder;
+  const TemporaryFolder folder;
   const SessionOptions options = virtual_options(0.1);
   const SessionResult result = run_session(small_input(), options);
   prepare_run_folder(folder / "run");
-  std::filesystem::create_directories(folder / "run" / "switches.csv" / "in the way");
-  try {
-    write_run_files(folder / "run", result, options);
-    FAIL("nothing was said");
-  } catch (const InputError& error) {
-    CHECK_THAT(error.what(), Catch::Contains("is incomplete") && Catch::Contains("switches.csv") &&
-                                 !Catch::Contains("frames.csv"));
-  }
-  CHECK(std::filesystem::is_regular_file(folder / "run" / "frames.csv"));
-  CHECK(std::filesystem::is_regular_file(folder / "run" / "dispatch.csv"));
+  fs::create_directories(folder / "run" / "switches.csv" / "in the way");
+  CHECK_THAT(error_of([&] { write_run_files(folder / "run", result, options); }),
+             Contains("is incomplete", "switches.csv") && !Contains("frames.csv"));
+  CHECK(fs::is_regular_file(folder / "run" / "frames.csv"));
+  CHECK(fs::is_regular_file(folder / "run" / "dispatch.csv"));
 }

@@ -1,11 +1,6 @@
-#include <atomic>
-#include <catch2/catch.hpp>
-#include <thread>
-
 #include "scheduling/render/spsc_queue.hpp"
 #include "scheduling/render/triple_buffer.hpp"
-
-using namespace forefeel;
+#include "tests/support/test.hpp"
 
 namespace {
 

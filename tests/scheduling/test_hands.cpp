@@ -1,19 +1,11 @@
 // Hands that differ: drawn from the seed, and with a reaction to a force that comes as a surprise.
 
-#include <algorithm>
-#include <catch2/catch.hpp>
-#include <cmath>
-#include <set>
-#include <vector>
-
 #include "scheduling/motion/device.hpp"
 #include "scheduling/motion/drawn_hand.hpp"
 #include "scheduling/motion/hand_device.hpp"
 #include "scheduling/motion/trace.hpp"
 #include "scheduling/record/summary.hpp"
 #include "small_body.hpp"
-
-using namespace forefeel;
 
 namespace {
 
@@ -113,18 +105,18 @@ TEST_CASE("a surprising force stiffens the grip after its delay, and the hand ca
 }
 
 TEST_CASE("a study over seeds is one over people: what the hand does differs from seed to seed") {
-  SessionOptions options = testing::virtual_options(1);
+  SessionOptions options = virtual_options(1);
   options.workers.cost = ConstantCost{0.005};
   options.motion.device = drawn();
   std::set<double> grips;
   std::vector<double> reach;
   for (std::uint64_t seed = 1; seed <= 5; ++seed) {
     options.seed = seed;
-    const SessionResult result = run_session(testing::small_input(), options);
+    const SessionResult result = run_session(small_input(), options);
     double most = 0;
     for (const FrameRecord& frame : result.frames) most = std::max(most, frame.at.norm());
     reach.push_back(most);
-    const SessionSummary summary = summarise(result, testing::small_input(), options);
+    const SessionSummary summary = summarise(result, small_input(), options);
     grips.insert(summary.energy.hand.grip);
     CHECK(summary.energy.hand.tremor >= 50e-6);
   }
@@ -135,7 +127,7 @@ TEST_CASE("a study over seeds is one over people: what the hand does differs fro
 
 TEST_CASE("traits outside their range are refused") {
   const auto refused = [](const HandTraits& traits, const char* what) {
-    CHECK_THROWS_WITH(check(DeviceSpec(HandMotion{.traits = traits})), Catch::Contains(what));
+    CHECK_THROWS_WITH(check(DeviceSpec(HandMotion{.traits = traits})), Contains(what));
   };
   refused({.mass = 0}, "mass is '0'");
   refused({.damping_ratio = 1.2}, "zeta is 1.2");

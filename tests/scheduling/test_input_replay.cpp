@@ -5,16 +5,7 @@
 #include <signal.h>
 #include <sys/resource.h>
 
-#include <atomic>
-#include <catch2/catch.hpp>
-#include <cstring>
-#include <filesystem>
-#include <fstream>
-#include <string>
-#include <vector>
-
 #include "allocation_count.hpp"
-#include "geometry/common/error.hpp"
 #include "run_logs.hpp"
 #include "scheduling/render/input_log.hpp"
 #include "scheduling/render/input_reader.hpp"
@@ -22,16 +13,10 @@
 #include "scheduling/session/input_replay.hpp"
 #include "scheduling/session/session.hpp"
 #include "small_body.hpp"
-#include "tests/support/skip.hpp"
-#include "tests/support/temporary_folder.hpp"
-
-using namespace forefeel;
-using testing::small_input;
-using testing::virtual_options;
 
 namespace {
 
-SessionResult recorded(const std::filesystem::path& file, SessionInput input, const SessionOptions& options,
+SessionResult recorded(const fs::path& file, SessionInput input, const SessionOptions& options,
                        const SessionHooks& hooks = {}) {
   return run_session(with_inputs_file(make_plan(std::move(input), options), file, "test"), hooks);
 }
@@ -43,7 +28,7 @@ SessionOptions real_options(double seconds) {
   return options;
 }
 
-std::vector<InputRecord> records_of(const std::filesystem::path& file) {
+std::vector<InputRecord> records_of(const fs::path& file) {
   std::vector<InputRecord> all;
   InputReader reader(file);
   while (std::optional<InputRecord> record = reader.next()) all.push_back(*std::move(record));
@@ -55,7 +40,7 @@ bool same_bits(const Vec3& a, const Vec3& b) {
 }
 
 // The record holds the forces of the run itself, and their replay has the same bits.
-void check_replay(const std::filesystem::path& file, const SessionResult& result) {
+void check_replay(const fs::path& file, const SessionResult& result) {
   std::vector<FrameInput> frames;
   for (const InputRecord& record : records_of(file)) {
     if (record.kind != InputKind::frame) continue;
@@ -79,30 +64,21 @@ void check_replay(const std::filesystem::path& file, const SessionResult& result
   CHECK(report.states == result.states.size());
   CHECK(report.failed == result.counts.failed);
   CHECK(report.made_by == report.replayed_by);
-  CHECK(report.bytes == std::filesystem::file_size(file));
+  CHECK(report.bytes == fs::file_size(file));
 }
 
-std::string refusal(const std::filesystem::path& file) {
-  try {
-    replay_inputs(file);
-  } catch (const InputError& error) {
-    return error.what();
-  }
-  return "";
+std::string refusal(const fs::path& file) {
+  return error_of([&] { replay_inputs(file); });
 }
 
-std::string bytes_of(const std::filesystem::path& file) {
-  return testing::text(file);
-}
-
-void write(const std::filesystem::path& file, const std::string& bytes) {
+void write(const fs::path& file, const std::string& bytes) {
   std::ofstream(file, std::ios::binary) << bytes;
 }
 
 }  // namespace
 
 TEST_CASE("a real run, its workers and its wall time, replays to the same bits") {
-  const test::TemporaryFolder folder;
+  const TemporaryFolder folder;
   SessionInput input = small_input();
   SessionOptions options = real_options(1.2);
   SECTION("elastic, models in another order than states") {
@@ -116,7 +92,7 @@ TEST_CASE("a real run, its workers and its wall time, replays to the same bits")
     options.model.method = SessionMethod::tricubic;
   }
   SECTION("a first guess") {
-    input = testing::block_input();
+    input = test::block_input();
   }
   const SessionResult result = recorded(folder / "inputs", input, options);
   CHECK(result.failures.empty());
@@ -125,7 +101,7 @@ TEST_CASE("a real run, its workers and its wall time, replays to the same bits")
 }
 
 TEST_CASE("virtual runs replay to the same bits, and recording changes none of theirs") {
-  const test::TemporaryFolder folder;
+  const TemporaryFolder folder;
   SessionOptions options = virtual_options(2.5);
   const PathMotion press{.path = PathName::press, .speed = 0.06};
   for (const bool controlled : {false, true}) {
@@ -146,7 +122,7 @@ TEST_CASE("virtual runs replay to the same bits, and recording changes none of t
 }
 
 TEST_CASE("runs that are interrupted replay with their ramp to zero") {
-  const test::TemporaryFolder folder;
+  const TemporaryFolder folder;
   for (const Clock clock : {Clock::real, Clock::virtual_time}) {
     SessionOptions options = real_options(60);
     options.clock.kind = clock;
@@ -163,10 +139,10 @@ TEST_CASE("runs that are interrupted replay with their ramp to zero") {
 }
 
 TEST_CASE("a record that was cut replays as far as it goes; a changed or damaged one does not") {
-  const test::TemporaryFolder folder;
-  const std::filesystem::path file = folder / "inputs", other = folder / "other";
+  const TemporaryFolder folder;
+  const fs::path file = folder / "inputs", other = folder / "other";
   const SessionResult result = recorded(file, small_input(), virtual_options(0.6));
-  const std::string bytes = bytes_of(file);
+  const std::string bytes = text_of(file);
   const std::vector<InputRecord> records = records_of(file);
   const InputRecord& last = records.back();
   REQUIRE(last.kind == InputKind::frame);
@@ -205,19 +181,19 @@ TEST_CASE("a record that was cut replays as far as it goes; a changed or damaged
   };
   const std::string place = other.string() + ": is damaged at byte ";
   CHECK_THAT(damaged(last.at, 'Q'), Catch::StartsWith(place + std::to_string(last.at)));
-  CHECK_THAT(damaged(last.at + 1, 7), Catch::Contains("no record of a run begins there"));
-  CHECK_THAT(damaged(last.at + 5, 0), Catch::Contains("a frame that is not later than the one before"));
-  CHECK_THAT(damaged(records[0].at - 20, '\x55'), Catch::Contains("the header is damaged"));
-  CHECK_THAT(damaged(3, 'x'), Catch::Contains("is no record of a run"));
+  CHECK_THAT(damaged(last.at + 1, 7), Contains("no record of a run begins there"));
+  CHECK_THAT(damaged(last.at + 5, 0), Contains("a frame that is not later than the one before"));
+  CHECK_THAT(damaged(records[0].at - 20, '\x55'), Contains("the header is damaged"));
+  CHECK_THAT(damaged(3, 'x'), Contains("is no record of a run"));
   write(other, bytes.substr(0, 30));
-  CHECK_THAT(refusal(other), Catch::Contains("ends before the first frame"));
+  CHECK_THAT(refusal(other), Contains("ends before the first frame"));
   write(other, bytes + "more");
-  CHECK_THAT(refusal(other), Catch::Contains("bytes behind the end"));
-  CHECK_THAT(refusal(folder / "none"), Catch::Contains("cannot be read"));
+  CHECK_THAT(refusal(other), Contains("bytes behind the end"));
+  CHECK_THAT(refusal(folder / "none"), Contains("cannot be read"));
 }
 
 TEST_CASE("a full disk ends the record, not the run, and what was written replays") {
-  const test::TemporaryFolder folder;
+  const TemporaryFolder folder;
   const SessionOptions options = real_options(1);
   rlimit before{};
   getrlimit(RLIMIT_FSIZE, &before);
@@ -238,14 +214,13 @@ TEST_CASE("a full disk ends the record, not the run, and what was written replay
   CHECK(report.frames > 100);
   CHECK(report.frames < result.frames.size());
   CHECK(report.equal == report.frames);
-  CHECK_THAT(result.failures[0],
-             Catch::Contains(fmt::format("frames after {:.3f} s cannot", report.seconds)));
+  CHECK_THAT(result.failures[0], Contains(fmt::format("frames after {:.3f} s cannot", report.seconds)));
 }
 
 TEST_CASE(
     "recording a frame allocates nothing; a disk that is too slow ends the record before the first lost "
     "frame") {
-  const test::TemporaryFolder folder;
+  const TemporaryFolder folder;
   const SessionInput input = small_input();
   const auto device = make_device(PathMotion{.path = PathName::tour},
                                   {.box = input.touched.space.box, .seed = 1, .folder = {}});
@@ -256,12 +231,12 @@ TEST_CASE(
   LoopLink link;
   link.inputs = &log;
   RenderLoop loop(*device, link, options, frames);
-  const std::size_t before = testing::allocations();
+  const std::size_t before = test::allocations();
   for (std::size_t k = 0; k < frames; ++k) loop.frame(k);  // nobody drains
-  if (FOREFEEL_COUNTS_ALLOCATIONS) CHECK(testing::allocations() == before);
+  if (FOREFEEL_COUNTS_ALLOCATIONS) CHECK(test::allocations() == before);
   log.close();
   REQUIRE(log.failure());
-  CHECK_THAT(*log.failure(), Catch::Contains("the disk was too slow; frames after 8.190 s"));
+  CHECK_THAT(*log.failure(), Contains("the disk was too slow; frames after 8.190 s"));
   const ReplayReport report = replay_inputs(folder / "inputs");
   CHECK(report.frames == 8191);
   CHECK(report.equal == 8191);

@@ -1,19 +1,11 @@
 // Sessions and placements with models of energy jets, on a beam of a few tetrahedra; truth by tight solves.
 
-#include <algorithm>
-#include <catch2/catch.hpp>
-#include <cmath>
-
 #include "geometry/states/energy_jet.hpp"
 #include "scheduling/placement/placement.hpp"
 #include "scheduling/record/summary.hpp"
 #include "scheduling/session/session.hpp"
 #include "small_body.hpp"
 #include "solver/equilibrium/solver.hpp"
-
-using namespace forefeel;
-using testing::small_input;
-using testing::virtual_options;
 
 namespace {
 

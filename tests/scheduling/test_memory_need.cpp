@@ -1,31 +1,18 @@
 // A session that needs more memory than there is, is refused before it begins, in one line.
 
-#include <algorithm>
-#include <catch2/catch.hpp>
-#include <string>
-#include <thread>
-
-#include "geometry/common/error.hpp"
 #include "scheduling/session/memory_need.hpp"
 #include "scheduling/session/session.hpp"
 #include "scheduling/workers/reference_service.hpp"
 #include "small_body.hpp"
 
-using namespace forefeel;
-
 namespace {
 
 std::string refusal(const MemoryRequest& asked, double available) {
-  try {
-    check_memory(asked, available);
-  } catch (const InputError& error) {
-    return error.what();
-  }
-  return "";
+  return error_of([&] { check_memory(asked, available); });
 }
 
 MemoryRequest one_second() {
-  return {.body = testing::small_body(), .frames = 1000, .seconds = 1, .workers = 2, .threads = 1};
+  return {.body = test::small_body(), .frames = 1000, .seconds = 1, .workers = 2, .threads = 1};
 }
 
 }  // namespace
@@ -39,7 +26,7 @@ TEST_CASE("a session that no memory holds is refused with what it would take, wh
   asked.seconds = 86400;
   const std::string frames = refusal(asked, 4e9);
   CHECK_THAT(frames, Catch::StartsWith("session.seconds: is 86400, and 86400000 frames take about") &&
-                         Catch::Contains("4 GB are free, expected at most"));
+                         Contains("4 GB are free, expected at most"));
   // as many seconds as it says fit
   asked.seconds = std::stod(frames.substr(frames.rfind(' ')));
   asked.frames = static_cast<std::size_t>(1000 * asked.seconds);
@@ -56,13 +43,13 @@ TEST_CASE(
   CHECK_THAT(refusal(asked, 1e8), Catch::StartsWith("session.workers: is 3000"));
   CHECK(refusal(asked, 1e12).empty());
   asked.workers = 100'000;
-  CHECK_THAT(refusal(asked, 1e15), Catch::Contains("each worker is a thread, expected at most 4096"));
+  CHECK_THAT(refusal(asked, 1e15), Contains("each worker is a thread, expected at most 4096"));
   // simulated workers are no threads
-  SessionOptions options = testing::virtual_options(0.1);
+  SessionOptions options = virtual_options(0.1);
   options.workers.count = 100'000;
-  CHECK_NOTHROW(make_plan(testing::small_input(), options));
+  CHECK_NOTHROW(make_plan(small_input(), options));
   options.clock.kind = Clock::real;
-  CHECK_THROWS_AS(make_plan(testing::small_input(), options), InputError);
+  CHECK_THROWS_AS(make_plan(small_input(), options), InputError);
   // threads of reference solves are as many as have a use
   const auto cores = static_cast<int>(std::thread::hardware_concurrency());
   CHECK(reference_threads(4096) <= std::max(8, 4 * cores));

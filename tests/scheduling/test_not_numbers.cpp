@@ -1,20 +1,9 @@
 // User-supplied parts that return NaN or lack a setting: this is reported, not silently ignored.
 
-#include <catch2/catch.hpp>
-
-#include <algorithm>
-#include <cmath>
-#include <limits>
-
-#include "geometry/common/error.hpp"
 #include "scheduling/common/arguments.hpp"
 #include "scheduling/session/session.hpp"
 #include "scheduling/workers/cost.hpp"
 #include "small_body.hpp"
-
-using namespace forefeel;
-using testing::small_input;
-using testing::virtual_options;
 
 namespace {
 
@@ -82,9 +71,9 @@ TEST_CASE("priorities that are not numbers are counted in a note that names the 
   CHECK(note_about(run_session(input, options), "not numbers").empty());
   input.parts.policy = std::make_shared<Careless>();
   const SessionResult result = run_session(input, options);
-  CHECK_THAT(note_about(result, "not numbers"),
-             Catch::StartsWith("policy careless gave ") &&
-                 Catch::Contains(" not numbers, 0 infinite, 0 negative; ") && Catch::EndsWith("last"));
+  CHECK_THAT(note_about(result, "not numbers"), Catch::StartsWith("policy careless gave ") &&
+                                                    Contains(" not numbers, 0 infinite, 0 negative; ") &&
+                                                    Catch::EndsWith("last"));
   CHECK(result.counts.solved > 0);
 }
 
@@ -104,8 +93,8 @@ TEST_CASE("negative and infinite priorities are sorted by <, and counted") {
   const std::vector<Vec3> expected = order(1, lawful);  // [m]: no priority is negative
   CHECK(order(0, negative) == expected);
   CHECK(lawful.empty());
-  CHECK_THAT(negative, Catch::Contains("finite numbers of at least 0: 0 not numbers, 0 infinite, ") &&
-                           !Catch::Contains(" 0 negative"));
+  CHECK_THAT(negative, Contains("finite numbers of at least 0: 0 not numbers, 0 infinite, ") &&
+                           !Contains(" 0 negative"));
 
   const auto favourite = std::make_shared<Favourite>();
   input.parts.policy = favourite;
@@ -115,7 +104,7 @@ TEST_CASE("negative and infinite priorities are sorted by <, and counted") {
   CHECK(favourite->at.norm() > 0);
   CHECK(first->at == favourite->at);
   CHECK_THAT(note_about(result, "policy favourite gave"),
-             Catch::Contains("0 not numbers, ") && !Catch::Contains(", 0 infinite"));
+             Contains("0 not numbers, ") && !Contains(", 0 infinite"));
 }
 
 TEST_CASE("predictions that are not numbers are counted in a note, and the session goes on without them") {
@@ -124,9 +113,8 @@ TEST_CASE("predictions that are not numbers are counted in a note, and the sessi
   CHECK(note_about(run_session(input, options), "predictor").empty());
   input.parts.predictor = std::make_shared<CarelessPredictor>();
   const SessionResult result = run_session(input, options);
-  CHECK_THAT(note_about(result, "predictor"),
-             Catch::StartsWith("the predictor gave ") &&
-                 Catch::Contains("the hand counted as staying where it was"));
+  CHECK_THAT(note_about(result, "predictor"), Catch::StartsWith("the predictor gave ") &&
+                                                  Contains("the hand counted as staying where it was"));
   CHECK(result.counts.solved > 0);
   CHECK(result.failures.empty());
 }
@@ -154,22 +142,16 @@ TEST_CASE(
   input.parts.cost = std::make_shared<AtRest>();
   const SessionResult result = run_session(input, options);
   REQUIRE(result.failures.size() == 1);
-  CHECK_THAT(result.failures.front(), Catch::StartsWith("planning failed: cost: ") &&
-                                          Catch::Contains("charges -1 s for the state at rest"));
+  CHECK_THAT(result.failures.front(),
+             Catch::StartsWith("planning failed: cost: ") && Contains("charges -1 s for the state at rest"));
 }
 
 TEST_CASE("a setting that a part requires is refused where it is missing or empty, with the part's text") {
   const auto refusal = [](const PartSettings& settings, const std::string& key) {
-    try {
-      Arguments({.key = "device", .value = "mine"}, settings).required_text(key);
-    } catch (const InputError& error) {
-      return std::string(error.what());
-    }
-    return std::string();
+    return error_of([&] { Arguments({.key = "device", .value = "mine"}, settings).required_text(key); });
   };
   CHECK(Arguments({.key = "device"}, {{"file", "a.csv"}}).required_text("file") == "a.csv");
-  CHECK_THAT(refusal({}, "file"),
-             Catch::Contains("mine") && Catch::Contains("file is missing, expected file=TEXT"));
-  CHECK_THAT(refusal({{"file", ""}}, "file"), Catch::Contains("is missing"));
-  CHECK_THAT(refusal({}, ""), Catch::Contains("the text after the colon is missing"));
+  CHECK_THAT(refusal({}, "file"), Contains("mine", "file is missing, expected file=TEXT"));
+  CHECK_THAT(refusal({{"file", ""}}, "file"), Contains("is missing"));
+  CHECK_THAT(refusal({}, ""), Contains("the text after the colon is missing"));
 }

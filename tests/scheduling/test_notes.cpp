@@ -1,17 +1,8 @@
 // Notes of sessions are shortened by kind, and those of a study's cells reach its result.
 
-#include <catch2/catch.hpp>
-#include <limits>
-#include <string>
-#include <vector>
-
 #include "scheduling/record/notes.hpp"
 #include "scheduling/study/study_run.hpp"
 #include "small_body.hpp"
-
-using namespace forefeel;
-using testing::small_input;
-using testing::virtual_options;
 
 namespace {
 
@@ -75,5 +66,5 @@ TEST_CASE("states that come after the last frame are said, with the number that 
   CHECK(found.size() == (all > seen ? 1 : 0));
   if (all > seen)
     CHECK_THAT(found.front(), Catch::StartsWith(std::to_string(all - seen) + " of the ") &&
-                                  Catch::Contains("which knew " + std::to_string(seen)));
+                                  Contains("which knew " + std::to_string(seen)));
 }

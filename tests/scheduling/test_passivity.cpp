@@ -1,9 +1,5 @@
 // Passivity control: the published boundaries against a sweep of gains, and springs that generate energy.
 
-#include <catch2/catch.hpp>
-#include <cmath>
-#include <functional>
-
 #include "scheduling/motion/device.hpp"
 #include "scheduling/motion/hand_device.hpp"
 #include "scheduling/motion/loop_limit.hpp"
@@ -11,8 +7,7 @@
 #include "scheduling/render/safety.hpp"
 #include "scheduling/session/passivity_plan.hpp"
 #include "tests/support/free_swing.hpp"
-
-using namespace forefeel;
+#include "tests/support/test.hpp"
 
 namespace {
 

@@ -1,19 +1,13 @@
 // The reserve of the passivity control: exact small cases, motions at random, and fast hands on bodies that are
 // learned.
 
-#include <algorithm>
-#include <catch2/catch.hpp>
-#include <cmath>
-#include <memory>
-
 #include "scheduling/motion/device.hpp"
 #include "scheduling/motion/hand_device.hpp"
 #include "scheduling/motion/random.hpp"
 #include "scheduling/record/stability.hpp"
 #include "scheduling/render/safety.hpp"
 #include "scheduling/session/passivity_plan.hpp"
-
-using namespace forefeel;
+#include "tests/support/test.hpp"
 
 namespace {
 

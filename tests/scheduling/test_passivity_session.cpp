@@ -1,23 +1,18 @@
 // Passivity control in sessions.
 
-#include <algorithm>
-#include <catch2/catch.hpp>
-
 #include "scheduling/record/attention.hpp"
 #include "scheduling/record/summary.hpp"
 #include "small_body.hpp"
 
-using namespace forefeel;
-
 TEST_CASE(
     "a body that is too stiff for the device: unstable without control, stable with it, and the price is "
     "said") {
-  SessionInput input = testing::small_input();
+  SessionInput input = small_input();
   auto body = std::make_shared<Body>(*input.touched.body);
   body->material.young = 2e7;
   input.touched.body = body;
   input.touched.identity = {{"mesh", "small beam"}, {"material", "stiff"}};
-  SessionOptions options = testing::virtual_options(1.5);
+  SessionOptions options = virtual_options(1.5);
   options.workers.cost = ConstantCost{0.005};
   options.motion.device =
       HandMotion{.profile = HandName::omega, .target = {.path = PathName::press, .speed = 0.06}, .grip = 100};
@@ -38,7 +33,7 @@ TEST_CASE(
 }
 
 TEST_CASE("where the session is stable anyway, control adds at most 1 % to the force") {
-  SessionOptions options = testing::virtual_options(3);
+  SessionOptions options = virtual_options(3);
   options.workers.cost = ConstantCost{0.005};
   options.workers.count = 4;
   options.motion.device =
@@ -46,7 +41,7 @@ TEST_CASE("where the session is stable anyway, control adds at most 1 % to the f
   options.planning.rest_known = true;
   options.safety.ramp_seconds = 0;  // what is pressed during the ramp is given back in full
   for (const Law law : {Law::linear, Law::neo_hookean}) {
-    const SessionInput input = testing::small_input(law);
+    const SessionInput input = small_input(law);
     options.safety.passivity = Passivity::observe;
     const SessionSummary off = summarise(run_session(input, options), input, options);
     options.safety.passivity = Passivity::control;
@@ -59,14 +54,13 @@ TEST_CASE("where the session is stable anyway, control adds at most 1 % to the f
 }
 
 TEST_CASE("a coupling above the boundary of the loop is refused, one below is taken") {
-  SessionOptions options = testing::virtual_options(0.1);
+  SessionOptions options = virtual_options(0.1);
   options.motion.device = HandMotion{.profile = HandName::omega, .grip = 100};
   options.safety.passivity = Passivity::control;
   options.safety.coupling = 2e4;
-  CHECK_THROWS_WITH(make_plan(testing::small_input(), options),
-                    Catch::Contains("limits.coupling") && Catch::Contains("expected at most 84"));
+  CHECK_THROWS_WITH(make_plan(small_input(), options), Contains("limits.coupling", "expected at most 84"));
   options.safety.coupling = 2000;
-  CHECK(make_plan(testing::small_input(), options).render.passivity.coupling == 2000);
+  CHECK(make_plan(small_input(), options).render.passivity.coupling == 2000);
   options.safety.coupling = -1;
-  CHECK_THROWS_WITH(make_plan(testing::small_input(), options), Catch::Contains("limits.coupling"));
+  CHECK_THROWS_WITH(make_plan(small_input(), options), Contains("limits.coupling"));
 }

@@ -3,17 +3,11 @@
 #include "scheduling/placement/placement.hpp"
 
 #include <Eigen/LU>
-#include <algorithm>
-#include <catch2/catch.hpp>
-#include <chrono>
-#include <cmath>
 #include <stop_token>
-#include <thread>
 
 #include "scheduling/motion/random.hpp"
 #include "small_body.hpp"
 
-namespace forefeel {
 namespace {
 
 PlacementOptions options_of(const SessionInput& input, double error) {
@@ -110,7 +104,7 @@ TEST_CASE("the energy interpolant reproduces a quartic energy and meets its data
 }
 
 TEST_CASE("a placed set holds its error, with few states, and says what it is", "[placement]") {
-  const SessionInput input = testing::small_input();
+  const SessionInput input = small_input();
   std::size_t last = 0;
   for (const double error : {0.05, 0.01, 0.003}) {
     const Placed placed = place(input, options_of(input, error));
@@ -151,7 +145,7 @@ TEST_CASE("a placed set holds its error, with few states, and says what it is", 
 }
 
 TEST_CASE("placing does not depend on threads, and goes on where it was cut", "[placement]") {
-  const SessionInput input = testing::small_input();
+  const SessionInput input = small_input();
   PlacementOptions options = options_of(input, 0.005);
   const Placed whole = place(input, options);
   REQUIRE(whole.report.estimate_holds);
@@ -174,7 +168,7 @@ TEST_CASE("placing does not depend on threads, and goes on where it was cut", "[
 }
 
 TEST_CASE("a linear body takes three solves", "[placement]") {
-  const SessionInput input = testing::small_input(Law::linear);
+  const SessionInput input = small_input(Law::linear);
   const Placed placed = place(input, options_of(input, 1e-6));
   CHECK(placed.report.linear);
   CHECK(placed.report.solved == 3);
@@ -185,7 +179,7 @@ TEST_CASE("a linear body takes three solves", "[placement]") {
 }
 
 TEST_CASE("placing stops at its limits and says so", "[placement]") {
-  const SessionInput input = testing::small_input();
+  const SessionInput input = small_input();
   PlacementOptions options = options_of(input, 1e-7);
   options.max_states = 12;
   const Placed limited = place(input, options);
@@ -209,7 +203,7 @@ TEST_CASE("placing stops at its limits and says so", "[placement]") {
 }
 
 TEST_CASE("a truth that is cut says what was not solved, and counts none of it as failed", "[placement]") {
-  const SessionInput input = testing::small_input();
+  const SessionInput input = small_input();
   const PlacementOptions whole = options_of(input, 0.05);
   std::stop_source stop;
   PlacementOptions options = whole;
@@ -229,7 +223,7 @@ TEST_CASE("a truth that is cut says what was not solved, and counts none of it a
 }
 
 TEST_CASE("the next position on-line is the worst of the candidates by weight", "[placement]") {
-  const SessionInput input = testing::small_input();
+  const SessionInput input = small_input();
   StateSpace space(input.touched.space);
   ErrorEstimator estimator(space, {});
   const std::vector<Vec3> far_and_near{{0.012, 0, 0}, {0.003, 0, 0}, {0, 0, 0}};
@@ -261,7 +255,7 @@ TEST_CASE("the next position on-line is the worst of the candidates by weight", 
 }
 
 TEST_CASE("a stop ends placement within a solve that takes many steps, and its state is not kept") {
-  SessionInput input = testing::small_input();
+  SessionInput input = small_input();
   input.touched.space.spacing = 1e-6;  // thousands of steps to each corner
   PlacementOptions options = options_of(input, 1e-3);
   options.max_states = 9;
@@ -276,5 +270,3 @@ TEST_CASE("a stop ends placement within a solve that takes many steps, and its s
   CHECK(placed.report.solved <= 1);  // rest
   for (const State& s : placed.states) CHECK(s.solve.status != SolveStatus::cancelled);
 }
-
-}  // namespace forefeel

@@ -1,15 +1,9 @@
-#include <catch2/catch.hpp>
-#include <cmath>
 #include <deque>
-#include <map>
-#include <set>
 
 #include "scheduling/session/planner.hpp"
 #include "scheduling/session/session_plan.hpp"
 #include "scheduling/session/session_setup.hpp"
 #include "small_body.hpp"
-
-using namespace forefeel;
 
 namespace {
 
@@ -52,9 +46,9 @@ class ManualWorkers final : public Generator {
 };
 
 struct Bench {
-  explicit Bench(SessionOptions chosen = testing::virtual_options(), int workers = 3, double expected = 0.01)
+  explicit Bench(SessionOptions chosen = virtual_options(), int workers = 3, double expected = 0.01)
       : options(std::move(chosen)),
-        input(testing::small_input()),
+        input(small_input()),
         plan(make_plan(input, options)),
         generator(workers),
         planner(planner_setup(plan), generator,
@@ -77,7 +71,7 @@ struct Bench {
 TEST_CASE("planner: every lattice point is solved once, under every policy") {
   for (const std::string& policy : policy_names()) {
     CAPTURE(policy);
-    SessionOptions options = testing::virtual_options();
+    SessionOptions options = virtual_options();
     options.planning.policy = policy;
     Bench b(options);
     std::set<std::uint64_t> solved;
@@ -108,7 +102,7 @@ TEST_CASE("planner: every lattice point is solved once, under every policy") {
 }
 
 TEST_CASE("planner: a cancelled solve leaves nothing behind and is tried again") {
-  Bench b(testing::virtual_options(), 1);
+  Bench b(virtual_options(), 1);
   b.planner.plan(0);
   REQUIRE(b.generator.jobs.size() == 1);
   const Vec3 x = b.generator.jobs.at(0).at;
@@ -154,7 +148,7 @@ TEST_CASE("planner: for many workers the best are found as if all were ranked an
   register_policy("ranked-anew", [](FactoryContext&) { return std::make_unique<RankedAnew>(); });
   std::vector<std::vector<DispatchRecord>> given;
   for (const std::string policy : {"coverage", "ranked-anew"}) {
-    SessionOptions options = testing::virtual_options();
+    SessionOptions options = virtual_options();
     options.planning.policy = policy;
     Bench b(options, 40, 0.1);
     double now = 0;
@@ -184,7 +178,7 @@ TEST_CASE("planner: for many workers the best are found as if all were ranked an
 }
 
 TEST_CASE("planner: a failed solve is recorded and not tried again") {
-  Bench b(testing::virtual_options(), 1);
+  Bench b(virtual_options(), 1);
   b.planner.plan(0);
   const Vec3 x = b.generator.jobs.at(0).at;
   b.planner.receive(b.generator.end(0, 0.01, SolveStatus::diverged), 0.01);
@@ -209,7 +203,7 @@ TEST_CASE("planner: a failed solve is recorded and not tried again") {
 TEST_CASE(
     "planner: preempts what no longer matters, no candidate more than twice, and never when told not to") {
   for (const bool preempt : {true, false}) {
-    SessionOptions options = testing::virtual_options();
+    SessionOptions options = virtual_options();
     options.planning.policy = "nearest";
     options.planning.preempt = preempt;
     Bench b(options, 1, 0.1);
@@ -253,7 +247,7 @@ TEST_CASE(
     CAPTURE(asks);
     const std::string policy = asks ? "curious" : "not-curious";
     register_policy(policy, [asks](FactoryContext&) { return std::make_unique<Curious>(asks); });
-    SessionOptions options = testing::virtual_options();
+    SessionOptions options = virtual_options();
     options.planning.policy = policy;
     seen.clear();
     Bench b(options, 1);
@@ -286,7 +280,7 @@ TEST_CASE(
 }
 
 TEST_CASE("planner: publishes when states or travel call for it, and only then") {
-  SessionOptions options = testing::virtual_options();
+  SessionOptions options = virtual_options();
   options.model.first_guess = false;  // a guess would be a model before the first state
   Bench b(options, 1);
   const auto taken = [&] {
@@ -324,7 +318,7 @@ TEST_CASE("planner: publishes when states or travel call for it, and only then")
 }
 
 TEST_CASE("planner: recycles models even if the loop never takes one") {
-  Bench b(testing::virtual_options(), 1);
+  Bench b(virtual_options(), 1);
   for (int i = 0; i < 125; ++i) {
     b.planner.plan(0.01 * i);
     b.planner.receive(b.generator.end(0, 0.01 * i), 0.01 * i);

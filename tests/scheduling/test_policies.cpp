@@ -1,11 +1,3 @@
-#include <algorithm>
-#include <array>
-#include <catch2/catch.hpp>
-#include <cmath>
-#include <limits>
-#include <set>
-
-#include "geometry/common/error.hpp"
 #include "scheduling/motion/device.hpp"
 #include "scheduling/motion/prediction_score.hpp"
 #include "scheduling/motion/predictor.hpp"
@@ -14,8 +6,6 @@
 #include "scheduling/policy/need_left.hpp"
 #include "scheduling/policy/policy.hpp"
 #include "small_body.hpp"
-
-using namespace forefeel;
 
 namespace {
 
@@ -36,7 +26,7 @@ Vec3 draw(std::uint64_t key, double size) {
 }  // namespace
 
 TEST_CASE("priorities are finite and not negative for every policy and input") {
-  StateSpace space(testing::small_input().touched.space);
+  StateSpace space(small_input().touched.space);
   space.insert(spring(Vec3::Zero()));
   constexpr double infinite = std::numeric_limits<double>::infinity();
   for (const std::string& name : policy_names()) {
@@ -77,7 +67,7 @@ TEST_CASE("priorities are finite and not negative for every policy and input") {
 }
 
 TEST_CASE("policies prefer what their names say") {
-  StateSpace space(testing::small_input().touched.space);
+  StateSpace space(small_input().touched.space);
   space.insert(spring(Vec3::Zero()));
   std::vector<Prediction> path;
   for (int i = 0; i <= 8; ++i)
@@ -127,7 +117,7 @@ TEST_CASE("policies prefer what their names say") {
 }
 
 TEST_CASE("coverage: what is known or under way ahead is worth less") {
-  StateSpaceOptions options = testing::small_input().touched.space;
+  StateSpaceOptions options = small_input().touched.space;
   options.box = {Vec3::Constant(-0.036), Vec3::Constant(0.036)};
   StateSpace empty(options), known(options);
   std::vector<Prediction> path;
@@ -155,7 +145,7 @@ TEST_CASE("coverage: what is known or under way ahead is worth less") {
 }
 
 TEST_CASE("coverage: a model that interpolates in lattice cells gets the corners of those ahead first") {
-  StateSpaceOptions options = testing::small_input().touched.space;
+  StateSpaceOptions options = small_input().touched.space;
   options.box = {Vec3::Constant(-0.036), Vec3::Constant(0.036)};
   StateSpace space(options);
   for (const Vec3& x :
@@ -181,7 +171,7 @@ TEST_CASE("coverage: a model that interpolates in lattice cells gets the corners
 }
 
 TEST_CASE("coverage: which spacing counts is learnt from what the states that came were missed by") {
-  StateSpaceOptions options = testing::small_input().touched.space;
+  StateSpaceOptions options = small_input().touched.space;
   options.box = {Vec3::Constant(-0.048), Vec3::Constant(0.048)};
   StateSpace space(options);
   std::vector<float> surprises;
@@ -218,7 +208,7 @@ TEST_CASE("coverage: which spacing counts is learnt from what the states that ca
 }
 
 TEST_CASE("coverage: motion straight out of the box is expected back") {
-  StateSpace space(testing::small_input().touched.space);  // 12 mm each way
+  StateSpace space(small_input().touched.space);  // 12 mm each way
   const std::vector<Prediction> path{{.horizon = 0, .at = Vec3(0.01, 0, 0)},
                                      {.horizon = 0.1, .at = Vec3(0.02, 0.01, 0)}};
   const std::vector<Candidate> candidates{
@@ -239,7 +229,7 @@ TEST_CASE("coverage: motion straight out of the box is expected back") {
 }
 
 TEST_CASE("the placebo permutes labels among the places and nothing else") {
-  StateSpaceOptions options = testing::small_input().touched.space;
+  StateSpaceOptions options = small_input().touched.space;
   options.box = {Vec3::Constant(-0.036), Vec3::Constant(0.036)};
   StateSpace space(options);
   const PlannerView view{.space = space,
@@ -312,7 +302,7 @@ TEST_CASE("what places still need: products kept from call to call are those mad
 }
 
 TEST_CASE("candidates are the unknown lattice points, each once") {
-  StateSpace space(testing::small_input().touched.space);
+  StateSpace space(small_input().touched.space);
   space.insert(spring(Vec3::Zero()));
   State failed = spring(Vec3(0.006, 0, 0));
   failed.solve.status = SolveStatus::diverged;
@@ -354,9 +344,8 @@ TEST_CASE("predictors: exact on uniform motion, honest about their deviation") {
     }
     CHECK(predictor->predict(0.4).deviation > predictor->predict(0.1).deviation);
 
-    const auto device =
-        make_device(PathMotion{.path = PathName::lissajous, .tremor = 0.0001},
-                    {.box = testing::small_input().touched.space.box, .seed = 1, .folder = {}});
+    const auto device = make_device(PathMotion{.path = PathName::lissajous, .tremor = 0.0001},
+                                    {.box = small_input().touched.space.box, .seed = 1, .folder = {}});
     std::vector<Vec3> motion;
     for (int k = 0; k < 8000; ++k) motion.push_back(device->position(1e-3 * k, {}));
     const double horizons[] = {0.02, 0.1, 0.3};

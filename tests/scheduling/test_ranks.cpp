@@ -1,12 +1,6 @@
 // Ranks of a run without MPI: threads with mailboxes. A rank that hangs, fails or sends nonsense costs its own work.
 
-#include <atomic>
-#include <catch2/catch.hpp>
-#include <cstring>
 #include <latch>
-#include <map>
-#include <optional>
-#include <thread>
 
 #include "geometry/coverage/state_space.hpp"
 #include "geometry/states/state_message.hpp"
@@ -14,11 +8,6 @@
 #include "scheduling/workers/generate_ranks.hpp"
 #include "scheduling/workers/rank_workers.hpp"
 #include "small_body.hpp"
-
-using namespace forefeel;
-using testing::Endpoint;
-using testing::Mail;
-using testing::small_body;
 
 namespace {
 

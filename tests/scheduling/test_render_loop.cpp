@@ -1,15 +1,8 @@
-#include <catch2/catch.hpp>
-#include <memory>
-#include <vector>
-
 #include "allocation_count.hpp"
 #include "approx/model/updater.hpp"
 #include "geometry/coverage/state_space.hpp"
 #include "scheduling/render/render_loop.hpp"
 #include "small_body.hpp"
-#include "tests/support/skip.hpp"
-
-using namespace forefeel;
 
 namespace {
 
@@ -26,7 +19,7 @@ State stiffening(const Vec3& x) {
 class Feeder {
  public:
   Feeder(LoopLink& link, ModelOptions options)
-      : link_(link), space_(testing::small_input().touched.space), updater_(space_, options) {
+      : link_(link), space_(small_input().touched.space), updater_(space_, options) {
     positions_ = lattice(space_.options().box, space_.options().spacing);
     for (int i = 0; i < 6; ++i) {
       models_.push_back(std::make_unique<Model>());
@@ -63,12 +56,12 @@ class Feeder {
 }  // namespace
 
 TEST_CASE("a frame allocates nothing, under every rule, with models coming and going") {
-  if (!FOREFEEL_COUNTS_ALLOCATIONS) test::skip("allocations are not counted under a sanitizer");
+  if (!FOREFEEL_COUNTS_ALLOCATIONS) skip("allocations are not counted under a sanitizer");
   for (const SwitchRule rule : {SwitchRule::paper, SwitchRule::smooth, SwitchRule::none}) {
     for (const PathMotion& spec :
          {PathMotion{.path = PathName::tour, .tremor = 0.0001, .noise = 0.00002}, PathMotion{}}) {
       CAPTURE(name(spec.path));
-      const SessionInput input = testing::small_input();
+      const SessionInput input = small_input();
       RenderOptions options;
       options.switching.rule = rule;
       options.passivity.mode = spec.noise > 0 ? Passivity::control : Passivity::observe;
@@ -80,18 +73,18 @@ TEST_CASE("a frame allocates nothing, under every rule, with models coming and g
       std::size_t during = 0;
       for (std::size_t k = 0; k < 1500; ++k) {
         if (k >= 100 && k % 7 == 0) feeder.feed(loop.hip().at);
-        const std::size_t before = testing::allocations();
+        const std::size_t before = test::allocations();
         loop.frame(k);
         loop.note_timing(1, 2);
-        during += testing::allocations() - before;
+        during += test::allocations() - before;
       }
       CHECK(during == 0);
       CHECK(loop.lost_models() == 0);
       CHECK(feeder.free_models() >= 6 - 4);  // at most: two or three in the loop, one not taken
       if (FOREFEEL_COUNTS_ALLOCATIONS) {
-        const std::size_t before = testing::allocations();
+        const std::size_t before = test::allocations();
         const auto probe = std::make_unique<double>(1.0);
-        CHECK(testing::allocations() == before + 1);  // the counter counts
+        CHECK(test::allocations() == before + 1);  // the counter counts
       }
     }
   }
@@ -99,7 +92,7 @@ TEST_CASE("a frame allocates nothing, under every rule, with models coming and g
 
 TEST_CASE("the loop logs what it renders and accounts for every switch") {
   for (const SwitchRule rule : {SwitchRule::paper, SwitchRule::smooth, SwitchRule::none}) {
-    const SessionInput input = testing::small_input();
+    const SessionInput input = small_input();
     RenderOptions options;
     options.switching.rule = rule;
     options.safety.ramp_seconds = 0;

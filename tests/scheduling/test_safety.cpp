@@ -1,10 +1,5 @@
-#include <catch2/catch.hpp>
-#include <cmath>
-#include <limits>
-
 #include "scheduling/render/safety.hpp"
-
-using namespace forefeel;
+#include "tests/support/test.hpp"
 
 namespace {
 

@@ -1,28 +1,8 @@
-#include <algorithm>
-#include <atomic>
-#include <catch2/catch.hpp>
-#include <cmath>
-#include <set>
-
 #include "scheduling/record/summary_columns.hpp"
 #include "scheduling/session/session.hpp"
 #include "small_body.hpp"
 #include "solver/equilibrium/solver.hpp"
 #include "tests/support/session_keys.hpp"
-
-using namespace forefeel;
-using testing::small_input;
-using testing::virtual_options;
-
-namespace {
-
-void expect_no_state_twice(const SessionResult& result) {
-  std::set<std::tuple<double, double, double>> solved;
-  for (const DispatchRecord& d : result.dispatch)
-    if (d.status == DispatchStatus::solved) REQUIRE(solved.insert({d.at.x(), d.at.y(), d.at.z()}).second);
-}
-
-}  // namespace
 
 TEST_CASE("virtual clock: starts with nothing, fades in, accounts for everything") {
   SessionInput input = small_input();
@@ -154,7 +134,7 @@ TEST_CASE("a linear body needs three solves: states are exact multiples") {
   REQUIRE(r.states.size() > 20);
   const Mat3 k = r.states.front().stiffness;
   CHECK((k - k.transpose()).norm() < 1e-9 * k.norm());
-  Solver solver(testing::small_body(Law::linear));
+  Solver solver(test::small_body(Law::linear));
   for (const State& state : r.states) {
     CHECK((state.force + k * state.at).norm() <= 1e-12);
     if (state.at.norm() == 0) continue;

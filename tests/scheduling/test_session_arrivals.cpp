@@ -1,18 +1,10 @@
-#include <catch2/catch.hpp>
-#include <fstream>
-
 #include "run_logs.hpp"
 #include "scheduling/record/run_files.hpp"
 #include "scheduling/session/session.hpp"
 #include "small_body.hpp"
-#include "tests/support/temporary_folder.hpp"
-
-using namespace forefeel;
-using testing::small_input;
-using testing::virtual_options;
 
 TEST_CASE("arrivals: states are known when the file says") {
-  const test::TemporaryFolder folder;
+  const TemporaryFolder folder;
   std::ofstream(folder / "a.csv")
       << "t,x,y,z\n0.1,0,0,0\n0.25,0.006,0,0\n0.25,0,0.006,0\n0.05,0,0,0.006\n9,0.012,0,0\n";
   SessionOptions options = virtual_options(0.5);
@@ -40,7 +32,7 @@ TEST_CASE("arrivals: states are known when the file says") {
 }
 
 TEST_CASE("replay: a recorded run gives the same forces again") {
-  const test::TemporaryFolder folder;
+  const TemporaryFolder folder;
   SessionOptions options = virtual_options(1);
   options.workers.cost = LogNormalCost{0.02, 0.5};
   options.workers.latency = 0.002;

@@ -1,16 +1,8 @@
 // Error bars of a whole session, against tight solves.
 
-#include <algorithm>
-#include <catch2/catch.hpp>
-#include <cmath>
-
 #include "scheduling/record/summary.hpp"
 #include "scheduling/session/session.hpp"
 #include "tests/scheduling/small_body.hpp"
-
-using namespace forefeel;
-using testing::small_input;
-using testing::virtual_options;
 
 namespace {
 

@@ -2,26 +2,13 @@
 
 #include <sqlite3.h>
 
-#include <algorithm>
-#include <atomic>
-#include <catch2/catch.hpp>
-#include <cmath>
-#include <filesystem>
-
-#include "geometry/common/error.hpp"
 #include "run_logs.hpp"
 #include "scheduling/record/summary.hpp"
 #include "scheduling/session/session.hpp"
 #include "small_body.hpp"
-#include "tests/support/temporary_folder.hpp"
-
-using namespace forefeel;
-using testing::logs;
-using testing::small_input;
-using testing::virtual_options;
 
 TEST_CASE("an interrupted rehearsal leaves a session that was not begun") {
-  const test::TemporaryFolder folder;
+  const TemporaryFolder folder;
   std::atomic<bool> stop{true};
   SessionOptions options = virtual_options(2);
   options.planning.policy = "clairvoyant";
@@ -48,13 +35,13 @@ TEST_CASE("an interrupted rehearsal leaves a session that was not begun") {
   CHECK(delivered == 1);
   CHECK(positions == 0);
   REQUIRE(result.notes.size() == 1);
-  CHECK_THAT(result.notes[0], Catch::Contains("interrupted while simulating schedule"));
-  CHECK(std::filesystem::exists(folder / "session.states"));
+  CHECK_THAT(result.notes[0], Contains("interrupted while simulating schedule"));
+  CHECK(fs::exists(folder / "session.states"));
   CHECK(summarise(result, input, options).run.seconds == 0);
 }
 
 TEST_CASE("more neighbours than there can be states change nothing, and what no memory holds is refused") {
-  const test::TemporaryFolder folder;
+  const TemporaryFolder folder;
   SessionOptions options = virtual_options(0.5);
   options.workers.cost = ConstantCost{0.002};
   options.model.fit.neighbours = 400;  // of at most 6 x 6 x 6
@@ -69,8 +56,7 @@ TEST_CASE("more neighbours than there can be states change nothing, and what no 
     FAIL("accepted");
   } catch (const InputError& error) {
     CHECK(error.place().key == "model.neighbours");
-    CHECK_THAT(error.what(),
-               Catch::Contains("is 100000") && Catch::Contains("GB") && Catch::Contains("expected at most"));
+    CHECK_THAT(error.what(), Contains("is 100000", "GB", "expected at most"));
   }
   options.model.fit.neighbours = 100;
   CHECK_NOTHROW(make_plan(wide, options));
@@ -94,17 +80,15 @@ TEST_CASE("a box without room for a lattice cell: a note says why nothing is a f
     return all;
   };
   CHECK_THAT(notes(0.05, 0), Catch::StartsWith("no cell of a lattice of 0.05 m fits the box") &&
-                                 Catch::Contains("there is no load"));
-  CHECK_THAT(notes(0.006, 0.05),
-             Catch::StartsWith("no cell of a lattice of 0.05 m") && !Catch::Contains("load"));
-  CHECK_THAT(notes(0.05, 0), Catch::Contains("nothing but rest was solved"));
+                                 Contains("there is no load"));
+  CHECK_THAT(notes(0.006, 0.05), Catch::StartsWith("no cell of a lattice of 0.05 m") && !Contains("load"));
+  CHECK_THAT(notes(0.05, 0), Contains("nothing but rest was solved"));
   box = {Vec3::Constant(0.001), Vec3::Constant(0.005)};
-  CHECK_THAT(notes(0.006, 0),
-             Catch::Contains("no cell of a lattice of 0.006 m") &&
-                 Catch::Contains("holds no position of the lattice of 0.006 m: nothing could") &&
-                 !Catch::Contains("rest was"));
+  CHECK_THAT(notes(0.006, 0), Contains("no cell of a lattice of 0.006 m",
+                                       "holds no position of the lattice of 0.006 m: nothing could") &&
+                                  !Contains("rest was"));
   CHECK_THAT(notes(0.006, 0.001),
-             Catch::Contains("holds no position of the lattice of 0.006 m: nothing could be solved"));
+             Contains("holds no position of the lattice of 0.006 m: nothing could be solved"));
   box = small_input().touched.space.box;
   CHECK(notes(0.006, 0) == "visits ");
   CHECK(notes(0.012, 0) == "visits ");
@@ -125,18 +109,18 @@ TEST_CASE("a second wish to end cuts the patience with references short") {
                   }});
   CHECK(result.interrupted());
   CHECK(result.frames.size() == 1000);
-  CHECK_THAT(result.notes.back(), Catch::Contains("references were not waited for"));
+  CHECK_THAT(result.notes.back(), Contains("references were not waited for"));
 }
 
 TEST_CASE("records of the cache of references that are not what was written are solved anew and replaced") {
-  const test::TemporaryFolder folder;
+  const TemporaryFolder folder;
   SessionInput input = small_input();
   input.touched.identity = {{"mesh", "small"}};
   input.files.cache = folder / "cache";
   SessionOptions options = virtual_options(0.5);
   const std::string first = logs(input, options, folder / "first");
-  std::filesystem::path cache;
-  for (const auto& entry : std::filesystem::directory_iterator(input.files.cache))
+  fs::path cache;
+  for (const auto& entry : fs::directory_iterator(input.files.cache))
     if (entry.path().extension() == ".states") cache = entry.path();
   REQUIRE_FALSE(cache.empty());
   sqlite3* database = nullptr;
@@ -147,7 +131,7 @@ TEST_CASE("records of the cache of references that are not what was written are 
   const SessionResult told = run_session(input, options);
   REQUIRE(told.warnings.size() == 1);
   CHECK_THAT(told.warnings[0],
-             Catch::StartsWith(cache.string()) && Catch::Contains("3 states have a wrong checksum"));
+             Catch::StartsWith(cache.string()) && Contains("3 states have a wrong checksum"));
   CHECK(logs(input, options, folder / "second") == first);
   CHECK(run_session(input, options).warnings.empty());
 }
@@ -165,7 +149,7 @@ TEST_CASE("a run that is interrupted while its references are solved ends withou
       {.progress = [&](const SessionProgress& p) { stop = stop || p.phase == SessionPhase::references; }});
   CHECK(result.interrupted());
   CHECK(result.frames.size() == 1000);
-  CHECK_THAT(result.notes.back(), Catch::Contains("references were not waited for"));
+  CHECK_THAT(result.notes.back(), Contains("references were not waited for"));
   const auto without = [](const FrameRecord& f) {
     return f.judged.sampled && !std::isfinite(f.judged.error);
   };

@@ -1,24 +1,5 @@
-#include <algorithm>
-#include <catch2/catch.hpp>
-#include <cmath>
-#include <set>
-
 #include "scheduling/session/session.hpp"
 #include "small_body.hpp"
-
-using namespace forefeel;
-using testing::small_input;
-using testing::virtual_options;
-
-namespace {
-
-void expect_no_state_twice(const SessionResult& result) {
-  std::set<std::tuple<double, double, double>> solved;
-  for (const DispatchRecord& d : result.dispatch)
-    if (d.status == DispatchStatus::solved) REQUIRE(solved.insert({d.at.x(), d.at.y(), d.at.z()}).second);
-}
-
-}  // namespace
 
 TEST_CASE("older methods render from the lattice cell around the HIP, and wait for its corners") {
   for (const SessionMethod method : {SessionMethod::trilinear, SessionMethod::tricubic}) {

@@ -1,20 +1,10 @@
-#include <algorithm>
-#include <catch2/catch.hpp>
-#include <fstream>
-
-#include "geometry/common/error.hpp"
 #include "run_logs.hpp"
 #include "scheduling/record/run_files.hpp"
 #include "scheduling/session/session.hpp"
 #include "small_body.hpp"
-#include "tests/support/temporary_folder.hpp"
-
-using namespace forefeel;
-using testing::small_input;
-using testing::virtual_options;
 
 TEST_CASE("times that cannot be and a box without room are refused, naming the row or the key") {
-  const test::TemporaryFolder folder;
+  const TemporaryFolder folder;
   const auto refused = [&](const char* name, const std::string& rows, bool arrivals) {
     std::ofstream(folder / name) << "t,x,y,z\n" << rows;
     SessionOptions options = virtual_options(0.1);
@@ -22,23 +12,16 @@ TEST_CASE("times that cannot be and a box without room are refused, naming the r
       options.planning.arrivals = folder / name;
     else
       options.motion.device = TraceMotion{.file = folder / name};
-    try {
-      make_plan(small_input(), options);
-    } catch (const InputError& error) {
-      return std::string(error.what());
-    }
-    return std::string();
+    return error_of([&] { make_plan(small_input(), options); });
   };
   CHECK_THAT(refused("twice.csv", "0,0,0,0\n0.1,0,0,-0.001\n0.1,0,0,-0.002\n", false),
-             Catch::Contains("twice.csv:4: a second row at 0.1 s"));
+             Contains("twice.csv:4: a second row at 0.1 s"));
   CHECK(refused("good.csv", "0,0,0,0\n0.1,0,0,-0.001\n0.2,0,0,-0.002\n", false).empty());
-  CHECK_THAT(refused("late.csv", "0,0,0,0\n1e300,0,0,-0.006\n", true),
-             Catch::Contains("late.csv:3") && Catch::Contains("86400"));
+  CHECK_THAT(refused("late.csv", "0,0,0,0\n1e300,0,0,-0.006\n", true), Contains("late.csv:3", "86400"));
   CHECK(refused("same.csv", "1,0,0,0\n1,0,0,-0.006\n", true).empty());  // states may come together
   SessionInput point = small_input();
   point.touched.space.box = {Vec3::Zero(), Vec3::Zero()};
-  CHECK_THROWS_WITH(make_plan(point, virtual_options(0.1)),
-                    Catch::Contains("state_space.box") && Catch::Contains("room"));
+  CHECK_THROWS_WITH(make_plan(point, virtual_options(0.1)), Contains("state_space.box", "room"));
 }
 
 TEST_CASE("a body that cannot be solved is refused before the session begins, naming what is wrong") {
@@ -47,17 +30,12 @@ TEST_CASE("a body that cannot be solved is refused before the session begins, na
     auto body = std::make_shared<Body>(*input.touched.body);
     change(*body);
     input.touched.body = body;
-    try {
-      make_plan(input, virtual_options(0.1));
-    } catch (const InputError& error) {
-      return std::string(error.what());
-    }
-    return std::string();
+    return error_of([&] { make_plan(input, virtual_options(0.1)); });
   };
-  CHECK_THAT(refused([](Body& b) { b.clamp.clear(); }), Catch::Contains("clamp"));
-  CHECK_THAT(refused([](Body& b) { b.contact = b.clamp; }), Catch::Contains("contact"));
-  CHECK_THAT(refused([](Body& b) { b.material.poisson = 0.5; }), Catch::Contains("poisson"));
-  CHECK_THAT(refused([](Body& b) { b.material.young = -1; }), Catch::Contains("young"));
+  CHECK_THAT(refused([](Body& b) { b.clamp.clear(); }), Contains("clamp"));
+  CHECK_THAT(refused([](Body& b) { b.contact = b.clamp; }), Contains("contact"));
+  CHECK_THAT(refused([](Body& b) { b.material.poisson = 0.5; }), Contains("poisson"));
+  CHECK_THAT(refused([](Body& b) { b.material.young = -1; }), Contains("young"));
   CHECK(refused([](Body&) {}).empty());
 }
 
@@ -68,7 +46,7 @@ TEST_CASE("the frame of the switch is that of the session's clock") {
 }
 
 TEST_CASE("bad sessions are refused before anything is solved or written") {
-  const test::TemporaryFolder folder;
+  const TemporaryFolder folder;
   const auto refuse = [&](auto change) {
     SessionOptions options = virtual_options(0.1);
     change(options);
@@ -76,7 +54,7 @@ TEST_CASE("bad sessions are refused before anything is solved or written") {
     input.files.states = folder / "none.states";
     CHECK_THROWS_AS(make_plan(input, options), InputError);
     CHECK_THROWS_AS(run_session(input, options), InputError);
-    CHECK_FALSE(std::filesystem::exists(folder / "none.states"));
+    CHECK_FALSE(fs::exists(folder / "none.states"));
   };
   const double nan = std::numeric_limits<double>::quiet_NaN();
   refuse([](SessionOptions& o) { o.planning.policy = "best"; });

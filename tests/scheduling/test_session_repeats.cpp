@@ -1,7 +1,3 @@
-#include <catch2/catch.hpp>
-#include <cmath>
-#include <set>
-
 #include "run_logs.hpp"
 #include "scheduling/judge/session_judge.hpp"
 #include "scheduling/record/summary_columns.hpp"
@@ -11,15 +7,9 @@
 #include "scheduling/workers/cost.hpp"
 #include "scheduling/workers/reference_service.hpp"
 #include "small_body.hpp"
-#include "tests/support/temporary_folder.hpp"
-
-using namespace forefeel;
-using testing::logs;
-using testing::small_input;
-using testing::virtual_options;
 
 TEST_CASE("virtual clock: same seed, same bytes, whatever the threads") {
-  const test::TemporaryFolder folder;
+  const TemporaryFolder folder;
   for (const std::string& policy :
        {std::string("coverage"), std::string("nearest"), std::string("clairvoyant")}) {
     SessionOptions options = virtual_options(1.5);

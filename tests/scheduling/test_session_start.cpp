@@ -1,10 +1,5 @@
 #include <fmt/format.h>
 
-#include <algorithm>
-#include <catch2/catch.hpp>
-#include <cmath>
-#include <fstream>
-
 #include "run_logs.hpp"
 #include "scheduling/record/run_files.hpp"
 #include "scheduling/record/summary_columns.hpp"
@@ -12,12 +7,6 @@
 #include "small_body.hpp"
 #include "solver/equilibrium/first_guess.hpp"
 #include "solver/equilibrium/solver.hpp"
-#include "tests/support/temporary_folder.hpp"
-
-using namespace forefeel;
-using testing::block_input;
-using testing::small_input;
-using testing::virtual_options;
 
 TEST_CASE(
     "virtual clock: the state at rest comes first, at the cost of a factorisation; the first model is its "
@@ -119,13 +108,13 @@ TEST_CASE(
 }
 
 TEST_CASE("the first guess has no say where states come from elsewhere, and is replayed with its run") {
-  const test::TemporaryFolder folder;
+  const TemporaryFolder folder;
   std::ofstream(folder / "late.csv") << "t,x,y,z\n0.1,0,0,0\n";
   SessionOptions options = virtual_options(0.2);
   options.workers.cost = ConstantCost{0.4};
   const SessionResult solved = run_session(block_input(), options);
-  std::filesystem::create_directories(folder / "solved");
-  std::filesystem::create_directories(folder / "arrived");
+  fs::create_directories(folder / "solved");
+  fs::create_directories(folder / "arrived");
   write_run_files(folder / "solved", solved, options);
   CHECK(summarise(solved, block_input(), options).run.first_guess);
   SessionOptions arriving = options;

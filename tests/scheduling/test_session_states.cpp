@@ -1,26 +1,14 @@
 #include <sys/wait.h>
 #include <unistd.h>
 
-#include <algorithm>
-#include <catch2/catch.hpp>
-#include <chrono>
 #include <csignal>
-#include <cstdlib>
-#include <set>
-#include <thread>
 
-#include "geometry/common/error.hpp"
 #include "scheduling/session/session.hpp"
 #include "scheduling/workers/reference_service.hpp"
 #include "small_body.hpp"
-#include "tests/support/temporary_folder.hpp"
-
-using namespace forefeel;
-using testing::small_input;
-using testing::virtual_options;
 
 TEST_CASE("states of the start are used, kept and not solved again") {
-  const test::TemporaryFolder folder;
+  const TemporaryFolder folder;
   SessionInput input = small_input();
   input.files.states = folder / "a.states";
   const SessionResult first = run_session(input, virtual_options(0.3));
@@ -50,8 +38,8 @@ TEST_CASE("session that is killed", "[.]") {
 }
 
 TEST_CASE("kill -9 loses nothing that was committed") {
-  const test::TemporaryFolder folder;
-  const std::filesystem::path file = folder / "a.states";
+  const TemporaryFolder folder;
+  const fs::path file = folder / "a.states";
   const pid_t child = fork();
   if (child == 0) {
     setenv("FOREFEEL_TEST_STATES", file.c_str(), 1);
@@ -62,7 +50,7 @@ TEST_CASE("kill -9 loses nothing that was committed") {
   std::size_t seen = 0;
   while (seen < 20 && waitpid(child, nullptr, WNOHANG) == 0) {
     std::this_thread::sleep_for(std::chrono::milliseconds(10));
-    if (!std::filesystem::exists(file)) continue;
+    if (!fs::exists(file)) continue;
     try {
       seen = StateFile::open_read_only(file).size();
     } catch (const InputError&) {  // not made yet
@@ -88,7 +76,7 @@ TEST_CASE("kill -9 loses nothing that was committed") {
 TEST_CASE(
     "two runs of one body share the cache of references: one writes, the other reads, the results are the "
     "same") {
-  const test::TemporaryFolder folder;
+  const TemporaryFolder folder;
   SessionInput input = small_input();
   input.files.cache = folder / "cache";
   const SessionOptions options = virtual_options(0.5);

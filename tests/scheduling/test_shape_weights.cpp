@@ -1,13 +1,7 @@
 // Weights of a shape: exact at states, at rest and for linear fields; the order at which the error falls.
 
-#include <catch2/catch.hpp>
-#include <cmath>
-#include <random>
-#include <vector>
-
 #include "scheduling/shape/shape_weights.hpp"
-
-using namespace forefeel;
+#include "tests/support/test.hpp"
 
 namespace {
 

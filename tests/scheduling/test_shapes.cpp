@@ -1,27 +1,11 @@
 // Shapes of a session against tight solves; what they may not change; the thread of its own.
 
-#include <algorithm>
-#include <atomic>
-#include <catch2/catch.hpp>
-#include <chrono>
-#include <cmath>
-#include <optional>
-#include <set>
-#include <thread>
-
-#include "geometry/common/error.hpp"
 #include "run_logs.hpp"
 #include "scheduling/record/shape_summary.hpp"
 #include "scheduling/session/shaped_session.hpp"
 #include "scheduling/shape/shape_thread.hpp"
 #include "small_body.hpp"
 #include "solver/equilibrium/solver.hpp"
-#include "tests/support/error_of.hpp"
-
-using namespace forefeel;
-using testing::small_body;
-using testing::small_input;
-using testing::virtual_options;
 
 namespace {
 
@@ -246,9 +230,8 @@ TEST_CASE("states without displacements are refused in one line, or end the shap
   State bare = solved(body, {0, 0.01, 0});
   bare.displacements = nullptr;
   const std::vector<State> states{solved(body, Vec3::Zero()), bare};
-  CHECK_THAT(test::error_of([&] { check_shapeable(states, *body, "my.states"); }),
-             Catch::Contains("my.states") && Catch::Contains("1 of 2 states hold no displacements") &&
-                 Catch::Contains("state_space.displacements"));
+  CHECK_THAT(error_of([&] { check_shapeable(states, *body, "my.states"); }),
+             Contains("my.states", "1 of 2 states hold no displacements", "state_space.displacements"));
   SessionInput input = shaped_input();
   input.known = states;
   ShapedRun shapes = shapes_for(input, {.rate = 30});
@@ -269,7 +252,7 @@ TEST_CASE("states without displacements are refused in one line, or end the shap
     failure = thread.failure();
   }
   REQUIRE(failure);
-  CHECK_THAT(*failure, Catch::Contains("shapes ended"));
+  CHECK_THAT(*failure, Contains("shapes ended"));
 }
 
 TEST_CASE("options of shapes that make no sense are refused") {

@@ -1,9 +1,5 @@
 // The verdict on stability, on motions whose energy and growth are known by hand.
 
-#include <catch2/catch.hpp>
-#include <cmath>
-#include <functional>
-
 #include "scheduling/motion/device.hpp"
 #include "scheduling/motion/hand_device.hpp"
 #include "scheduling/record/attention.hpp"
@@ -11,8 +7,6 @@
 #include "scheduling/record/summary_columns.hpp"
 #include "scheduling/render/safety.hpp"
 #include "small_body.hpp"
-
-using namespace forefeel;
 
 namespace {
 
@@ -120,7 +114,7 @@ TEST_CASE("positions rounded by an encoder are within its quantum, and tremor is
 }
 
 TEST_CASE("the verdict is said first, stands in the columns of studies, and is absent without a hand") {
-  SessionOptions options = testing::virtual_options(2);
+  SessionOptions options = virtual_options(2);
   SessionResult result;
   result.frames = pressed(2, 1, slow);
   for (FrameRecord& f : result.frames) f.force = f.sent = f.undamped = -(f.t <= 1 ? 500 : 700) * f.at;
@@ -130,15 +124,15 @@ TEST_CASE("the verdict is said first, stands in the columns of studies, and is a
     FAIL("no column " << key);
     return ColumnValue();
   };
-  const SessionSummary path = summarise(result, testing::small_input(), options);
+  const SessionSummary path = summarise(result, small_input(), options);
   CHECK_FALSE(path.energy.stability);
   CHECK(value(path, "stable") == ColumnValue());
   CHECK(value(path, "generated_J") == ColumnValue());
   options.motion.device = HandMotion{.profile = HandName::omega, .grip = 100};
-  const SessionSummary hand = summarise(result, testing::small_input(), options);
+  const SessionSummary hand = summarise(result, small_input(), options);
   CHECK(value(hand, "stable") == ColumnValue(false));
   CHECK(value(hand, "grip") == ColumnValue(100.0));
-  CHECK_THAT(attention(hand).at(0), Catch::StartsWith("ran, but unstable at 1.") && Catch::Contains(" J "));
+  CHECK_THAT(attention(hand).at(0), Catch::StartsWith("ran, but unstable at 1.") && Contains(" J "));
 }
 
 TEST_CASE(

@@ -3,19 +3,8 @@
 
 #include "scheduling/study/statistics.hpp"
 
-#include <algorithm>
-#include <catch2/catch.hpp>
-#include <cmath>
-#include <cstdio>
-#include <limits>
-#include <memory>
-#include <string>
-
 #include "scheduling/motion/random.hpp"
-#include "tests/support/skip.hpp"
-#include "tests/support/slow.hpp"
-
-using namespace forefeel;
+#include "tests/support/test.hpp"
 
 namespace {
 
@@ -246,7 +235,7 @@ TEST_CASE("Student and bootstrap intervals agree with SciPy where it is installe
   double low = 0, high = 0, b_low = 0, b_high = 0, l_low = 0, l_high = 0;
   if (std::sscanf(output_of(python).c_str(), "%lf %lf %lf %lf %lf %lf", &low, &high, &b_low, &b_high, &l_low,
                   &l_high) != 6)
-    return test::skip("python3-scipy is not installed");
+    return skip("python3-scipy is not installed");
   const GroupedValues one{{0.31, 0.42, 0.77, 0.05, 0.66, 0.58, 0.49, 0.93, 0.12, 0.38}};
   const ConfidenceInterval student = student_interval(one);
   CHECK(student.low == Approx(low).epsilon(1e-9));  // SciPy's quantile itself is good to 2e-11

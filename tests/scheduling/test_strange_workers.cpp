@@ -1,19 +1,10 @@
 // Workers of a user that break the contract of generator.hpp: the session says so and goes on.
 
-#include <catch2/catch.hpp>
-
-#include <functional>
-#include <utility>
-
 #include "scheduling/session/session.hpp"
 #include "scheduling/workers/cost.hpp"
 #include "scheduling/workers/generator.hpp"
 #include "scheduling/workers/reference_service.hpp"
 #include "small_body.hpp"
-
-using namespace forefeel;
-using testing::small_input;
-using testing::virtual_options;
 
 namespace {
 
@@ -77,7 +68,7 @@ TEST_CASE("results of no running job are left out and counted") {
       results.insert(results.end(), again.begin(), again.end());
     });
     CHECK(result.counts.solved == usual.counts.solved);
-    CHECK_THAT(last_note(result), Catch::Contains("results that belong to no running job"));
+    CHECK_THAT(last_note(result), Contains("results that belong to no running job"));
   }
   SECTION("of a dispatch or a worker that does not exist") {
     const SessionResult result = run([](std::vector<JobResult>& results) {
@@ -91,7 +82,7 @@ TEST_CASE("results of no running job are left out and counted") {
       results.push_back(stray);
     });
     CHECK(result.counts.solved == usual.counts.solved);
-    CHECK_THAT(last_note(result), Catch::Contains("results that belong to no running job"));
+    CHECK_THAT(last_note(result), Contains("results that belong to no running job"));
   }
 }
 
@@ -105,5 +96,5 @@ TEST_CASE("a state at another position than asked for has failed") {
   });
   CHECK_FALSE(first);
   CHECK(result.counts.failed == 1);
-  CHECK_THAT(last_note(result), Catch::Contains("1 states at other positions than asked for"));
+  CHECK_THAT(last_note(result), Contains("1 states at other positions than asked for"));
 }

@@ -1,17 +1,9 @@
 // Studies in code: cells made from typed sessions, run in memory, the same for any number of threads.
 
-#include <atomic>
-#include <catch2/catch.hpp>
-#include <map>
 #include <mutex>
 
-#include "geometry/common/error.hpp"
 #include "scheduling/study/study_run.hpp"
 #include "small_body.hpp"
-
-using namespace forefeel;
-using testing::small_input;
-using testing::virtual_options;
 
 namespace {
 
@@ -109,7 +101,7 @@ TEST_CASE("a cell whose session fails does not cost the others theirs") {
   }
   CHECK(kept == 2);
   CHECK_THAT(problem, Catch::StartsWith("2 of 4 cells failed, the first with policy breaking and seed 1: ") &&
-                          Catch::Contains("it broke"));
+                          Contains("it broke"));
 }
 
 TEST_CASE("an interrupted study leaves its cells empty") {
@@ -124,15 +116,15 @@ TEST_CASE("what a cell cannot run with is refused when the study is planned") {
   SessionOptions options = virtual_options(0.2);
   Study study{.seeds = {1}, .axes = {{"speed", {{"0.1", 0.1}}}}};
   options.motion.device = PathMotion{.speed = 0.1};
-  CHECK_THAT(refusal(study, options), Catch::StartsWith("study.speed: ") && Catch::Contains("speed already"));
+  CHECK_THAT(refusal(study, options), Catch::StartsWith("study.speed: ") && Contains("speed already"));
   study = {.seeds = {1}, .axes = {{"target_load", {{"1", 1.0}}}}};
   options.workers.latency = 10;
   CHECK_THAT(refusal(study, options),
-             Catch::StartsWith("study.target_load: ") && Catch::Contains("message of 10 s"));
+             Catch::StartsWith("study.target_load: ") && Contains("message of 10 s"));
   study = {.seeds = {1}, .axes = {}, .sustained = SustainedOptions{}};
   options.motion.device = HandMotion{};
-  CHECK_THAT(refusal(study, options), Catch::StartsWith("study.sustained: ") && Catch::Contains("no speed"));
+  CHECK_THAT(refusal(study, options), Catch::StartsWith("study.sustained: ") && Contains("no speed"));
   options = virtual_options(0.2);
   options.workers.count = 0;
-  CHECK_THAT(refusal({.seeds = {1}, .axes = {}}, options), Catch::Contains("workers"));
+  CHECK_THAT(refusal({.seeds = {1}, .axes = {}}, options), Contains("workers"));
 }

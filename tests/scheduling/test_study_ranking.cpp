@@ -1,13 +1,8 @@
 // Evaluation of studies on synthetic results: rankings, contrasts, the search for a sustained speed.
 
-#include <catch2/catch.hpp>
-#include <cmath>
-#include <functional>
-
 #include "scheduling/study/study_ranking.hpp"
 #include "scheduling/study/sustained_speed.hpp"
-
-using namespace forefeel;
+#include "tests/support/test.hpp"
 
 namespace {
 

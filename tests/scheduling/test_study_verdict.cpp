@@ -1,18 +1,8 @@
 // The verdict of a study as a sentence, and its table of devices.
 
-#include <catch2/catch.hpp>
-
-#include <cmath>
-#include <fstream>
-
 #include "scheduling/study/study_run.hpp"
 #include "scheduling/study/study_verdict.hpp"
 #include "small_body.hpp"
-#include "tests/support/temporary_folder.hpp"
-
-using namespace forefeel;
-using testing::small_input;
-using testing::virtual_options;
 
 namespace {
 
@@ -49,26 +39,24 @@ TEST_CASE("the verdict names the best policy, the next, their difference and whe
   const auto sure = study_verdict(study, cells_with(study, {0.6, 0.9, 0.5, 0.95}, 0.0002));
   REQUIRE(sure);
   CHECK_THAT(*sure, Catch::StartsWith("Best policy: coverage, with 90") &&
-                        Catch::Contains("the next, nearest, has 60") && Catch::Contains("30 points") &&
-                        Catch::Contains("12 pairs on 3 motions") &&
-                        Catch::Contains("the difference is significant") &&
-                        Catch::Contains("that to fifo is significant") &&
+                        Contains("the next, nearest, has 60", "30 points", "12 pairs on 3 motions",
+                                 "the difference is significant", "that to fifo is significant") &&
                         Catch::EndsWith("it knows the motion: clairvoyant."));
   const auto unsure = study_verdict(study, cells_with(study, {0.6, 0.601, 0.5, 0.95}, 0.05));
   REQUIRE(unsure);
   CHECK_THAT(*unsure, Catch::StartsWith("No best policy is shown. First: ") &&
-                          Catch::Contains("the difference is not significant"));
+                          Contains("the difference is not significant"));
   const auto equal = study_verdict(study, cells_with(study, {0.6, 0.6, 0.5, 0.95}, 0));
   REQUIRE(equal);
-  CHECK_THAT(*equal, Catch::StartsWith("No best policy is shown. First: ") && Catch::Contains("equal") &&
-                         Catch::Contains("no difference is shown"));
+  CHECK_THAT(*equal, Catch::StartsWith("No best policy is shown. First: ") &&
+                         Contains("equal", "no difference is shown"));
 }
 
 TEST_CASE("a verdict on one motion and one seed is never shown") {
   const Study study{.seeds = {1}, .axes = {{"policy", {{"nearest"}, {"coverage"}}}}};
   const auto verdict = study_verdict(study, cells_with(study, {0.2, 0.9}, 0));
   REQUIRE(verdict);
-  CHECK_THAT(*verdict, Catch::Contains("without an interval") && Catch::Contains("is not significant"));
+  CHECK_THAT(*verdict, Contains("without an interval", "is not significant"));
 }
 
 TEST_CASE("there is no verdict where nothing competes") {
@@ -77,7 +65,7 @@ TEST_CASE("there is no verdict where nothing competes") {
 }
 
 TEST_CASE("a session of a study ends with its trace, and an endless motion after the study's seconds") {
-  const test::TemporaryFolder folder;
+  const TemporaryFolder folder;
   std::ofstream(folder / "short.csv") << "t,x,y,z\n0,0,0,0\n0.1,0,0,-0.002\n0.2,0,0.002,-0.003\n";
   const DeviceSpec trace = TraceMotion{.file = folder / "short.csv"};
   const StudyPlan ends = one_device(trace, 0.5), cut = one_device(trace, 0.05),
@@ -121,9 +109,9 @@ TEST_CASE("devices show energy, clamping, saturation and time outside, and what 
   CHECK(d.generated == 0.002);
   const std::vector<std::string> lines = attention(devices);
   REQUIRE(lines.size() == 3);
-  CHECK_THAT(lines[0], Catch::Contains("31 %") && Catch::Contains("clamped"));
-  CHECK_THAT(lines[1], Catch::Contains("38 %") && Catch::Contains("outside the box"));
-  CHECK_THAT(lines[2], Catch::Contains("7 first visits"));
+  CHECK_THAT(lines[0], Contains("31 %", "clamped"));
+  CHECK_THAT(lines[1], Contains("38 %", "outside the box"));
+  CHECK_THAT(lines[2], Contains("7 first visits"));
 }
 
 TEST_CASE("unstable sessions of a study are said before everything else") {
@@ -136,7 +124,7 @@ TEST_CASE("unstable sessions of a study are said before everything else") {
   };
   const std::vector<std::string> lines = attention(study_devices(plan, {cell(true), cell(false)}));
   REQUIRE(lines.size() == 2);
-  CHECK_THAT(lines[0], Catch::Contains("1 of 2 sessions were unstable"));
+  CHECK_THAT(lines[0], Contains("1 of 2 sessions were unstable"));
   CHECK(attention(study_devices(plan, {cell(true), cell(true)})).size() == 1);
 }
 
@@ -188,7 +176,7 @@ TEST_CASE(
     return text;
   };
   CHECK(all_lines({0.6, 0.9, 0.5, 0.95}, 0.0002).empty());
-  CHECK_THAT(all_lines({0.6, 0.61, 0.5, 0.95}, 0.05), Catch::Contains("more motions"));
+  CHECK_THAT(all_lines({0.6, 0.61, 0.5, 0.95}, 0.05), Contains("more motions"));
   CHECK_THAT(all_lines({0.995, 0.995, 0.99, 0.999}, 0), Catch::StartsWith("Ceiling reached: every policy"));
   CHECK_THAT(all_lines({0.2, 0.3, 0.1, 0.4}, 0.0001), Catch::StartsWith("All are poor"));
 }

@@ -1,16 +1,12 @@
 // Touching a body anywhere: where touches begin and end, sliding, and that closed paths gain no work.
 #include <Eigen/Geometry>
-#include <array>
-#include <catch2/catch.hpp>
-#include <cmath>
-#include <random>
 
 #include "geometry/meshing/phantom.hpp"
 #include "scheduling/touch/touch.hpp"
 #include "scheduling/workers/site_solver.hpp"
 #include "solver/body/pad.hpp"
+#include "tests/support/test.hpp"
 
-namespace forefeel {
 namespace {
 
 struct Liver {
@@ -222,5 +218,3 @@ TEST_CASE("Over closed paths the model of a session gains no work either") {
   REQUIRE(session_model().at(place_near_tip(), Vec3::Zero()).at.energy == Approx(0).margin(1e-12));
   check_loops(session_model());
 }
-
-}  // namespace forefeel

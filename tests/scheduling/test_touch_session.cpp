@@ -1,26 +1,17 @@
 // Sessions that touch a body anywhere: paths over the surface, the loop, states that are solved, the judged error.
 #include <Eigen/Geometry>
-#include <catch2/catch.hpp>
-#include <cmath>
 
 #include "allocation_count.hpp"
-#include "geometry/common/error.hpp"
 #include "scheduling/judge/surface_judge.hpp"
 #include "scheduling/motion/device.hpp"
 #include "scheduling/motion/surface_shapes.hpp"
 #include "scheduling/render/render_loop.hpp"
 #include "scheduling/session/session.hpp"
 #include "scheduling/touch/surface_contact.hpp"
-#include "tests/support/skip.hpp"
+#include "tests/support/test.hpp"
 #include "touched_liver.hpp"
 
-namespace forefeel {
 namespace {
-
-using testing::liver;
-using testing::liver_task;
-using testing::liver_with;
-using testing::options_for;
 
 double worst(const SessionResult& result) {
   double worst = 0;
@@ -67,8 +58,7 @@ TEST_CASE("A palpation is rendered within a few per cent, and a virtual run repe
   CHECK(touching > 500);
   CHECK(compared > 12);
   CHECK(worst(first) < 0.05);
-  for (const std::string& note : first.notes)
-    CHECK(note.find("reference solves failed") == std::string::npos);
+  for (const std::string& note : first.notes) CHECK_THAT(note, !Contains("reference solves failed"));
 }
 
 TEST_CASE("A line with friction slides on the cone, and gains no work", "[touch session]") {
@@ -123,7 +113,7 @@ TEST_CASE("Without friction the site stays, and deep states are solved where the
 }
 
 TEST_CASE("A frame of the touch loop allocates nothing, sliding or not", "[touch session]") {
-  if (!FOREFEEL_COUNTS_ALLOCATIONS) test::skip("allocations are not counted under a sanitizer");
+  if (!FOREFEEL_COUNTS_ALLOCATIONS) skip("allocations are not counted under a sanitizer");
   const TouchSurface& surface = *liver_task().surface;
   const auto device = make_device(DeviceSpec(PathMotion{.path = PathName::tour, .depth = 0.008, .where = ""}),
                                   {.box = surface.box(), .seed = 2, .surface = &surface});
@@ -137,9 +127,9 @@ TEST_CASE("A frame of the touch loop allocates nothing, sliding or not", "[touch
                     std::make_unique<SurfaceContact>(task, link, options.switching));
     const SurfaceModel model{.serial = 1, .known = 0, .deep = std::make_shared<const DeepStates>(task.field)};
     link.surfaces.publish(&model);
-    const std::size_t before = testing::allocations();
+    const std::size_t before = test::allocations();
     for (std::size_t k = 0; k < 3000; ++k) loop.frame(k, 1e-3 * static_cast<double>(k));
-    CHECK(testing::allocations() == before);
+    CHECK(test::allocations() == before);
     std::size_t touching = 0;
     for (const FrameRecord& frame : loop.take_log()) touching += frame.touch.kind != TouchKind::none;
     CHECK(touching > 1000);
@@ -190,9 +180,7 @@ TEST_CASE("Factors of the bars become those of the session's own states", "[touc
 TEST_CASE("What is for one place is refused", "[touch session]") {
   SessionOptions options = options_for(PathName::palpation, 0.01, 1);
   options.switching.rule = SwitchRule::paper;
-  CHECK_THROWS_WITH(run_session(liver(), options), Catch::Contains("session.switch"));
+  CHECK_THROWS_WITH(run_session(liver(), options), Contains("session.switch"));
   options = options_for(PathName::press, 0.01, 1);
-  CHECK_THROWS_WITH(run_session(liver(), options), Catch::Contains("palpation"));
+  CHECK_THROWS_WITH(run_session(liver(), options), Contains("palpation"));
 }
-
-}  // namespace forefeel

@@ -1,35 +1,21 @@
 // Recorded motions in file formats that occur in practice.
 
-#include <catch2/catch.hpp>
-
-#include <cmath>
-#include <fstream>
-
-#include "geometry/common/error.hpp"
 #include "scheduling/motion/device.hpp"
 #include "scheduling/motion/trace_check.hpp"
 #include "scheduling/motion/trace_file.hpp"
-#include "tests/support/error_of.hpp"
-#include "tests/support/temporary_folder.hpp"
-
-using namespace forefeel;
+#include "tests/support/test.hpp"
 
 namespace {
 
 TraceRows read(const std::string& text, const TraceFormat& format,
                MissingPositions missing = MissingPositions::leave_out) {
-  const test::TemporaryFolder folder;
+  const TemporaryFolder folder;
   std::ofstream(folder / "m.txt") << text;
   return read_trace_rows(folder / "m.txt", format, missing);
 }
 
 std::string refusal(const std::string& text, const TraceFormat& format) {
-  try {
-    read(text, format);
-  } catch (const InputError& error) {
-    return error.what();
-  }
-  return "";
+  return error_of([&] { read(text, format); });
 }
 
 void check_rows(const TraceRows& rows) {  // 0, 0.5, 1 s at (1, 2, 3), (1.5, 2, 3), (2, 2, 3) mm
@@ -121,40 +107,36 @@ TEST_CASE("a file read by numbers names its columns by its header, not by a row 
       "Tools,Name,Frame,State,Tx,Ty,Tz\n2,a,,MISSING,,,\n2,b,,MISSING,,,\n"
       "2,a,1,OK,1,2,3\n2,b,1,OK,9,9,9\n2,a,2,OK,1,2,3\n2,b,2,OK,9,9,9\n2,a,3,OK,1,2,3\n2,b,3,OK,9,9,9\n";
   CHECK_THAT(refusal(text, with({"3", "5", "6", "7"}, "mm")),
-             Catch::Contains("several tools (Name), expected tool=NAME with one of a, b"));
+             Contains("several tools (Name), expected tool=NAME with one of a, b"));
 }
 
 TEST_CASE("what is not clear in a recorded motion is refused in words") {
   const std::string tools = "t,id,x,y,z\n0,a,1,2,3\n0,b,9,9,9\n1,a,1,2,3\n1,b,9,9,9\n";
   CHECK_THAT(refusal(tools, with({}, "mm")),
-             Catch::Contains("several tools (id), expected tool=NAME with one of a, b"));
-  CHECK_THAT(refusal(tools, with({}, "mm", 0, "c")),
-             Catch::Contains("no tool 'c'") && Catch::Contains("a, b"));
+             Contains("several tools (id), expected tool=NAME with one of a, b"));
+  CHECK_THAT(refusal(tools, with({}, "mm", 0, "c")), Contains("no tool 'c'", "a, b"));
   CHECK_THAT(refusal("time,px,py,pz\n0,1,2,3\n", with({}, "mm")),
-             Catch::Contains("m.txt:1") && Catch::Contains("no column 't'") &&
-                 Catch::Contains("time, px, py, pz") && Catch::Contains("numbers from 1"));
-  CHECK_THAT(refusal("0 1 2 3\n", with({"0", "1", "2", "3"}, "")), Catch::Contains("no column 0"));
-  CHECK_THAT(refusal("0 1 2 3\n", with({"1", "2", "3", "5"}, "")), Catch::Contains("from 1 to 4"));
+             Contains("m.txt:1", "no column 't'", "time, px, py, pz", "numbers from 1"));
+  CHECK_THAT(refusal("0 1 2 3\n", with({"0", "1", "2", "3"}, "")), Contains("no column 0"));
+  CHECK_THAT(refusal("0 1 2 3\n", with({"1", "2", "3", "5"}, "")), Contains("from 1 to 4"));
   CHECK_THAT(refusal("t,x,y,z\n0,1,2,3\nnoon,1,2,3\n", with({}, "mm")),
-             Catch::Contains("m.txt:3: the time is 'noon'"));
+             Contains("m.txt:3: the time is 'noon'"));
   CHECK_THAT(refusal("t,x,y,z\n2021-12-31T23:59:59.5Z,1,2,3\n2022-01-01T00:00:00Z,1.5,2,3\n", with({}, "mm")),
-             Catch::Contains("no row has a number") && Catch::Contains("'2021-12-31T23:59:59.5Z'"));
+             Contains("no row has a number", "'2021-12-31T23:59:59.5Z'"));
   CHECK_THAT(refusal("t,x,y,z\n0,1,2,3\n1,far,2,3\n", with({}, "mm")),
-             Catch::Contains("m.txt:3: the position is 'far'"));
-  CHECK_THAT(refusal("t,x,y,z\n0,a,b,c\n", with({}, "mm")), Catch::Contains("no row has a number"));
+             Contains("m.txt:3: the position is 'far'"));
+  CHECK_THAT(refusal("t,x,y,z\n0,a,b,c\n", with({}, "mm")), Contains("no row has a number"));
   CHECK_THAT(refusal("t,x,y,z\n0,a,b,c\n", with({"t", "x", "y", "z"}, "mm")),
-             Catch::Contains("columns t, x, y, z, which hold '0', 'a', 'b', 'c' here"));
+             Contains("columns t, x, y, z, which hold '0', 'a', 'b', 'c' here"));
   // Numbers in a line of metadata do not make its file one without a header.
   CHECK_THAT(
       refusal("Version,1.23,Rate,360,Length,5,Frames,9\nFrame,Time,X,Y,Z\n0,0,1,2,3\n1,.1,1,2,3\n", {}),
-      Catch::Contains("m.txt:2") && Catch::Contains("no column 't'") &&
-          Catch::Contains("Frame, Time, X, Y, Z"));
+      Contains("m.txt:2", "no column 't'", "Frame, Time, X, Y, Z"));
   CHECK_THAT(refusal("t,x,y,z,x,y,z\n0,1,2,3,4,5,6\n1,1,2,3,4,5,6\n", with({}, "mm")),
-             Catch::Contains("2 columns are called 'x', expected their numbers"));
-  CHECK_THAT(refusal(std::string("PK\0\3 1 2 3", 11), {}), Catch::Contains("is no text"));
+             Contains("2 columns are called 'x', expected their numbers"));
+  CHECK_THAT(refusal(std::string("PK\0\3 1 2 3", 11), {}), Contains("is no text"));
   const std::string matrices = "1 0 0 5\n0 1 0 6\n0 0 1 7\n0 0 0 1\n1 0 0 5.5\n0 1 0 6\n0 0 1 7\n0 0 0 1\n";
-  CHECK_THAT(refusal(matrices, with({"4", "3", "2"}, "mm", 100)),
-             Catch::Contains("m.txt:1") && Catch::Contains("4 x 4 matrix"));
+  CHECK_THAT(refusal(matrices, with({"4", "3", "2"}, "mm", 100)), Contains("m.txt:1", "4 x 4 matrix"));
   TraceFormat format;
   for (const char* unit : {"", "inch", "mm/mm", "ms/s", "mm/"}) CHECK_FALSE(parse_trace_unit(unit, format));
 }
@@ -191,7 +173,7 @@ TEST_CASE("a motion is checked, shifted, cut and resampled") {
   CHECK(*check.outside == Approx(351.0 / 402).margin(0.01));
   const std::vector<std::string> lines = trace_warnings(check);
   REQUIRE(lines.size() == 4);
-  CHECK_THAT(lines[2], Catch::Contains("1 gaps in time, the longest 0.5 s"));
+  CHECK_THAT(lines[2], Contains("1 gaps in time, the longest 0.5 s"));
 
   const TraceRows grown = growing(rows);
   CHECK(grown.times.size() == 402);
@@ -206,13 +188,12 @@ TEST_CASE("a motion is checked, shifted, cut and resampled") {
 }
 
 TEST_CASE("the device of a recorded motion reads its form, and refuses times that do not grow") {
-  const test::TemporaryFolder folder;
+  const TemporaryFolder folder;
   std::ofstream(folder / "m.txt") << "frame ms X Y Z\n1 0 0 0 0\n2 10 1 0 0\n3 20 2 0 0\n4 20 3 0 0\n";
   FactoryContext where;
   where.folder = folder.path();
   TraceMotion motion{.file = "m.txt", .format = with({"ms", "X", "Y", "Z"}, "mm/ms")};
-  CHECK_THAT(test::error_of([&] { make_device(motion, where); }),
-             Catch::Contains("m.txt:5") && Catch::Contains("a second row at"));
+  CHECK_THAT(error_of([&] { make_device(motion, where); }), Contains("m.txt:5", "a second row at"));
   motion.format = with({"frame", "X", "Y", "Z"}, "mm/ms");
   const auto device = make_device(motion, where);
   CHECK(device->duration() == Approx(0.003));

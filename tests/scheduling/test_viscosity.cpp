@@ -1,19 +1,11 @@
 // Rate-dependent tissue: the relaxation filter against closed forms and against a time-stepped finite-element solve
 // with internal stresses in every element, assembled here.
 #include <Eigen/Dense>
-#include <array>
-#include <catch2/catch.hpp>
-#include <cmath>
-#include <vector>
 
 #include "approx/switch/relaxation.hpp"
 #include "scheduling/session/session.hpp"
 #include "scheduling/workers/reference_service.hpp"
 #include "small_body.hpp"
-
-using namespace forefeel;
-using testing::small_input;
-using testing::virtual_options;
 
 namespace {
 
@@ -240,9 +232,9 @@ TEST_CASE("relaxation: a force that is not finite leaves no trace") {
 TEST_CASE("relaxation: shares and times that are none are named") {
   CHECK(problem_of({}).empty());
   CHECK(problem_of(two_branches).empty());
-  CHECK(problem_of({{0.5, 1}, {0.5, 2}}).find("sum") != std::string::npos);
-  CHECK(problem_of({{0.5, 0}}).find("time") != std::string::npos);
-  CHECK(problem_of({{-0.1, 1}}).find("share") != std::string::npos);
+  CHECK_THAT(problem_of({{0.5, 1}, {0.5, 2}}), Contains("sum"));
+  CHECK_THAT(problem_of({{0.5, 0}}), Contains("time"));
+  CHECK_THAT(problem_of({{-0.1, 1}}), Contains("share"));
   SessionInput input = small_input(Law::linear);
   input.touched.viscosity = {{0.6, 1}, {0.6, 2}};
   CHECK_THROWS_AS(make_plan(input, virtual_options()), InputError);

@@ -3,16 +3,10 @@
 //   S(t) = integral over s <= t of G(t - s) dS_e(s),   S_e = 2 dpsi / dC of the neo-Hookean law
 // (finite linear viscoelasticity, Simo 1987), assembled here with linear tetrahedra and solved by Newton's method.
 #include <Eigen/Dense>
-#include <array>
-#include <catch2/catch.hpp>
-#include <cmath>
-#include <vector>
 
 #include "approx/switch/relaxation.hpp"
 #include "scheduling/workers/reference_service.hpp"
 #include "small_body.hpp"
-
-using namespace forefeel;
 
 namespace {
 
@@ -144,9 +138,9 @@ struct Gap {
 
 // Presses of this depth along an axis, in and out, with a hold between: at hand speed, 60 mm/s.
 Gap gap_of(const Vec3& depth, int steps) {
-  const auto body = testing::small_body(Law::neo_hookean);
+  const auto body = test::small_body(Law::neo_hookean);
   NonlinearMaxwell truth(*body);
-  ReferenceService elastic(reference_options(testing::small_input(Law::neo_hookean)), 1);
+  ReferenceService elastic(reference_options(small_input(Law::neo_hookean)), 1);
   RelaxationFilter filter(branches);
   const double ramp = depth.norm() / 0.06;
   const auto share = [&](double t) {
@@ -175,9 +169,9 @@ Gap gap_of(const Vec3& depth, int steps) {
 
 TEST_CASE("viscous, nonlinear: at once and after a long hold the filter is exact, whatever the law") {
   // With one relaxation function S(t) = G(t) S_e keeps the shape, so that a held step is F(t) = G(t) F_e.
-  const auto body = testing::small_body(Law::neo_hookean);
+  const auto body = test::small_body(Law::neo_hookean);
   NonlinearMaxwell truth(*body);
-  ReferenceService elastic(reference_options(testing::small_input(Law::neo_hookean)), 1);
+  ReferenceService elastic(reference_options(small_input(Law::neo_hookean)), 1);
   RelaxationFilter filter(branches);
   const Vec3 x(0.004, 0.006, -0.01);
   const Vec3 force = elastic.get(x).force;

@@ -11,7 +11,7 @@
 #include "scheduling/touch/surface_models.hpp"
 #include "solver/body/pad.hpp"
 
-namespace forefeel::testing {
+namespace forefeel::test {
 
 inline DrawPlaces draw_from(const RestSites& rest) {
   return [&rest](const std::string&, std::size_t count, std::uint64_t seed) {
@@ -77,4 +77,4 @@ inline SessionOptions options_for(PathName path, double depth, double seconds) {
   return options;
 }
 
-}  // namespace forefeel::testing
+}  // namespace forefeel::test

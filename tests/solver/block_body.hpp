@@ -1,9 +1,8 @@
 #pragma once
 // Blocks of tetrahedra made by code: each cube of an nx x ny x nz grid is cut into six along its diagonal.
 
-#include <memory>
-
 #include "solver/equilibrium/solver.hpp"
+#include "tests/support/test.hpp"
 
 namespace forefeel {
 
@@ -48,6 +47,27 @@ inline std::shared_ptr<Body> block_body(Law law, double poisson = 0.4, int refin
     if (x[0] > 0.1 - 1e-9 && x[1] > 0.04 - 1e-9) body->contact.push_back(static_cast<NodeIndex>(i));
   }
   return body;
+}
+
+// The state at x, checked with central differences: its force is minus the gradient of the energy, its stiffness minus
+// the derivative of the force within a share of it, and symmetric.
+inline State check_derivatives(Solver& solver, const Vec3& x, double share,
+                               const SolveOptions& options = {}) {
+  const auto state_at = [&](const Vec3& place) { return solver.reference(place, 0.006, options).state; };
+  const State at = state_at(x);
+  REQUIRE(at.solve.status == SolveStatus::converged);
+  const double h = 1e-5;
+  Mat3 stiffness;
+  Vec3 force;
+  for (int j = 0; j < 3; ++j) {
+    const State up = state_at(x + h * Vec3::Unit(j)), down = state_at(x - h * Vec3::Unit(j));
+    stiffness.col(j) = -(up.force - down.force) / (2 * h);
+    force[j] = -(up.energy - down.energy) / (2 * h);
+  }
+  CHECK((at.stiffness - stiffness).norm() < share * stiffness.norm());
+  CHECK((at.stiffness - at.stiffness.transpose()).norm() < 1e-12 * stiffness.norm());
+  CHECK((at.force - force).norm() < 1e-6 * force.norm());
+  return at;
 }
 
 }  // namespace forefeel

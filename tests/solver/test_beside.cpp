@@ -1,10 +1,5 @@
-#include <catch2/catch.hpp>
-#include <chrono>
-#include <thread>
-
 #include "block_body.hpp"
-
-using namespace forefeel;
+#include "tests/support/test.hpp"
 
 namespace {
 

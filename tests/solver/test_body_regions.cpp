@@ -1,10 +1,4 @@
 // Bodies of several materials: against exact solutions, differences and tight solves.
-#include <array>
-#include <catch2/catch.hpp>
-#include <cstring>
-#include <functional>
-#include <map>
-#include <vector>
 
 #include "geometry/coverage/state_space.hpp"
 #include "region_body.hpp"
@@ -14,9 +8,7 @@
 #include "solver/equilibrium/linear_body.hpp"
 #include "solver/lattice/generate.hpp"
 #include "solver/system/discretisation.hpp"
-#include "tests/support/error_of.hpp"
-
-using namespace forefeel;
+#include "tests/support/test.hpp"
 
 namespace {
 
@@ -185,25 +177,24 @@ TEST_CASE("regions that cannot be solved are refused by name") {
   const auto refused = [](const std::function<void(Body&)>& change) {
     const auto body = region_body({Law::neo_hookean, 5e3, 0.4}, {Law::neo_hookean, 5e4, 0.3});
     change(*body);
-    return test::error_of([&] { check(*body, "block"); });
+    return error_of([&] { check(*body, "block"); });
   };
   CHECK_THAT(refused([](Body& b) { b.regions[0].material.poisson = 0.5; }),
-             Catch::Contains("material.inclusion.poisson"));
-  CHECK_THAT(refused([](Body& b) { b.regions[0].material.young = 0; }),
-             Catch::Contains("material.inclusion.young"));
+             Contains("material.inclusion.poisson"));
+  CHECK_THAT(refused([](Body& b) { b.regions[0].material.young = 0; }), Contains("material.inclusion.young"));
   CHECK_THAT(refused([](Body& b) { b.regions[0].tets.push_back(100000); }),
-             Catch::Contains("material.inclusion: tetrahedron 100000 is out of range"));
+             Contains("material.inclusion: tetrahedron 100000 is out of range"));
   CHECK_THAT(refused([](Body& b) {
                b.regions.push_back({"twin", {}, {b.regions[0].tets.front()}});
              }),
-             Catch::Contains("is in 'inclusion' too"));
+             Contains("is in 'inclusion' too"));
   CHECK_THAT(refused([](Body& b) {
                b.regions.push_back({"nothing", {}, {}});
              }),
-             Catch::Contains("material.nothing: no tetrahedron"));
+             Contains("material.nothing: no tetrahedron"));
   auto locking = region_body({Law::neo_hookean, 5e3, 0.4}, {Law::neo_hookean, 5e4, 0.49});
   REQUIRE(check(*locking, "block").size() == 1);
-  CHECK_THAT(check(*locking, "block")[0], Catch::Contains("material.inclusion.poisson = 0.49"));
+  CHECK_THAT(check(*locking, "block")[0], Contains("material.inclusion.poisson = 0.49"));
 }
 
 TEST_CASE("the disc takes the material at the patch; the first guess takes them all") {

@@ -1,21 +1,16 @@
 // CalculiX as an oracle: the same blocks as input decks, of one and of several materials. The comparison is as exact as
 // the digits that CalculiX prints.
-#include <catch2/catch.hpp>
 
 #include "region_body.hpp"
 #include "tests/support/calculix.hpp"
-#include "tests/support/skip.hpp"
-#include "tests/support/slow.hpp"
-#include "tests/support/temporary_folder.hpp"
-
-using namespace forefeel;
+#include "tests/support/test.hpp"
 
 namespace {
 
 const Vec3 there(-0.004, 0.006, 0.003);
 
 void check_same(const std::shared_ptr<Body>& body, bool nonlinear, const std::string& what) {
-  const test::TemporaryFolder folder;
+  const TemporaryFolder folder;
   const Vec3 theirs = test::calculix_force(folder.path(), *body, there, nonlinear);
   REQUIRE(theirs.allFinite());
   const State ours = Solver(body).reference(there, 0.006).state;
@@ -27,7 +22,7 @@ void check_same(const std::shared_ptr<Body>& body, bool nonlinear, const std::st
 
 TEST_CASE("CalculiX: the linear law, and St. Venant-Kirchhoff with NLGEOM, within its printed digits",
           SLOW("compares with CalculiX, which only run.sh all installs")) {
-  if (!test::has_command("ccx")) return test::skip("calculix-ccx is not installed");
+  if (!has_command("ccx")) return skip("calculix-ccx is not installed");
   for (const Element element : {Element::linear, Element::quadratic})
     for (const Law law : {Law::linear, Law::st_venant_kirchhoff})
       check_same(block_body(law, 0.4, 1, element), law != Law::linear,
@@ -37,7 +32,7 @@ TEST_CASE("CalculiX: the linear law, and St. Venant-Kirchhoff with NLGEOM, withi
 TEST_CASE(
     "CalculiX: stiff and soft inclusions, factors of 10 and 1000, near-incompressible beside compressible",
     SLOW("compares with CalculiX, which only run.sh all installs")) {
-  if (!test::has_command("ccx")) return test::skip("calculix-ccx is not installed");
+  if (!has_command("ccx")) return skip("calculix-ccx is not installed");
   for (const Law law : {Law::linear, Law::st_venant_kirchhoff}) {
     const Material end{law, 5e4, 0.3};
     for (const double factor : {1e-3, 0.1, 10.0, 1e3})

@@ -1,14 +1,11 @@
 // The bound of a body's stiffness at rest: by hand for one tetrahedron, above every solved stiffness elsewhere.
 
 #include <Eigen/Eigenvalues>
-#include <catch2/catch.hpp>
-#include <memory>
 
 #include "block_body.hpp"
 #include "solver/body/contact_bound.hpp"
 #include "solver/equilibrium/solver.hpp"
-
-using namespace forefeel;
+#include "tests/support/test.hpp"
 
 namespace {
 

@@ -1,12 +1,9 @@
 #include <Eigen/Geometry>
-#include <catch2/catch.hpp>
-#include <cmath>
-#include <memory>
 
 #include "block_body.hpp"
 #include "solver/body/contact_stiffness.hpp"
+#include "tests/support/test.hpp"
 
-namespace forefeel {
 namespace {
 
 constexpr double radius = 0.01;  // of the patch [m]
@@ -96,5 +93,3 @@ TEST_CASE(
   body.contact = {static_cast<NodeIndex>(inner)};
   CHECK(disc_stiffness(body).isZero(0));
 }
-
-}  // namespace forefeel

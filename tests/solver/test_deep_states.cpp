@@ -1,16 +1,13 @@
 // Solved states and jets of single places as corrections of the energy of sites: exact where they were made, with exact
 // derivatives, without jumps, nothing for a linear body.
 #include <Eigen/Geometry>
-#include <catch2/catch.hpp>
-#include <cmath>
-#include <random>
 
 #include "pad_body.hpp"
 #include "solver/equilibrium/solver.hpp"
 #include "solver/jet/deep_states.hpp"
 #include "solver/jet/field_patches.hpp"
+#include "tests/support/test.hpp"
 
-namespace forefeel {
 namespace {
 
 struct Deep {
@@ -289,5 +286,3 @@ TEST_CASE("States that cannot serve are left out") {
   const std::vector<State> list{failed, measured, lost};
   CHECK(DeepStates(deep.field).with(list)->size() == 0);
 }
-
-}  // namespace forefeel

@@ -2,15 +2,11 @@
 #include <Eigen/Geometry>
 #include <Eigen/LU>
 #include <Eigen/SparseCholesky>
-#include <catch2/catch.hpp>
-#include <cmath>
-#include <functional>
 
 #include "block_body.hpp"
 #include "solver/body/law.hpp"
 #include "solver/system/discretisation.hpp"
-
-using namespace forefeel;
+#include "tests/support/test.hpp"
 
 namespace {
 

@@ -1,33 +1,23 @@
 // FEniCSx as an oracle for bodies of several materials, and for bodies under a pad, on the same mesh with the same
 // quadrature. A pad's matrix is ours (test_pad compares it with other integrals); what the body makes of it is not.
-#include <catch2/catch.hpp>
-#include <cstdlib>
-#include <fstream>
-#include <map>
-#include <nlohmann/json.hpp>
 
 #include "pad_body.hpp"
 #include "region_body.hpp"
 #include "solver/body/law.hpp"
 #include "solver/kernels/kernels.hpp"
 #include "solver/system/discretisation.hpp"
-#include "tests/support/paths.hpp"
-#include "tests/support/skip.hpp"
-#include "tests/support/slow.hpp"
-#include "tests/support/temporary_folder.hpp"
-
-using namespace forefeel;
+#include "tests/support/test.hpp"
 
 namespace {
 
 constexpr int steps = 3;
 
-nlohmann::json numbers(const Vec3& x) {
+json numbers(const Vec3& x) {
   return {x[0], x[1], x[2]};
 }
 
 // The springs over nodes at rest and the tip, which comes last.
-nlohmann::json described_pad(const Body& body) {
+json described_pad(const Body& body) {
   const Discretisation d = discretise(body);
   const auto tip = static_cast<std::int32_t>(d.free_nodes);
   std::vector<Vec3> place(static_cast<std::size_t>(d.free_nodes) + 2);
@@ -42,17 +32,17 @@ nlohmann::json described_pad(const Body& body) {
   for (const PadSprings::Pair& p : d.elements.pad.pairs)
     for (const std::int32_t node : {p.a, p.b})
       if (node != tip) number.try_emplace(node, number.size());
-  nlohmann::json nodes = std::vector<nlohmann::json>(number.size());
+  json nodes = std::vector<json>(number.size());
   for (const auto& [node, i] : number) nodes[i] = numbers(place[static_cast<std::size_t>(node)]);
   number[tip] = number.size();
-  nlohmann::json springs;
+  json springs;
   for (const PadSprings::Pair& p : d.elements.pad.pairs)
     springs.push_back({number[p.a], number[p.b], p.stiffness});
   return {{"nodes", nodes}, {"springs", springs}};
 }
 
-nlohmann::json described(const Body& body, const std::vector<Vec3>& at) {
-  nlohmann::json document{{"degree", body.element == Element::quadratic ? 2 : 1}, {"steps", steps}};
+json described(const Body& body, const std::vector<Vec3>& at) {
+  json document{{"degree", body.element == Element::quadratic ? 2 : 1}, {"steps", steps}};
   document["clamp"] = {{0, 0, 0}, {0, 0.04, 0.04}};
   if (body.pad)
     document["pad"] = described_pad(body);
@@ -80,16 +70,16 @@ nlohmann::json described(const Body& body, const std::vector<Vec3>& at) {
 
 // Compares the forces of all bodies at all positions.
 void compare(const std::vector<std::shared_ptr<Body>>& bodies, const std::vector<Vec3>& at, double bound) {
-  nlohmann::json input;
+  json input;
   for (const auto& body : bodies) input.push_back(described(*body, at));
-  const test::TemporaryFolder folder;
+  const TemporaryFolder folder;
   std::ofstream(folder / "bodies.json") << input;
   const std::string command = "OMP_NUM_THREADS=1 /usr/bin/python3 '" +
-                              (test::source_folder() / "tests/solver/fenicsx_oracle.py").string() + "' '" +
+                              (source_folder() / "tests/solver/fenicsx_oracle.py").string() + "' '" +
                               (folder / "bodies.json").string() + "' '" + (folder / "out.json").string() +
                               "' > '" + (folder / "log").string() + "' 2>&1";
   REQUIRE(std::system(command.c_str()) == 0);
-  const auto theirs = nlohmann::json::parse(std::ifstream(folder / "out.json"));
+  const auto theirs = json::parse(std::ifstream(folder / "out.json"));
   REQUIRE(theirs.size() == bodies.size());
   for (std::size_t b = 0; b < bodies.size(); ++b) {
     Solver solver(bodies[b]);
@@ -109,7 +99,7 @@ void compare(const std::vector<std::shared_ptr<Body>>& bodies, const std::vector
 
 TEST_CASE("FEniCSx: two and three materials, factors of 10 and 1000, forces within 1e-9",
           SLOW("compares with FEniCSx, which only run.sh all installs")) {
-  if (!test::has_python_module("dolfinx")) return test::skip("python3-dolfinx is not installed");
+  if (!has_python_module("dolfinx")) return skip("python3-dolfinx is not installed");
   constexpr Law nh = Law::neo_hookean, svk = Law::st_venant_kirchhoff, linear = Law::linear;
   const Material soft{nh, 5e3, 0.4}, stiff_end{linear, 5e6, 0.3};
   std::vector<std::shared_ptr<Body>> bodies{
@@ -128,7 +118,7 @@ TEST_CASE("FEniCSx: two and three materials, factors of 10 and 1000, forces with
 
 TEST_CASE("FEniCSx: forces under a pad within 1e-10, linear and quadratic elements",
           SLOW("compares with FEniCSx, which only run.sh all installs")) {
-  if (!test::has_python_module("dolfinx")) return test::skip("python3-dolfinx is not installed");
+  if (!has_python_module("dolfinx")) return skip("python3-dolfinx is not installed");
   std::vector<std::shared_ptr<Body>> bodies;
   for (const Element element : {Element::linear, Element::quadratic}) {
     bodies.push_back(padded_block(Law::neo_hookean, element));
@@ -142,7 +132,7 @@ TEST_CASE("FEniCSx: forces under a pad within 1e-10, linear and quadratic elemen
 
 TEST_CASE("FEniCSx: forces under a pad at any site of the surface within 1e-8, neo-Hookean and linear",
           SLOW("compares with FEniCSx, which only run.sh all installs")) {
-  if (!test::has_python_module("dolfinx")) return test::skip("python3-dolfinx is not installed");
+  if (!has_python_module("dolfinx")) return skip("python3-dolfinx is not installed");
   std::vector<std::shared_ptr<Body>> bodies;
   // Twenty: faces, edges, a corner and places over the clamp of the block of 0.1 x 0.04 x 0.04 m.
   const std::vector<Vec3> sites{

@@ -1,17 +1,14 @@
 // The field for a moving hand: near the exact field, continuous over edges, exact derivatives; and the grid that says
 // where a tip is.
 #include <Eigen/Geometry>
-#include <catch2/catch.hpp>
-#include <cmath>
-#include <random>
 
 #include "geometry/meshing/phantom.hpp"
 #include "solver/body/pad.hpp"
 #include "solver/jet/deep_states.hpp"
 #include "solver/jet/field_patches.hpp"
 #include "solver/jet/surface_grid.hpp"
+#include "tests/support/test.hpp"
 
-namespace forefeel {
 namespace {
 
 std::shared_ptr<const Body> small_liver() {
@@ -132,5 +129,3 @@ TEST_CASE("The grid says as the solid angle does whether a point is inside, and 
     CHECK_FALSE(grid.crossing(place.at - 1e-4 * n, place.at + 1e-4 * n));  // outwards
   }
 }
-
-}  // namespace forefeel

@@ -1,11 +1,5 @@
 // The difference of a fine and a coarse body's rest jets, and bodies that contain it.
 #include <Eigen/Eigenvalues>
-#include <algorithm>
-#include <catch2/catch.hpp>
-#include <cmath>
-#include <functional>
-#include <memory>
-#include <random>
 
 #include "geometry/coverage/state_space.hpp"
 #include "pad_body.hpp"
@@ -13,8 +7,8 @@
 #include "solver/body/refined_body.hpp"
 #include "solver/jet/rest_jet.hpp"
 #include "solver/lattice/generate.hpp"
+#include "tests/support/test.hpp"
 
-namespace forefeel {
 namespace {
 
 // A difference whose degrees are about equal at 1 cm.
@@ -193,21 +187,7 @@ TEST_CASE("A body with a fine jet: the energy's gradient is minus the force, the
       Solver solver(body);
       for (const double share : {0.4, 0.9, 1.3}) {
         const Vec3 x = std::min(share * radius, 0.012 * share) * Vec3(0.5, 0.4, -0.9).normalized();
-        const SolveOptions exact{.tolerance = 1e-12};
-        const State at = solver.reference(x, 0.006, exact).state;
-        REQUIRE(at.solve.status == SolveStatus::converged);
-        const double h = 1e-5;
-        Mat3 stiffness;
-        Vec3 force;
-        for (int j = 0; j < 3; ++j) {
-          const State up = solver.reference(x + h * Vec3::Unit(j), 0.006, exact).state,
-                      down = solver.reference(x - h * Vec3::Unit(j), 0.006, exact).state;
-          stiffness.col(j) = -(up.force - down.force) / (2 * h);
-          force[j] = -(up.energy - down.energy) / (2 * h);
-        }
-        CHECK((at.stiffness - stiffness).norm() < 1e-5 * stiffness.norm());
-        CHECK((at.stiffness - at.stiffness.transpose()).norm() < 1e-12 * stiffness.norm());
-        CHECK((at.force - force).norm() < 1e-6 * force.norm());
+        check_derivatives(solver, x, 1e-5, {.tolerance = 1e-12});
       }
     }
 }
@@ -331,5 +311,3 @@ TEST_CASE("the error that is left is the change by refinement and the degrees th
   CHECK_FALSE(jet.error_left(Vec3::Zero(), force, force));
   CHECK_FALSE(FineJet(fine, coarse, "").solved());
 }
-
-}  // namespace forefeel

@@ -1,19 +1,11 @@
 #include <Eigen/Dense>
 #include <Eigen/Geometry>
-#include <algorithm>
-#include <array>
-#include <catch2/catch.hpp>
-#include <cmath>
-#include <functional>
-#include <memory>
-#include <string>
-#include <vector>
 
 #include "block_body.hpp"
 #include "geometry/meshing/phantom.hpp"
 #include "solver/equilibrium/first_guess.hpp"
+#include "tests/support/test.hpp"
 
-namespace forefeel {
 namespace {
 
 using Choose = std::function<bool(const Vec3&)>;
@@ -226,7 +218,7 @@ TEST_CASE("A column pulled at all of its end, without Poisson's effect: K = E A 
 TEST_CASE("A body whose factorisation takes long has no first guess; the note says how large it is") {
   const FirstGuess guess = first_guess(box({{30, 30, 30}, Vec3(0.06, 0.06, 0.06), 0.01}));
   CHECK(guess.stiffness.isZero(0));
-  CHECK_THAT(guess.left_out, Catch::Contains("29791 nodes"));
+  CHECK_THAT(guess.left_out, Contains("29791 nodes"));
 }
 
 TEST_CASE("How much softer a body is than a half-space turns and grows with the body") {
@@ -242,4 +234,3 @@ TEST_CASE("How much softer a body is than a half-space turns and grows with the 
   other->material.young *= 7;
   CHECK(first_guess(other).softness == Approx(before).epsilon(1e-6));
 }
-}  // namespace forefeel

@@ -1,13 +1,7 @@
-#include <catch2/catch.hpp>
-#include <cmath>
-#include <cstring>
-#include <map>
-
 #include "block_body.hpp"
 #include "geometry/coverage/state_space.hpp"
 #include "solver/lattice/generate.hpp"
-
-using namespace forefeel;
+#include "tests/support/test.hpp"
 
 namespace {
 

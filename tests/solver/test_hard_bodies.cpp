@@ -1,17 +1,11 @@
 // Bodies that are hard to solve: large deformations of a liver up to nu = 0.499, other units, slivers, thin beams, a
 // tip beside the clamp, and elements that lock.
-#include <algorithm>
-#include <catch2/catch.hpp>
-#include <cmath>
-#include <limits>
 
 #include "block_body.hpp"
 #include "geometry/meshing/phantom.hpp"
 #include "solver/body/law.hpp"
 #include "solver/equilibrium/solver.hpp"
-#include "tests/support/slow.hpp"
-
-using namespace forefeel;
+#include "tests/support/test.hpp"
 
 namespace {
 

@@ -1,20 +1,14 @@
 // FOREFEEL_ISA chooses the kernels of the solver, as it does the loops of approx.
 
-#include <catch2/catch.hpp>
-#include <cstdlib>
-#include <filesystem>
-#include <string>
-
 #include "geometry/common/instruction_set.hpp"
 #include "solver/body/law_table.hpp"
 #include "solver/body/material.hpp"
 #include "solver/kernels/kernels.hpp"
-
-using namespace forefeel;
+#include "tests/support/test.hpp"
 
 TEST_CASE("with FOREFEEL_ISA=portable, the kernels in use are the portable ones", "[solver]") {
   // The set is chosen once, so another process looks at it.
-  const std::string self = std::filesystem::read_symlink("/proc/self/exe").string();
+  const std::string self = fs::read_symlink("/proc/self/exe").string();
   CHECK(std::system(("FOREFEEL_ISA=portable '" + self + "' '[portable-kernels]' >/dev/null").c_str()) == 0);
   if (instruction_set_in_use() == InstructionSet::portable) return;
   CHECK(std::system(("FOREFEEL_ISA= '" + self + "' '[portable-kernels]' >/dev/null").c_str()) != 0);

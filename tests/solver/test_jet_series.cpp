@@ -1,18 +1,13 @@
 // The series of the energy along a path, of each law, against Boost.Math's automatic differentiation.
 #include <Eigen/LU>
-#include <array>
 #include <boost/math/differentiation/autodiff.hpp>
 #include <boost/math/special_functions/factorials.hpp>
-#include <catch2/catch.hpp>
-#include <cmath>
-#include <random>
-#include <vector>
 
 #include "block_body.hpp"
 #include "solver/jet/path_directions.hpp"
 #include "solver/system/discretisation.hpp"
+#include "tests/support/test.hpp"
 
-namespace forefeel {
 namespace {
 
 using boost::math::differentiation::make_ftuple;
@@ -223,5 +218,3 @@ TEST_CASE("the directions of a path determine polynomials of degree 4 and 5 well
   for (std::size_t i = 10; i < jet_size; ++i)
     CHECK(found.coefficients[i] == Approx(jet.coefficients[i]).margin(1e-12));
 }
-
-}  // namespace forefeel

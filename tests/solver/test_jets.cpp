@@ -1,18 +1,14 @@
 // Energy jets of solved states: how their force errs, and how far they are trusted.
 #include <Eigen/LU>
 #include <Eigen/SVD>
-#include <array>
-#include <catch2/catch.hpp>
-#include <cmath>
-#include <vector>
 
 #include "pad_body.hpp"
 #include "region_body.hpp"
 #include "solver/body/law_table.hpp"
 #include "solver/jet/path_directions.hpp"
 #include "solver/jet/rest_jet.hpp"
+#include "tests/support/test.hpp"
 
-namespace forefeel {
 namespace {
 
 const SolveOptions exact{.tolerance = 1e-12};
@@ -235,5 +231,3 @@ TEST_CASE("At the material limit the jet's own displacement reaches the law's le
       std::isinf(Solver(block_body(Law::linear)).reference(Vec3::Zero(), 0.006, with_jet).state.jet->limit));
   CHECK(law_entry(Law::st_venant_kirchhoff).least_stretch == Approx(1 / std::sqrt(3.0)));
 }
-
-}  // namespace forefeel

@@ -1,20 +1,12 @@
 // Energy jets of the states of a lattice: those of a Solver at the same place, whoever solves.
 
-#include <catch2/catch.hpp>
-
-#include <algorithm>
-#include <array>
-#include <cmath>
-#include <map>
-
 #include "block_body.hpp"
 #include "geometry/meshing/phantom.hpp"
 #include "geometry/states/energy_jet.hpp"
 #include "solver/body/law.hpp"
 #include "solver/lattice/generate.hpp"
 #include "solver/lattice/generate_pieces.hpp"
-
-using namespace forefeel;
+#include "tests/support/test.hpp"
 
 namespace {
 

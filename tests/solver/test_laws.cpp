@@ -1,12 +1,8 @@
 #include <Eigen/LU>
-#include <catch2/catch.hpp>
-#include <cmath>
-#include <random>
 
 #include "solver/body/law.hpp"
 #include "solver/kernels/kernels.hpp"
-
-using namespace forefeel;
+#include "tests/support/test.hpp"
 
 namespace {
 

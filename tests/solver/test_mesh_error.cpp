@@ -1,19 +1,11 @@
 #include <Eigen/Dense>
-#include <algorithm>
-#include <array>
-#include <catch2/catch.hpp>
-#include <cmath>
-#include <memory>
-#include <vector>
 
 #include "block_body.hpp"
 #include "region_body.hpp"
 #include "solver/body/refined_body.hpp"
 #include "solver/equilibrium/mesh_error.hpp"
 #include "solver/system/discretisation.hpp"
-#include "tests/support/slow.hpp"
-
-using namespace forefeel;
+#include "tests/support/test.hpp"
 
 namespace {
 
@@ -99,12 +91,12 @@ TEST_CASE("by the stiffness at rest: the same for a linear body, and what a larg
   const MeshError none = mesh_error(body, at, {.spacing = 0.01, .most_for_equilibria = 10, .most_nodes = 20});
   CHECK(none.positions == 0);
   CHECK(std::isnan(none.error));
-  CHECK_THAT(none.why, Catch::Contains("more than 20"));
+  CHECK_THAT(none.why, Contains("more than 20"));
 }
 
 TEST_CASE("nothing to measure at, or asked to stop: not measured, and said so") {
   const auto body = block_body(Law::neo_hookean);
-  CHECK_THAT(mesh_error(body, {}, {.spacing = 0.01}).why, Catch::Contains("no position"));
+  CHECK_THAT(mesh_error(body, {}, {.spacing = 0.01}).why, Contains("no position"));
   std::stop_source stop;
   stop.request_stop();
   const std::array at{Vec3(0, 0.004, 0)};

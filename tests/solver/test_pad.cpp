@@ -1,17 +1,12 @@
 // The pad's springs: integrals over the surface, and what a solved body makes of them.
 #include <Eigen/Eigenvalues>
 #include <Eigen/Geometry>
-#include <catch2/catch.hpp>
-#include <cmath>
-#include <functional>
-#include <numbers>
 
 #include "pad_body.hpp"
 #include "solver/body/pad.hpp"
 #include "solver/system/discretisation.hpp"
-#include "tests/support/error_of.hpp"
+#include "tests/support/test.hpp"
 
-namespace forefeel {
 namespace {
 
 using Springs = std::array<std::array<double, 6>, 6>;
@@ -172,22 +167,7 @@ TEST_CASE("With a pad the energy's gradient is minus the force, and the stiffnes
     for (const Element element : {Element::linear, Element::quadratic}) {
       INFO(name(law) << " " << name(element));
       Solver solver(padded_block(law, element));
-      const Vec3 x(0.006, 0.004, -0.009);
-      const SolveOptions exact{.tolerance = 1e-12};
-      const State at = solver.reference(x, 0.006, exact).state;
-      REQUIRE(at.solve.status == SolveStatus::converged);
-      const double h = 1e-5;
-      Mat3 stiffness;
-      Vec3 force;
-      for (int j = 0; j < 3; ++j) {
-        const State up = solver.reference(x + h * Vec3::Unit(j), 0.006, exact).state,
-                    down = solver.reference(x - h * Vec3::Unit(j), 0.006, exact).state;
-        stiffness.col(j) = -(up.force - down.force) / (2 * h);
-        force[j] = -(up.energy - down.energy) / (2 * h);
-      }
-      CHECK((at.stiffness - stiffness).norm() < 1e-6 * stiffness.norm());
-      CHECK((at.stiffness - at.stiffness.transpose()).norm() < 1e-12 * stiffness.norm());
-      CHECK((at.force - force).norm() < 1e-6 * force.norm());
+      check_derivatives(solver, Vec3(0.006, 0.004, -0.009), 1e-6, {.tolerance = 1e-12});
     }
 }
 
@@ -216,9 +196,9 @@ TEST_CASE("Pads that cannot be solved are refused, and doubtful ones are named")
   const auto refusal = [&](const std::function<void(Body&)>& spoil) {
     Body body = *good;
     spoil(body);
-    return test::error_of([&] { check(body, "scene.toml"); });
+    return error_of([&] { check(body, "scene.toml"); });
   };
-  using Catch::Contains;
+
   CHECK_THAT(refusal([](Body& b) { b.contact = {7}; }),
              Contains("scene.toml: contact: both nodes and a pad"));
   CHECK_THAT(refusal([](Body& b) { b.pad->site += Vec3(0, 0, 0.001); }),
@@ -245,5 +225,3 @@ TEST_CASE("Pads that cannot be solved are refused, and doubtful ones are named")
   corner.pad->radius = 0.5;  // wider than the body
   CHECK_THAT(check(corner, "scene.toml").front(), Contains("less than 0.3 of its 800 N/m"));
 }
-
-}  // namespace forefeel

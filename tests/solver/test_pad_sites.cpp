@@ -4,17 +4,12 @@
 #include <boost/math/quadrature/gauss_kronrod.hpp>
 #include <boost/math/special_functions/bessel.hpp>
 #include <boost/math/special_functions/gamma.hpp>
-#include <catch2/catch.hpp>
-#include <cmath>
-#include <map>
-#include <numbers>
 
 #include "pad_body.hpp"
 #include "solver/body/contact_stiffness.hpp"
 #include "solver/jet/rest_jet.hpp"
-#include "tests/support/slow.hpp"
+#include "tests/support/test.hpp"
 
-namespace forefeel {
 namespace {
 
 // The closed line in which a plane cuts the surface, from the point nearest to `start`.
@@ -265,5 +260,3 @@ TEST_CASE("A pad on a deep block is springs on a half-space", SLOW("solves a fin
   const double series = 1.0 / 20 + (1 - 0.3) / (4 * 5000 / 2.6 * 0.6523 * pad_radius);
   CHECK(compliance_of_half_space(5, 0.3, 20) == Approx(series).epsilon(0.01));
 }
-
-}  // namespace forefeel

@@ -1,11 +1,7 @@
-#include <catch2/catch.hpp>
-#include <cmath>
-
 #include "block_body.hpp"
 #include "region_body.hpp"
 #include "solver/equilibrium/newton.hpp"
-
-using namespace forefeel;
+#include "tests/support/test.hpp"
 
 namespace {
 

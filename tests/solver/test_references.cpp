@@ -1,34 +1,25 @@
 // References computed with FEniCSx on a beam; skipped if the folder with them is missing.
-#include <catch2/catch.hpp>
-#include <cmath>
-#include <filesystem>
-#include <fstream>
-#include <nlohmann/json.hpp>
 
 #include "geometry/mesh/mesh_file.hpp"
 #include "solver/body/law.hpp"
 #include "solver/equilibrium/solver.hpp"
-#include "tests/support/paths.hpp"
-#include "tests/support/skip.hpp"
-
-using namespace forefeel;
+#include "tests/support/test.hpp"
 
 TEST_CASE("FEniCSx's beam: force within 1e-9, energy within 1e-9, every law") {
-  const std::filesystem::path folder = std::filesystem::path(test::shared_folder()) / "beam";
-  if (!std::filesystem::exists(folder / "beam.msh"))
-    return test::skip("no reference data at " + folder.string());
+  const fs::path folder = fs::path(shared_folder()) / "beam";
+  if (!fs::exists(folder / "beam.msh")) return skip("no reference data at " + folder.string());
   int files = 0;
-  for (const auto& entry : std::filesystem::directory_iterator(folder)) {
+  for (const auto& entry : fs::directory_iterator(folder)) {
     if (entry.path().extension() != ".json") continue;
-    std::filesystem::path reference = entry.path();
+    fs::path reference = entry.path();
     if (reference.filename() ==
         "beam_MR_nu0.45.json")  // of the older form of the law, with lambda + 4 c2 at rest
       reference = folder.parent_path().parent_path() /
                   "cases/mooney-rivlin-at-small-strain/beam_MR_exact_nu0.45.json";
-    if (!std::filesystem::exists(reference)) continue;
+    if (!fs::exists(reference)) continue;
     INFO(reference);
     ++files;
-    const auto document = nlohmann::json::parse(std::ifstream(reference));
+    const auto document = json::parse(std::ifstream(reference));
     auto body = std::make_shared<Body>();
     body->mesh = read_mesh(folder / "beam.msh");
     const std::string law = document["law"];

@@ -1,14 +1,11 @@
 // Stiffness and jet at rest of any site from one factor, and their derivatives by the site.
 #include <Eigen/Geometry>
-#include <catch2/catch.hpp>
-#include <cmath>
 
-#include "geometry/common/error.hpp"
 #include "pad_body.hpp"
 #include "solver/jet/rest_jet.hpp"
 #include "solver/jet/rest_sites.hpp"
+#include "tests/support/test.hpp"
 
-namespace forefeel {
 namespace {
 
 // The largest difference of two jets, each degree relative to its largest coefficient.
@@ -90,5 +87,3 @@ TEST_CASE("The stiffness of the body under the pad is in series with the springs
 TEST_CASE("Sites need a pad") {
   CHECK_THROWS_AS(RestSites(gripped_phantom("ball", 300), 1), InputError);
 }
-
-}  // namespace forefeel

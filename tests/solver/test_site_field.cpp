@@ -1,13 +1,10 @@
 // The energy of sites E(s, x): a potential with exact derivatives, without jumps in s, exact for linear bodies.
 #include <Eigen/Geometry>
-#include <algorithm>
-#include <catch2/catch.hpp>
-#include <cmath>
 
 #include "pad_body.hpp"
 #include "solver/jet/site_field.hpp"
+#include "tests/support/test.hpp"
 
-namespace forefeel {
 namespace {
 
 std::shared_ptr<const RestSites> sites_of(const std::shared_ptr<Body>& body) {
@@ -151,5 +148,3 @@ TEST_CASE("A field is the same by any number of threads, reports its progress an
   stop.request_stop();
   CHECK(SiteField(rest, {.spacing = 0.03}, {}, stop.get_token()).size() == 0);
 }
-
-}  // namespace forefeel

@@ -1,12 +1,11 @@
 // The stiffness at rest under a pad anywhere, against a solve of the body with the pad there.
 #include <Eigen/Geometry>
-#include <catch2/catch.hpp>
 
 #include "pad_body.hpp"
 #include "solver/equilibrium/solver.hpp"
 #include "solver/system/site_stiffness.hpp"
+#include "tests/support/test.hpp"
 
-namespace forefeel {
 namespace {
 
 double difference(const std::shared_ptr<Body>& body, SiteStiffness& anywhere, const Vec3& place) {
@@ -34,8 +33,5 @@ TEST_CASE("The stiffness at rest of any site follows from the body without a con
 }
 
 TEST_CASE("A body without a pad has no stiffness of sites") {
-  CHECK_THROWS_WITH(SiteStiffness(*gripped_phantom("ball", 300)),
-                    Catch::Contains("expected a body with a pad"));
+  CHECK_THROWS_WITH(SiteStiffness(*gripped_phantom("ball", 300)), Contains("expected a body with a pad"));
 }
-
-}  // namespace forefeel

@@ -1,13 +1,10 @@
 // The surface as a place to touch: nearest places, inside and outside, random places, walks over edges.
 #include <Eigen/Geometry>
-#include <catch2/catch.hpp>
-#include <cmath>
-#include <numbers>
 
 #include "pad_body.hpp"
 #include "solver/jet/surface_map.hpp"
+#include "tests/support/test.hpp"
 
-namespace forefeel {
 namespace {
 
 // 0.1 x 0.04 x 0.04 m, clamped at x = 0.
@@ -78,5 +75,3 @@ TEST_CASE("A walk keeps its length, turns with the surface at edges and ends at 
   CHECK_FALSE(clamped.whole);
   CHECK((clamped.end.at - Vec3(0, 0.021, 0.04)).norm() < 1e-9);
 }
-
-}  // namespace forefeel

@@ -1,10 +1,6 @@
-#include <algorithm>
-#include <catch2/catch.hpp>
-
 #include "geometry/coverage/state_space.hpp"
 #include "solver/lattice/sweep_plan.hpp"
-
-using namespace forefeel;
+#include "tests/support/test.hpp"
 
 TEST_CASE(
     "coarse planes hold even multiples and the ends of the box; others lie halfway between two of them") {

@@ -1,28 +1,8 @@
 #include "tests/support/executable.hpp"
-#include "tests/support/paths.hpp"
 
 #include <sys/wait.h>
 
-#include <algorithm>
-#include <catch2/catch.hpp>
-#include <cstdlib>
-#include <fstream>
-#include <sstream>
-#include <vector>
-
 namespace forefeel::test {
-namespace {
-
-namespace fs = std::filesystem;
-
-std::string read(const fs::path& file) {
-  std::ifstream in(file, std::ios::binary);
-  std::ostringstream text;
-  text << in.rdbuf();
-  return text.str();
-}
-
-}  // namespace
 
 Workshop::Workshop() {
   fs::create_directory(path_);
@@ -34,11 +14,7 @@ Workshop::Outcome Workshop::shell(const std::string& command) const {
                            (folder_ / "cache").string() + "' && { " + command + "\n} >'" + out.string() +
                            "' 2>'" + err.string() + "' </dev/null";
   const int status = std::system(line.c_str());
-  return {WIFEXITED(status) ? WEXITSTATUS(status) : -1, read(out), read(err)};
-}
-
-Workshop::Outcome Workshop::forefeel(const std::string& arguments) const {
-  return shell("'" + executable() + "' " + arguments);
+  return {WIFEXITED(status) ? WEXITSTATUS(status) : -1, text_of(out), text_of(err)};
 }
 
 Workshop::Outcome Workshop::forefeel_bench(const std::string& arguments) const {
@@ -60,6 +36,15 @@ fs::path Workshop::write(const std::string& name, const std::string& text) const
   return folder_.write("work/" + name, text);
 }
 
+std::string Workshop::read(const std::string& name) const {
+  REQUIRE(fs::is_regular_file(path_ / name));
+  return text_of(path_ / name);
+}
+
+bool Workshop::same(const std::string& a, const std::string& b) const {
+  return read(a) == read(b);
+}
+
 std::string Workshop::files() const {
   std::vector<std::string> names;
   for (const auto& entry : fs::recursive_directory_iterator(path_))
@@ -78,17 +63,14 @@ std::string is_larger(const std::string& file, int bytes) {
   return "[ $(stat -c %s " + file + " 2>/dev/null || echo 0) -gt " + std::to_string(bytes) + " ]";
 }
 
-void check_refused(const Workshop& shop, const std::string& arguments,
-                   const std::vector<std::string>& mentions, const std::string& program) {
-  const std::string before = shop.files();
-  const Workshop::Outcome outcome = shop.shell("'" + program + "' " + arguments);
-  INFO(program << ' ' << arguments << "\nstdout: " << outcome.out << "\nstderr: " << outcome.err);
+void check_refused(const Workshop::Outcome& outcome, const std::string& arguments,
+                   const std::vector<std::string>& mentions) {
+  INFO(arguments << "\nstdout: " << outcome.out << "\nstderr: " << outcome.err);
   CHECK(outcome.code == 2);
   CHECK(outcome.error_lines() == 1);
   CHECK(outcome.err.ends_with('\n'));
   CHECK(outcome.out.empty());
-  for (const std::string& word : mentions) CHECK_THAT(outcome.err, Catch::Contains(word));
-  CHECK(shop.files() == before);
+  for (const std::string& word : mentions) CHECK_THAT(outcome.err, Contains(word));
 }
 
 std::string beam_scene(const std::string& more) {

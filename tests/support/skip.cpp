@@ -1,5 +1,7 @@
 #include "tests/support/skip.hpp"
 
+#include <sys/wait.h>
+
 #include <catch2/catch.hpp>
 #include <cstdlib>
 
@@ -20,6 +22,14 @@ void skip(const std::string& reason) {
 
 const std::vector<std::string>& skipped() {
   return reasons();
+}
+
+bool python_ran(const std::string& words, const std::string& missing) {
+  const int status = std::system(("/usr/bin/python3 " + words + " 2>/dev/null").c_str());
+  const bool skipped = WIFEXITED(status) && (WEXITSTATUS(status) == 77 || WEXITSTATUS(status) == 127);
+  if (skipped) skip(missing);
+  CHECK((skipped || status == 0));
+  return !skipped;
 }
 
 bool has_command(const std::string& name) {
