@@ -1,6 +1,6 @@
 #pragma once
 // The built-in policies, one file each: policy_NAME.cpp. clairvoyant and the shuffled policies are variants of
-// coverage, in its file; worth-shuffled is in the file of worth.
+// coverage, in its file; error-shuffled is in the file of error.
 
 #include <memory>
 
@@ -19,7 +19,6 @@ std::unique_ptr<Policy> make_coarse_to_fine(FactoryContext& context);
 std::unique_ptr<Policy> make_error(FactoryContext& context);
 std::unique_ptr<Policy> make_shuffled(FactoryContext& context);
 std::unique_ptr<Policy> make_clairvoyant_shuffled(FactoryContext& context);
-std::unique_ptr<Policy> make_worth(FactoryContext& context);
-std::unique_ptr<Policy> make_worth_shuffled(FactoryContext& context);
+std::unique_ptr<Policy> make_error_shuffled(FactoryContext& context);
 
 }  // namespace forefeel

@@ -18,16 +18,15 @@ Registry<PolicyFactory>& policies() {
        {"direction", make_direction, "states along the predicted motion, the soonest first"},
        {"coarse-to-fine", make_coarse_to_fine,
         "coarse lattice points far around the predicted path, fine ones near it"},
-       {"error", make_error, "expected error times the chance that the state is needed"},
+       {"error", make_error,
+        "chance of an error above the JND on the path ahead that a solve removes per second"},
        {"clairvoyant", make_clairvoyant,
         "upper bound: knows the motion, simulates every policy, runs the best"},
        {"clairvoyant-greedy", make_clairvoyant, "coverage with the motion known"},
        {"shuffled", make_shuffled, "placebo of coverage: its labels, permuted among the places"},
        {"clairvoyant-shuffled", make_clairvoyant_shuffled, "placebo of clairvoyant-greedy"},
-       {"worth", make_worth,
-        "chance of an error above the JND on the path ahead that a solve removes per second"},
-       {"worth-shuffled", make_worth_shuffled,
-        "placebo of worth: its estimates, permuted among the places"}});
+       {"error-shuffled", make_error_shuffled,
+        "placebo of error: its estimates, permuted among the places"}});
   return policies;
 }
 

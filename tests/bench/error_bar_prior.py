@@ -69,7 +69,7 @@ def drawn_touch(draw):
             "body.fine=false", contact, f"state_space={{depth={depth:.4f}}}", "session.discretisation_error=false"]
     path = draw.choice(["line", "raster", "palpation", "tour"])
     speed = "" if path == "palpation" else f",speed={draw.uniform(0.02, 0.1):.3f}"
-    policy = draw.choice(["error", "coverage", "nearest", "worth"])
+    policy = draw.choice(["error", "coverage", "nearest"])
     return keys, ["--device", f"path:{path},depth={0.9 * depth:.4f}{speed}", "--policy", policy, "--workers",
                   str(draw.choice([1, 2, 4])), "--cost", draw.choice(["paper", "constant:0.02"])]
 

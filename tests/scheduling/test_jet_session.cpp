@@ -9,7 +9,7 @@
 
 namespace {
 
-SessionOptions jet_options(double seconds, double speed, const char* policy = "worth") {
+SessionOptions jet_options(double seconds, double speed, const char* policy = "error") {
   SessionOptions options = virtual_options(seconds);
   options.model.fit = {.data = Data::jet, .neighbours = 8};
   options.planning.policy = Registered(policy);
