@@ -4,6 +4,7 @@
 #include <pybind11/stl/filesystem.h>
 
 #include <array>
+#include <cstring>
 #include <nlohmann/json.hpp>
 #include <type_traits>
 
@@ -16,6 +17,7 @@
 #include "apps/scene/scene_session.hpp"
 #include "apps/scene/spec_text.hpp"
 #include "geometry/common/error.hpp"
+#include "geometry/common/run_columns.hpp"
 #include "scheduling/record/run_files.hpp"
 #include "scheduling/record/summary.hpp"
 #include "scheduling/session/session.hpp"
@@ -23,81 +25,58 @@
 namespace forefeel::python {
 namespace {
 
-struct FrameRow {
-  double t, at[3], rendered[3], sent[3], undamped[3];
-  std::uint8_t label;
-  std::uint32_t model, known;
-  double switch_change, switch_bound, motion_change, undamped_jump;
-  bool took_model, sampled, first_visit;
-  double reference[3], error, approximation, switching, staleness, cost_us, lateness_us;
+// The type of each cell of a row, and the bytes of rows of these types, without gaps.
+class RowTypes final : public Cells {
+ public:
+  void real(double) override { types.push_back("f8"); }
+  void vector(const Vec3&) override { types.push_back("(3,)f8"); }
+  void whole(std::int64_t) override { types.push_back("i8"); }
+  void flag(bool) override { types.push_back("?"); }
+  void word(std::string_view, std::uint8_t) override { types.push_back("u1"); }
+  std::vector<const char*> types;
 };
 
-struct DispatchRow {
-  std::uint32_t id;
-  double at[3];
-  std::uint8_t label, status;
-  double priority, requested, started, finished, known, first_used;
-  std::int32_t worker;
-  std::int64_t parent;
-};
+class RowBytes final : public Cells {
+ public:
+  explicit RowBytes(void* to) : to_(static_cast<std::byte*>(to)) {}
+  void real(double value) override { add(value); }
+  void vector(const Vec3& value) override { add(std::array{value.x(), value.y(), value.z()}); }
+  void whole(std::int64_t value) override { add(value); }
+  void flag(bool value) override { add(value); }
+  void word(std::string_view, std::uint8_t number) override { add(number); }
 
-struct SwitchRow {
-  double t;
-  std::uint32_t model;
-  std::uint8_t cause, label;
-  std::uint32_t n, replaced;
-  double jump_undamped, fit_us;
-};
-
-void put(const Vec3& v, double (&to)[3]) {
-  std::copy_n(v.data(), 3, to);
-}
-
-py::array_t<FrameRow> frames_of(const SessionResult& result) {
-  py::array_t<FrameRow> rows = zero_rows<FrameRow>(result.frames.size());
-  FrameRow* to = rows.mutable_data();
-  for (const FrameRecord& f : result.frames) {
-    FrameRow& row = *to++;
-    row.t = f.t;
-    put(f.at, row.at), put(f.force, row.rendered), put(f.sent, row.sent), put(f.undamped, row.undamped);
-    row.label = static_cast<std::uint8_t>(f.label), row.model = f.step.model, row.known = f.known;
-    row.switch_change = f.step.change, row.switch_bound = f.step.bound;
-    row.motion_change = f.step.motion_change, row.undamped_jump = f.step.undamped_jump;
-    row.took_model = f.step.took_model, row.sampled = f.judged.sampled,
-    row.first_visit = f.judged.first_visit;
-    put(f.judged.reference, row.reference);
-    row.error = f.judged.error, row.approximation = f.judged.approximation;
-    row.switching = f.judged.switching, row.staleness = f.judged.staleness;
-    row.cost_us = f.timing.cost_us, row.lateness_us = f.timing.lateness_us;
+ private:
+  template <class Value>
+  void add(const Value& value) {
+    std::memcpy(to_, &value, sizeof value);
+    to_ += sizeof value;
   }
+  std::byte* to_;
+};
+
+// The columns of a run's file as a structured array, also those that the file leaves out.
+template <class Record>
+py::array table_of(std::span<const RunColumn<Record>> columns, const std::vector<Record>& records) {
+  RowTypes of;
+  py::list fields;
+  for (const RunColumn<Record>& column : columns) {
+    column.put(of, Record{});
+    fields.append(py::make_tuple(column.array.empty() ? column.names : column.array, of.types.back()));
+  }
+  py::array rows(py::dtype::from_args(fields), static_cast<py::ssize_t>(records.size()));
+  RowBytes bytes(rows.mutable_data());
+  for (const Record& record : records)
+    for (const RunColumn<Record>& column : columns) column.put(bytes, record);
   return rows;
 }
 
-py::array_t<DispatchRow> dispatches_of(const SessionResult& result) {
-  py::array_t<DispatchRow> rows = zero_rows<DispatchRow>(result.dispatch.size());
-  DispatchRow* to = rows.mutable_data();
-  for (const DispatchRecord& d : result.dispatch) {
-    DispatchRow& row = *to++;
-    row.id = d.id;
-    put(d.at, row.at);
-    row.label = static_cast<std::uint8_t>(d.label), row.status = static_cast<std::uint8_t>(d.status);
-    row.priority = d.choice.priority, row.requested = d.requested, row.started = d.started;
-    row.finished = d.finished, row.known = d.known, row.first_used = d.first_used;
-    row.worker = d.worker, row.parent = d.parent;
-  }
-  return rows;
-}
-
-py::array_t<SwitchRow> switches_of(const SessionResult& result) {
-  py::array_t<SwitchRow> rows = zero_rows<SwitchRow>(result.switches.size());
-  SwitchRow* to = rows.mutable_data();
-  for (const SwitchRecord& s : result.switches) {
-    SwitchRow& row = *to++;
-    row.t = s.t, row.model = s.model, row.n = s.n, row.replaced = s.replaced;
-    row.cause = static_cast<std::uint8_t>(s.cause), row.label = static_cast<std::uint8_t>(s.label);
-    row.jump_undamped = s.jump_undamped, row.fit_us = s.fit_us;
-  }
-  return rows;
+// Of each field of such an array: its name, the columns of the file, unit and meaning.
+template <class Record>
+py::list names_of(std::span<const RunColumn<Record>> columns) {
+  py::list all;
+  for (const RunColumn<Record>& c : columns)
+    all.append(py::make_tuple(c.array.empty() ? c.names : c.array, c.names, c.unit, c.meaning));
+  return all;
 }
 
 struct Run {
@@ -239,12 +218,8 @@ std::unique_ptr<Run> run(const PyScene& scene, const std::function<void(double)>
 
 void bind_session(py::module_& module) {
   bind_parts(module);
-  PYBIND11_NUMPY_DTYPE(FrameRow, t, at, rendered, sent, undamped, label, model, known, switch_change,
-                       switch_bound, motion_change, undamped_jump, took_model, sampled, first_visit,
-                       reference, error, approximation, switching, staleness, cost_us, lateness_us);
-  PYBIND11_NUMPY_DTYPE(DispatchRow, id, at, label, status, priority, requested, started, finished, known,
-                       first_used, worker, parent);
-  PYBIND11_NUMPY_DTYPE(SwitchRow, t, model, cause, label, n, replaced, jump_undamped, fit_us);
+  module.attr("_run_fields") =
+      py::make_tuple(names_of(frame_columns()), names_of(dispatch_columns()), names_of(switch_columns()));
   py::list statuses, causes;
   for (int i = 0; i <= static_cast<int>(DispatchStatus::withdrawn); ++i)
     statuses.append(std::string(name(static_cast<DispatchStatus>(i))));
@@ -253,9 +228,12 @@ void bind_session(py::module_& module) {
   module.attr("dispatch_status_names") = py::tuple(statuses);
   module.attr("switch_cause_names") = py::tuple(causes);
   py::class_<Run>(module, "Run")
-      .def_property_readonly("frames", [](const Run& self) { return frames_of(self.result); })
-      .def_property_readonly("dispatches", [](const Run& self) { return dispatches_of(self.result); })
-      .def_property_readonly("switches", [](const Run& self) { return switches_of(self.result); })
+      .def_property_readonly("frames",
+                             [](const Run& self) { return table_of(frame_columns(), self.result.frames); })
+      .def_property_readonly(
+          "dispatches", [](const Run& self) { return table_of(dispatch_columns(), self.result.dispatch); })
+      .def_property_readonly("switches",
+                             [](const Run& self) { return table_of(switch_columns(), self.result.switches); })
       .def_property_readonly("states", [](const Run& self) { return array_of(self.result.states); })
       .def_property_readonly("interrupted", [](const Run& self) { return self.result.interrupted(); })
       .def_property_readonly("_summary", [](const Run& self) { return to_json(self.summary).dump(); })

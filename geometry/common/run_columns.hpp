@@ -19,43 +19,60 @@
 
 namespace forefeel {
 
-using RowText = fmt::memory_buffer;
+// What the cells of a row are put into: text here, arrays in Python.
+class Cells {
+ public:
+  virtual ~Cells() = default;
+  virtual void real(double value) = 0;  // unknown where not finite
+  virtual void vector(const Vec3& value) = 0;
+  virtual void whole(std::int64_t value) = 0;
+  virtual void flag(bool value) = 0;
+  virtual void word(std::string_view word, std::uint8_t number) = 0;  // of an enumeration
+};
 
-// Shortest text that reads back to the same double; empty where unknown.
-inline void put(RowText& out, double value) {
-  if (std::isfinite(value)) fmt::format_to(std::back_inserter(out), "{}", value == 0 ? 0.0 : value);
-}
-inline void put(RowText& out, const Vec3& v) {
-  for (int i = 0; i < 3; ++i) {
-    if (i > 0) out.push_back(',');
-    put(out, v[i]);
+class RowText final : public Cells {
+ public:
+  // Shortest text that reads back to the same double; empty where unknown.
+  void real(double value) override {
+    if (std::isfinite(value)) fmt::format_to(std::back_inserter(text), "{}", value == 0 ? 0.0 : value);
   }
-}
-inline void put(RowText& out, std::string_view word) {
-  out.append(word);
-}
-inline void put(RowText& out, std::int64_t number) {
-  fmt::format_to(std::back_inserter(out), "{}", number);
-}
-inline void put(RowText& out, bool flag) {
-  out.push_back(flag ? '1' : '0');
-}
+  void vector(const Vec3& value) override {
+    for (int i = 0; i < 3; ++i) {
+      if (i > 0) text.push_back(',');
+      real(value[i]);
+    }
+  }
+  void whole(std::int64_t value) override { fmt::format_to(std::back_inserter(text), "{}", value); }
+  void flag(bool value) override { text.push_back(value ? '1' : '0'); }
+  void word(std::string_view word, std::uint8_t) override { text.append(word); }
 
-// One column, or the columns of a vector: header, unit, meaning, and the function that writes its cells.
+  fmt::memory_buffer text;
+};
+
+inline constexpr std::uint8_t no_word = 255;
+
+enum class Only : std::uint8_t {
+  always,
+  real,
+  viscous,
+  anywhere
+};  // under which circumstances a column is shown
+
+// One column, or the columns of a vector: header, unit, meaning, and the function that puts its cells.
 template <class Record>
 struct RunColumn {
   std::string_view names, unit, meaning;
-  void (*write)(RowText&, const Record&);
-  bool real = false;      // under the real clock only
-  bool viscous = false;   // of a viscous body only
-  bool anywhere = false;  // of a body that is touched anywhere only
+  void (*put)(Cells&, const Record&);
+  std::string_view array = "";  // its name in Python, where that is not `names`
+  Only only = Only::always;
 };
 
 struct Circumstances {
-  bool real = false, viscous = false, anywhere = false;
-  template <class Record>
-  bool show(const RunColumn<Record>& column) const {
-    return (real || !column.real) && (viscous || !column.viscous) && (anywhere || !column.anywhere);
+  bool real = false;      // the real clock
+  bool viscous = false;   // a viscous body
+  bool anywhere = false;  // a body that is touched anywhere
+  bool show(Only only) const {
+    return only == Only::always || (only == Only::real ? real : only == Only::viscous ? viscous : anywhere);
   }
 };
 
@@ -63,7 +80,7 @@ template <class Record>
 std::string header_of(std::span<const RunColumn<Record>> columns, const Circumstances& of) {
   std::string header;
   for (const RunColumn<Record>& column : columns)
-    if (of.show(column)) header += (header.empty() ? "" : ",") + std::string(column.names);
+    if (of.show(column.only)) header += (header.empty() ? "" : ",") + std::string(column.names);
   return header + '\n';
 }
 
@@ -73,11 +90,11 @@ RowText rows_of(std::span<const Record> records, std::span<const RunColumn<Recor
   RowText out;
   for (const Record& record : records) {
     for (const RunColumn<Record>& column : columns) {
-      if (!of.show(column)) continue;
-      if (&column != columns.data()) out.push_back(',');
-      column.write(out, record);
+      if (!of.show(column.only)) continue;
+      if (&column != columns.data()) out.text.push_back(',');
+      column.put(out, record);
     }
-    out.push_back('\n');
+    out.text.push_back('\n');
   }
   return out;
 }
@@ -97,7 +114,7 @@ void write_rows(const std::filesystem::path& file, std::span<const Record> recor
   out.write(header_of(columns, of));
   for (std::future<RowText>& text : texts) {
     const RowText mine = text.get();
-    out.write({mine.data(), mine.size()});
+    out.write({mine.text.data(), mine.text.size()});
   }
   out.commit();
 }
@@ -107,10 +124,10 @@ std::vector<Declared> declared(std::span<const RunColumn<Record>> columns) {
   std::vector<Declared> rows;
   for (const RunColumn<Record>& column : columns)
     rows.push_back({std::string(column.names), std::string(column.unit), "",
-                    std::string(column.meaning) + (column.real       ? "; real clock only"
-                                                   : column.viscous  ? "; viscous bodies only"
-                                                   : column.anywhere ? "; contact.anywhere only"
-                                                                     : "")});
+                    std::string(column.meaning) + (column.only == Only::real       ? "; real clock only"
+                                                   : column.only == Only::viscous  ? "; viscous bodies only"
+                                                   : column.only == Only::anywhere ? "; contact.anywhere only"
+                                                                                   : "")});
   return rows;
 }
 

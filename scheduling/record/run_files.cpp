@@ -4,6 +4,7 @@
 #include <exception>
 #include <future>
 #include <string>
+#include <type_traits>
 #include <vector>
 
 #include "geometry/common/error.hpp"
@@ -15,130 +16,150 @@ namespace {
 
 const Vec3 nowhere = Vec3::Constant(unknown);  // three empty cells
 
+// The cell of a value by its type.
+void put(Cells& o, double value) {
+  o.real(value);
+}
+void put(Cells& o, bool value) {
+  o.flag(value);
+}
+void put(Cells& o, const Vec3& value) {
+  o.vector(value);
+}
+template <class Word>
+requires std::is_enum_v<Word>
+void put(Cells& o, Word value) {
+  o.word(name(value), static_cast<std::uint8_t>(value));
+}
+
 using Frame = FrameRecord;
-constexpr RunColumn<Frame> frame_columns[] = {
-    {"t", "s", "time of the frame", [](RowText& o, const Frame& f) { put(o, f.t); }},
+constexpr RunColumn<Frame> of_frames[] = {
+    {"t", "s", "time of the frame", [](Cells& o, const Frame& f) { put(o, f.t); }},
     {"x,y,z", "m",
      "position of the tip, from its rest position; of a body touched anywhere in the axes of the mesh",
-     [](RowText& o, const Frame& f) { put(o, f.at); }},
+     [](Cells& o, const Frame& f) { put(o, f.at); }, "at"},
     {"fx,fy,fz", "N", "force sent to the device: after the safety rules",
-     [](RowText& o, const Frame& f) { put(o, f.sent); }},
+     [](Cells& o, const Frame& f) { put(o, f.sent); }, "sent"},
     {"label", "", "coverage at the tip: safe, sparse, gap or blank",
-     [](RowText& o, const Frame& f) {
-       put(o, f.touch.applies && f.touch.kind == TouchKind::none ? "" : name(f.label));
+     [](Cells& o, const Frame& f) {
+       if (f.touch.applies && f.touch.kind == TouchKind::none)
+         o.word("", no_word);
+       else
+         put(o, f.label);
      }},
     {"model", "", "serial number of the model that is rendered; 0: none",
-     [](RowText& o, const Frame& f) { put(o, std::int64_t{f.step.model}); }},
-    {"known", "", "number of known states",
-     [](RowText& o, const Frame& f) { put(o, std::int64_t{f.known}); }},
+     [](Cells& o, const Frame& f) { o.whole(f.step.model); }},
+    {"known", "", "number of known states", [](Cells& o, const Frame& f) { o.whole(f.known); }},
     {"ux,uy,uz", "N", "force of the newest model, as if models changed at once",
-     [](RowText& o, const Frame& f) { put(o, f.undamped); }},
+     [](Cells& o, const Frame& f) { put(o, f.undamped); }, "undamped"},
     {"rendered_x,rendered_y,rendered_z", "N", "rendered force: after the switch, before the safety rules",
-     [](RowText& o, const Frame& f) { put(o, f.force); }},
+     [](Cells& o, const Frame& f) { put(o, f.force); }, "rendered"},
     {"switch_change", "N", "change of the rendered force by the switch in this frame",
-     [](RowText& o, const Frame& f) { put(o, f.step.change); }},
+     [](Cells& o, const Frame& f) { put(o, f.step.change); }},
     {"switch_bound", "N", "bound of the switch's rule on that change",
-     [](RowText& o, const Frame& f) { put(o, f.step.bound); }},
+     [](Cells& o, const Frame& f) { put(o, f.step.bound); }},
     {"motion_change", "N", "change of the rendered force by the motion",
-     [](RowText& o, const Frame& f) { put(o, f.step.motion_change); }},
+     [](Cells& o, const Frame& f) { put(o, f.step.motion_change); }},
     {"took_model", "", "1: a newer model is rendered from this frame on",
-     [](RowText& o, const Frame& f) { put(o, f.step.took_model); }},
+     [](Cells& o, const Frame& f) { put(o, f.step.took_model); }},
     {"undamped_jump", "N", "difference of the two models where a newer one is taken",
-     [](RowText& o, const Frame& f) { put(o, f.step.undamped_jump); }},
+     [](Cells& o, const Frame& f) { put(o, f.step.undamped_jump); }},
     {"sampled", "", "1: compared with a tight solve, at equal distances along the path",
-     [](RowText& o, const Frame& f) { put(o, f.judged.sampled); }},
+     [](Cells& o, const Frame& f) { put(o, f.judged.sampled); }},
     {"first_visit", "", "1: compared with a tight solve, as the first frame in its lattice cell",
-     [](RowText& o, const Frame& f) { put(o, f.judged.first_visit); }},
+     [](Cells& o, const Frame& f) { put(o, f.judged.first_visit); }},
     {"rx,ry,rz", "N", "reference: force of the tight solve",
-     [](RowText& o, const Frame& f) { put(o, f.judged.reference); }},
+     [](Cells& o, const Frame& f) { put(o, f.judged.reference); }, "reference"},
     {"error", "1", "|rendered - reference| / max(|reference|, session.error_floor)",
-     [](RowText& o, const Frame& f) { put(o, f.judged.error); }},
+     [](Cells& o, const Frame& f) { put(o, f.judged.error); }},
     {"approximation", "1", "part of the error: newest model against the reference",
-     [](RowText& o, const Frame& f) { put(o, f.judged.approximation); }},
+     [](Cells& o, const Frame& f) { put(o, f.judged.approximation); }},
     {"switch", "1", "part of the error: rendered force against the newest model",
-     [](RowText& o, const Frame& f) { put(o, f.judged.switching); }},
+     [](Cells& o, const Frame& f) { put(o, f.judged.switching); }, "switching"},
     {"staleness", "1", "part of the error: newest model against one of all states known by then",
-     [](RowText& o, const Frame& f) { put(o, f.judged.staleness); }},
-    {"cost_us", "us", "time to compute the frame",
-     [](RowText& o, const Frame& f) { put(o, f.timing.cost_us); }, true},
+     [](Cells& o, const Frame& f) { put(o, f.judged.staleness); }},
+    {"cost_us", "us", "time to compute the frame", [](Cells& o, const Frame& f) { put(o, f.timing.cost_us); },
+     "", Only::real},
     {"lateness_us", "us", "delay of the frame's start",
-     [](RowText& o, const Frame& f) { put(o, f.timing.lateness_us); }, true},
+     [](Cells& o, const Frame& f) { put(o, f.timing.lateness_us); }, "", Only::real},
     {"bar90,bar95,bar99", "N",
      "error bar: |rendered - reference| is at most this with 90, 95, 99 %; empty where nothing is known of "
      "it yet; at least a tenth of the just noticeable difference; of the elastic force where the body is "
      "viscous",
-     [](RowText& o, const Frame& f) {
+     [](Cells& o, const Frame& f) {
        const auto& [at_90, at_95, at_99] = f.bar.half_width;
        put(o, Vec3(at_90, at_95, at_99));
-     }},
+     },
+     "bars"},
     {"bar_scale", "N", "scale of the newest model's error that the error bar is made of",
-     [](RowText& o, const Frame& f) { put(o, f.bar.scale); }},
+     [](Cells& o, const Frame& f) { put(o, f.bar.scale); }},
     {"trusted", "", "1: the force is that of energy jets within their trust and the tolerance; else 0",
-     [](RowText& o, const Frame& f) { put(o, f.bar.trusted); }},
+     [](Cells& o, const Frame& f) { put(o, f.bar.trusted); }},
     {"sx,sy,sz", "m", "site of the touch on the surface at rest; empty: no touch, or one place of contact",
-     [](RowText& o, const Frame& f) { put(o, f.touch.site.exists() ? f.touch.site.at : nowhere); }},
+     [](Cells& o, const Frame& f) { put(o, f.touch.site.exists() ? f.touch.site.at : nowhere); }, "site"},
     {"touch", "", "none, stick or slip; empty: one place of contact",
-     [](RowText& o, const Frame& f) { put(o, f.touch.applies ? name(f.touch.kind) : ""); }},
+     [](Cells& o, const Frame& f) { f.touch.applies ? put(o, f.touch.kind) : o.word("", no_word); }},
     {"nx,ny,nz", "1", "mean normal under the pad there",
-     [](RowText& o, const Frame& f) { put(o, f.touch.site.exists() ? f.touch.normal : nowhere); }, false,
-     false, true},
-    {"energy", "J", "stored by body and pad", [](RowText& o, const Frame& f) { put(o, f.touch.energy); },
-     false, false, true},
+     [](Cells& o, const Frame& f) { put(o, f.touch.site.exists() ? f.touch.normal : nowhere); }, "normal",
+     Only::anywhere},
+    {"energy", "J", "stored by body and pad", [](Cells& o, const Frame& f) { put(o, f.touch.energy); }, "",
+     Only::anywhere},
     {"lost", "J", "by sliding, and where a touch ends under force, in this frame",
-     [](RowText& o, const Frame& f) { put(o, f.touch.lost); }, false, false, true},
+     [](Cells& o, const Frame& f) { put(o, f.touch.lost); }, "", Only::anywhere},
     {"slope", "1",
      "|g| / (f . n): a touch slides where it exceeds contact.friction, but not out of a kink of E on an edge",
-     [](RowText& o, const Frame& f) { put(o, f.touch.slope); }, false, false, true},
+     [](Cells& o, const Frame& f) { put(o, f.touch.slope); }, "", Only::anywhere},
     {"elastic_x,elastic_y,elastic_z", "N", "rendered force before the relaxation function",
-     [](RowText& o, const Frame& f) { put(o, f.elastic); }, false, true},
+     [](Cells& o, const Frame& f) { put(o, f.elastic); }, "elastic", Only::viscous},
     {"elastic_rx,elastic_ry,elastic_rz", "N", "force of the tight solve before the relaxation function",
-     [](RowText& o, const Frame& f) { put(o, f.judged.elastic_reference); }, false, true}};
+     [](Cells& o, const Frame& f) { put(o, f.judged.elastic_reference); }, "elastic_reference",
+     Only::viscous}};
 
 using Dispatched = DispatchRecord;
-constexpr RunColumn<Dispatched> dispatch_columns[] = {
-    {"id", "", "number of the solve", [](RowText& o, const Dispatched& d) { put(o, std::int64_t{d.id}); }},
+constexpr RunColumn<Dispatched> of_solves[] = {
+    {"id", "", "number of the solve", [](Cells& o, const Dispatched& d) { o.whole(d.id); }},
     {"x,y,z", "m", "position of the state: displacement of the tip from rest, or from its site",
-     [](RowText& o, const Dispatched& d) { put(o, d.displacement()); }},
+     [](Cells& o, const Dispatched& d) { put(o, d.displacement()); }, "at"},
     {"label", "", "coverage there when it was requested",
-     [](RowText& o, const Dispatched& d) { put(o, name(d.label)); }},
+     [](Cells& o, const Dispatched& d) { put(o, d.label); }},
     {"priority", "1", "priority by the policy",
-     [](RowText& o, const Dispatched& d) { put(o, d.choice.priority); }},
+     [](Cells& o, const Dispatched& d) { put(o, d.choice.priority); }},
     {"requested", "s", "time of the planner's decision",
-     [](RowText& o, const Dispatched& d) { put(o, d.requested); }},
+     [](Cells& o, const Dispatched& d) { put(o, d.requested); }},
     {"started", "s", "begin of the solve; empty: it never began",
-     [](RowText& o, const Dispatched& d) { put(o, d.started); }},
-    {"finished", "s", "end of the solve", [](RowText& o, const Dispatched& d) { put(o, d.finished); }},
+     [](Cells& o, const Dispatched& d) { put(o, d.started); }},
+    {"finished", "s", "end of the solve", [](Cells& o, const Dispatched& d) { put(o, d.finished); }},
     {"first_used", "s", "first frame with a model that uses the state; empty: none",
-     [](RowText& o, const Dispatched& d) { put(o, d.first_used); }},
+     [](Cells& o, const Dispatched& d) { put(o, d.first_used); }},
     {"status", "", "running, waiting, solved, failed, arrived, preempted or withdrawn",
-     [](RowText& o, const Dispatched& d) { put(o, name(d.status)); }},
+     [](Cells& o, const Dispatched& d) { put(o, d.status); }},
     {"worker", "", "number of the worker, from 0; -1: none",
-     [](RowText& o, const Dispatched& d) { put(o, std::int64_t{d.worker}); }},
+     [](Cells& o, const Dispatched& d) { o.whole(d.worker); }},
     {"parent", "", "id of the solve whose state this one started from; -1: rest or a state known before",
-     [](RowText& o, const Dispatched& d) { put(o, d.parent); }},
+     [](Cells& o, const Dispatched& d) { o.whole(d.parent); }},
     {"known", "s", "time at which the planner received the state",
-     [](RowText& o, const Dispatched& d) { put(o, d.known); }},
+     [](Cells& o, const Dispatched& d) { put(o, d.known); }},
     {"audit", "", "1: solved where the tip had just been, to calibrate the error bars",
-     [](RowText& o, const Dispatched& d) { put(o, d.choice.audit); }},
+     [](Cells& o, const Dispatched& d) { put(o, d.choice.audit); }},
     {"sx,sy,sz", "m", "site of the state; empty: one place of contact",
-     [](RowText& o, const Dispatched& d) { put(o, d.choice.site); }}};
+     [](Cells& o, const Dispatched& d) { put(o, d.choice.site); }, "site"}};
 
 using Change = SwitchRecord;
-constexpr RunColumn<Change> switch_columns[] = {
-    {"t", "s", "time at which the loop took the model", [](RowText& o, const Change& s) { put(o, s.t); }},
-    {"model", "", "serial number of the model",
-     [](RowText& o, const Change& s) { put(o, std::int64_t{s.model}); }},
+constexpr RunColumn<Change> of_changes[] = {
+    {"t", "s", "time at which the loop took the model", [](Cells& o, const Change& s) { put(o, s.t); }},
+    {"model", "", "serial number of the model", [](Cells& o, const Change& s) { o.whole(s.model); }},
     {"cause", "",
      "guess (no state known), first (the first state), states (more came) or travel (the tip moved)",
-     [](RowText& o, const Change& s) { put(o, name(s.cause)); }},
+     [](Cells& o, const Change& s) { put(o, s.cause); }},
     {"label", "", "coverage of the region that chose the model's states",
-     [](RowText& o, const Change& s) { put(o, name(s.label)); }},
-    {"n", "", "states of the model", [](RowText& o, const Change& s) { put(o, std::int64_t{s.n}); }},
+     [](Cells& o, const Change& s) { put(o, s.label); }},
+    {"n", "", "states of the model", [](Cells& o, const Change& s) { o.whole(s.n); }},
     {"replaced", "", "of these, not in the model before",
-     [](RowText& o, const Change& s) { put(o, std::int64_t{s.replaced}); }},
+     [](Cells& o, const Change& s) { o.whole(s.replaced); }},
     {"jump_undamped", "N", "difference of the two models at the tip",
-     [](RowText& o, const Change& s) { put(o, s.jump_undamped); }},
-    {"fit_us", "us", "time to make the model", [](RowText& o, const Change& s) { put(o, s.fit_us); }, true}};
+     [](Cells& o, const Change& s) { put(o, s.jump_undamped); }},
+    {"fit_us", "us", "time to make the model", [](Cells& o, const Change& s) { put(o, s.fit_us); }, "",
+     Only::real}};
 
 // Tries to write a file. Returns the error followed by "; ", or an empty text on success.
 template <class Write>
@@ -168,24 +189,33 @@ void write_run_files(const std::filesystem::path& folder, const SessionResult& r
                              .viscous = result.run.viscous,
                              .anywhere = !result.frames.empty() && result.frames.front().touch.applies};
   std::future<std::string> others = std::async(std::launch::async, [&] {
-    return problem_of([&] {
-             write_rows<Dispatched>(folder / "dispatch.csv", result.dispatch, dispatch_columns, of_run);
-           }) +
+    return problem_of(
+               [&] { write_rows<Dispatched>(folder / "dispatch.csv", result.dispatch, of_solves, of_run); }) +
            problem_of(
-               [&] { write_rows<Change>(folder / "switches.csv", result.switches, switch_columns, of_run); });
+               [&] { write_rows<Change>(folder / "switches.csv", result.switches, of_changes, of_run); });
   });
   std::string problems =
-      problem_of([&] { write_rows<Frame>(folder / "frames.csv", result.frames, frame_columns, of_run); });
+      problem_of([&] { write_rows<Frame>(folder / "frames.csv", result.frames, of_frames, of_run); });
   problems += others.get();
   if (problems.empty()) return;
   problems.resize(problems.size() - 2);
   throw InputError({.file = folder.string()}, "is incomplete: " + problems);
 }
 
+std::span<const RunColumn<FrameRecord>> frame_columns() {
+  return of_frames;
+}
+std::span<const RunColumn<DispatchRecord>> dispatch_columns() {
+  return of_solves;
+}
+std::span<const RunColumn<SwitchRecord>> switch_columns() {
+  return of_changes;
+}
+
 std::vector<DeclaredTable> declared_run_files() {
-  return {{"frames.csv", "One row a frame, 1 kHz.", declared<Frame>(frame_columns)},
-          {"dispatch.csv", "One row a solve that was requested.", declared<Dispatched>(dispatch_columns)},
-          {"switches.csv", "One row a model that the loop took.", declared<Change>(switch_columns)}};
+  return {{"frames.csv", "One row a frame, 1 kHz.", declared<Frame>(of_frames)},
+          {"dispatch.csv", "One row a solve that was requested.", declared<Dispatched>(of_solves)},
+          {"switches.csv", "One row a model that the loop took.", declared<Change>(of_changes)}};
 }
 
 }  // namespace forefeel

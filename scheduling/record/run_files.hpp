@@ -5,6 +5,7 @@
 // same bytes each time: its tables hold no wall time. Real runs append cost_us and lateness_us.
 
 #include <filesystem>
+#include <span>
 #include <vector>
 
 #include "geometry/common/declared.hpp"
@@ -20,5 +21,12 @@ void write_run_files(const std::filesystem::path& folder, const SessionResult& r
 
 // The columns of the three tables, with unit and meaning: those that write_run_files() writes.
 std::vector<DeclaredTable> declared_run_files();
+
+// The columns themselves (run_columns.hpp), for arrays with the same cells.
+template <class Record>
+struct RunColumn;
+std::span<const RunColumn<FrameRecord>> frame_columns();
+std::span<const RunColumn<DispatchRecord>> dispatch_columns();
+std::span<const RunColumn<SwitchRecord>> switch_columns();
 
 }  // namespace forefeel

@@ -48,6 +48,7 @@ SessionModel::SessionModel(const StateSpace& space, const ModelRecipe& recipe)
   guessed.insert(rest);
   ModelOptions tangent = at_first(recipe.fit, space);
   tangent.data = Data::force_and_stiffness;
+  tangent.kernel = Kernel::cubic;  // of one state: its tangent, whatever the kernel
   guess_ = std::make_unique<Guess>(std::move(guessed), tangent);
 }
 

@@ -88,7 +88,7 @@ struct RunSetup {
 // The references measure the cost of solves where the plan wants that. The plan must outlive the setup.
 RunSetup divide(const SessionPlan& plan, ReferenceService& references);
 
-// Whether the session is simulated in advance (rehearsal.hpp): policy clairvoyant under the virtual clock.
+// Whether the session is simulated in advance (run_session.cpp): policy clairvoyant under the virtual clock.
 bool is_rehearsed(const SessionPlan& plan);
 
 // The parts of a session as objects: those given, otherwise those that the options name.

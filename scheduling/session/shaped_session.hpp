@@ -7,10 +7,19 @@
 //   ShapedRun shapes{.log = std::make_shared<ShapeLog>(body, ShapeOptions{.rate = 30})};
 //   const SessionResult result = run_session(plan, hooks, &shapes);
 
+#include <memory>
+#include <vector>
+
 #include "scheduling/session/session.hpp"
-#include "scheduling/session/shaped_run.hpp"
+#include "scheduling/shape/shape_check.hpp"
+#include "scheduling/shape/shape_log.hpp"
 
 namespace forefeel {
+
+struct ShapedRun {
+  std::shared_ptr<ShapeLog> log;           // of the touched body
+  std::vector<CheckedShape> checked = {};  // filled by the run, by rising record
+};
 
 // shapes: null for a session without shapes. InputError if states would not hold displacements. If shapes fail
 // during the run, result.failures gets a line, and the run continues without them.

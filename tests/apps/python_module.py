@@ -123,9 +123,23 @@ class LikeTheCommand(unittest.TestCase):
         table = ff.read_run("run")
         made = ff.Scene(SCENE).session(clock="virtual", seconds=0.5, policy="nearest", cost="constant:0.02",
                                        device="path:circle,speed=0.04")
-        sent = np.stack([table["frames"][k] for k in ("fx", "fy", "fz")], axis=1)
-        count = len(made.frames)
-        self.assertTrue(np.array_equal(made.frames["sent"], sent[:count]))
+        for name in ("frames", "dispatches", "switches"):
+            array, file = getattr(made, name), table[name]
+            fields = {field: columns.split(",") for field, columns, _, _ in made.fields[name]}
+            self.assertEqual(list(fields), list(array.dtype.names))
+            self.assertLessEqual(set(file), set(sum(fields.values(), [])))
+            for field, columns in fields.items():
+                if columns[0] not in file:
+                    continue
+                values = array[field].reshape(len(array), -1).T
+                for value, column in zip(values, columns):
+                    written = np.asarray(file[column])
+                    if array[field].dtype == np.uint8:   # a word
+                        pairs = set(zip(value.tolist(), written.astype(str).tolist()))
+                        self.assertEqual(len(pairs), len(set(value.tolist())), field)
+                    else:
+                        self.assertTrue(np.array_equal(value, written.astype(float), equal_nan=True), field)
+        self.assertEqual([ff.label_names[k] for k in made.frames["label"]], list(table["frames"]["label"]))
         self.assertEqual(made.summary["error"], table["summary"]["error"])
         for key in ("discretisation_error", "discretisation_positions"):
             self.assertEqual(made.summary[key], table["summary"][key])

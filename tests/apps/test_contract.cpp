@@ -40,7 +40,7 @@ TEST_CASE("generate that was killed goes on from what is on disk and ends with t
   const BeamShop shop;
   const std::string fine = " --set state_space.spacing=0.0003 --threads 1";  // 19683 states
   shop.shell(executable() + " generate beam.toml -o cut.states --quiet" + fine + " & p=$!; " +
-             wait_until(is_larger("cut.states-wal", 400000)) + "kill -9 $p");
+             wait_until(is_larger("cut.states-wal", 400000)) + "kill -9 $p; wait $p");
   const json resumed = shop.json("generate beam.toml -o cut.states" + fine);
   CHECK(resumed["resumed"].get<int>() > 0);
   CHECK(resumed["solved"].get<int>() > 0);

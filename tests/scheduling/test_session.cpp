@@ -127,6 +127,15 @@ TEST_CASE("every policy, every switch rule, preemption and many workers run to t
     if (rule != SwitchRule::none) CHECK(over == 0);
     if (rule == SwitchRule::none) CHECK(over > 0);
   }
+  for (const Kernel kernel : {Kernel::linear, Kernel::cubic, Kernel::quintic}) {
+    CAPTURE(name(kernel));
+    SessionOptions options = virtual_options(0.6);
+    options.model.fit = {.kernel = kernel, .data = Data::force, .neighbours = 100};
+    options.model.first_guess = true;
+    const SessionResult r = run_session(small_input(), options);
+    CHECK(r.frames.size() == 600);
+    CHECK(r.frames.back().force.norm() > 0);
+  }
 }
 
 TEST_CASE("a linear body needs three solves: states are exact multiples") {

@@ -87,6 +87,7 @@ candidate_dtype: np.dtype[Any]
 status_names: tuple[str, ...]
 label_names: tuple[str, ...]
 dispatch_status_names: tuple[str, ...]
+_run_fields: tuple[list[tuple[str, str, str, str]], ...]
 switch_cause_names: tuple[str, ...]
 version: str
 

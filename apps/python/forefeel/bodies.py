@@ -111,7 +111,9 @@ class Body:
 class Run:
     """Result of a session.
 
-    frames, dispatches, switches  structured arrays; `frames.dtype` lists the fields [m, N, s]
+    frames, dispatches, switches  structured arrays with all columns of frames.csv, dispatch.csv and switches.csv, also
+                 those that a file leaves out; a vector is one field, a word its number (255: none)
+    fields       for each of the three, a tuple of (field, columns of the file, unit, meaning)
     states       structured array with `state_dtype`: known at its end
     summary      dict with the keys of summary.json
     interrupted  True: Ctrl-C ended it
@@ -121,6 +123,7 @@ class Run:
         self._run = run
         self.frames, self.dispatches, self.switches = run.frames, run.dispatches, run.switches
         self.states = run.states
+        self.fields = dict(zip(("frames", "dispatches", "switches"), _core._run_fields))
         self.summary: dict[str, Any] = json.loads(run._summary)
         self.interrupted: bool = run.interrupted
 

@@ -1,4 +1,4 @@
-#include "scheduling/session/one_run.hpp"
+// Runs a planned session: once, or after rehearsals (a clairvoyant one), with shapes or without.
 
 #include <fmt/format.h>
 
@@ -8,19 +8,23 @@
 #include <exception>
 #include <optional>
 #include <span>
+#include <stdexcept>
 #include <utility>
 
 #include "geometry/common/dense.hpp"
+#include "geometry/common/error.hpp"
 #include "geometry/index/lattice_room.hpp"
 #include "scheduling/judge/surface_judge.hpp"
 #include "scheduling/render/input_log.hpp"
 #include "scheduling/session/real_run.hpp"
 #include "scheduling/session/run_parts.hpp"
+#include "scheduling/session/session.hpp"
 #include "scheduling/session/session_setup.hpp"
-#include "scheduling/session/shaped_run.hpp"
+#include "scheduling/session/shaped_session.hpp"
 #include "scheduling/session/virtual_run.hpp"
 #include "scheduling/shape/shape_stage.hpp"
 #include "scheduling/workers/cost.hpp"
+#include "scheduling/workers/reference_service.hpp"
 
 namespace forefeel {
 namespace {
@@ -178,8 +182,7 @@ SessionResult run_and_judge(const RunSetup& setup, ReferenceService& references,
   return result;
 }
 
-}  // namespace
-
+// The reference service given in the input; otherwise a new one.
 std::shared_ptr<ReferenceService> references_of(const SessionInput& input, const WorkerOptions& workers) {
   if (input.references) return input.references;
   ReferenceOptions options = reference_options(input);
@@ -187,6 +190,8 @@ std::shared_ptr<ReferenceService> references_of(const SessionInput& input, const
   return std::make_shared<ReferenceService>(options, workers.threads);
 }
 
+// Whether the state at rest must be known from the start but is not among the known states. If so, run_once() appends
+// it to them.
 bool adds_rest(const SessionInput& input, const SessionOptions& options) {
   const auto is_rest = [](const State& s) { return s.usable() && s.at.isZero(0); };
   const bool jets = options.model.fit.data == Data::jet && options.model.method == SessionMethod::rbf;
@@ -194,7 +199,8 @@ bool adds_rest(const SessionInput& input, const SessionOptions& options) {
          std::ranges::none_of(input.known, is_rest);
 }
 
-SessionResult run_once(const SessionPlan& plan, const SessionHooks& hooks, ShapedRun* shapes) {
+// Without rehearsals. shapes: null without them.
+SessionResult run_once(const SessionPlan& plan, const SessionHooks& hooks, ShapedRun* shapes = nullptr) {
   const std::shared_ptr<ReferenceService> references = references_of(plan.input, plan.options.workers);
   const auto run = [&](const SessionPlan& whole) {
     return run_and_judge(divide(whole, *references), *references, hooks, shapes);
@@ -205,6 +211,137 @@ SessionResult run_once(const SessionPlan& plan, const SessionHooks& hooks, Shape
   if (references->damage() && !plan.input.references)
     result.warnings.insert(result.warnings.begin(), *references->damage());
   return result;
+}
+
+// ---- clairvoyant sessions
+
+// An upper bound of what a policy can reach. The motion and the cost of every solve are known, so the session can be
+// simulated in advance (rehearsed). It is simulated under every policy except the placebos, with and without knowledge
+// of the motion. Then the schedule with the largest share of first visits within the JND (just noticeable difference)
+// is run. All this takes up to eight times as long as one run.
+
+// The policies that are rehearsed, clairvoyant-greedy first: it is usually the best.
+std::vector<std::string> schedules_to_rehearse() {
+  std::vector<std::string> names = policy_names();
+  std::erase_if(names, [](const std::string& name) {
+    return name == "clairvoyant" || name.find("shuffled") != std::string::npos;
+  });
+  std::stable_partition(names.begin(), names.end(),
+                        [](const std::string& name) { return name == "clairvoyant-greedy"; });
+  return names;
+}
+
+// Share of first visits within the JND; negative if there are no first visits.
+double first_visits_within(const SessionResult& result, const SwitchOptions& jnd) {
+  std::size_t visits = 0, within = 0;
+  for (const FrameRecord& f : result.frames) {
+    if (!f.judged.first_visit || !std::isfinite(f.judged.error)) continue;
+    ++visits;
+    within += (compared_force(f) - f.judged.reference).norm() <=
+              std::max(jnd.jnd_share * f.judged.reference.norm(), jnd.jnd_floor);
+  }
+  return visits > 0 ? static_cast<double>(within) / static_cast<double>(visits) : -1.0;
+}
+
+ShowProgress as_rehearsal(const ShowProgress& show, std::size_t which, std::size_t of) {
+  if (!show) return {};
+  return [&show, which, of](SessionProgress progress) {
+    progress.rehearsal = which;
+    progress.rehearsals = of;
+    show(progress);
+  };
+}
+
+// The result of a session that was interrupted during a rehearsal: no frames and no solves.
+// with_rest: its first states end with one at rest that the plan does not hold.
+SessionResult not_begun(SessionResult tried, bool with_rest, std::string note) {
+  SessionResult result;
+  tried.states.resize(tried.counts.start - (with_rest ? 1 : 0));
+  result.states = std::move(tried.states);
+  result.counts.start = result.states.size();
+  result.run.end = RunEnd::not_begun;
+  result.notes.push_back(std::move(note));
+  return result;
+}
+
+struct Rehearsals {
+  std::string best;
+  std::size_t tried = 0, of = 0;     // schedules
+  std::optional<SessionResult> cut;  // of the rehearsal that was interrupted
+};
+
+Rehearsals rehearse(const SessionPlan& plan, const ShowProgress& show) {
+  const std::vector<std::string> schedules = schedules_to_rehearse();
+  Rehearsals found{.best = schedules.front(), .of = schedules.size(), .cut = {}};
+  double most = -2;
+  for (; found.tried < schedules.size() && most < 1; ++found.tried) {  // a share of 1 cannot be exceeded
+    const std::string& name = schedules[found.tried];
+    SessionResult result = run_once(with_policy(plan, name),
+                                    {.progress = as_rehearsal(show, found.tried + 1, schedules.size())});
+    if (plan.options.stop.is_interrupted()) {
+      found.cut = std::move(result);
+      return found;
+    }
+    if (!result.failures.empty()) throw std::runtime_error(result.failures.front());
+    const double share = first_visits_within(result, plan.options.switching);
+    if (share > most) {
+      most = share;
+      found.best = name;
+    }
+  }
+  return found;
+}
+
+// shapes: of the session itself.
+SessionResult run_rehearsed(SessionPlan plan, const SessionHooks& hooks, ShapedRun* shapes = nullptr) {
+  const auto start = std::chrono::steady_clock::now();
+  const bool own = !plan.input.references;
+  plan.input.references = references_of(plan.input, plan.options.workers);  // one for all rehearsals
+  const auto state_file = std::exchange(plan.input.files.states, std::nullopt);
+  const auto inputs_file = std::exchange(plan.input.files.inputs, std::nullopt);
+  Rehearsals rehearsed = rehearse(plan, hooks.progress);
+  plan.input.files.states = state_file;
+  plan.input.files.inputs = inputs_file;
+  if (rehearsed.cut) {
+    open_state_file(state_file, states_header(plan.input.touched));
+    SessionResult result = not_begun(
+        std::move(*rehearsed.cut), adds_rest(plan.input, plan.options),
+        fmt::format("interrupted while simulating schedule {} of {}: the session itself was not begun",
+                    rehearsed.tried + 1, rehearsed.of));
+    if (hooks.when_run) hooks.when_run(result);
+    result.run.wall_seconds = std::chrono::duration<double>(std::chrono::steady_clock::now() - start).count();
+    return result;
+  }
+  const std::shared_ptr<ReferenceService> references = plan.input.references;
+  SessionResult result = run_once(with_policy(std::move(plan), rehearsed.best), hooks, shapes);
+  if (own && references->damage()) result.warnings.push_back(*references->damage());
+  result.notes.push_back(fmt::format(
+      "clairvoyant: {} was the best of {} schedules that were simulated{}", rehearsed.best, rehearsed.tried,
+      rehearsed.tried < rehearsed.of ? ": all first visits are within the JND, none can be better" : ""));
+  return result;
+}
+
+}  // namespace
+
+SessionResult run_session(const SessionPlan& plan, const SessionHooks& hooks, ShapedRun* shapes) {
+  if (!shapes) return run_session(plan, hooks);
+  if (plan.input.touched.anywhere)
+    throw InputError("session.shape_rate", "is of one place, expected 0 with contact.anywhere");
+  if (plan.input.foreign)
+    throw InputError("session.shape_rate", "needs states of the scene's own body, expected none of another");
+  if (!plan.input.touched.displacements)
+    throw InputError("session.shape_rate",
+                     "needs states that hold displacements (state_space.displacements)");
+  check_shapeable(plan.input.known, *plan.input.touched.body, "the known states");
+  return is_rehearsed(plan) ? run_rehearsed(plan, hooks, shapes) : run_once(plan, hooks, shapes);
+}
+
+SessionResult run_session(const SessionPlan& plan, const SessionHooks& hooks) {
+  return is_rehearsed(plan) ? run_rehearsed(plan, hooks) : run_once(plan, hooks);
+}
+
+SessionResult run_session(SessionInput input, SessionOptions options, const SessionHooks& hooks) {
+  return run_session(make_plan(std::move(input), std::move(options)), hooks);
 }
 
 }  // namespace forefeel
