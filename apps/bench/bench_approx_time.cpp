@@ -7,8 +7,8 @@
 #include <random>
 
 #include "approx/error/error_scale.hpp"
+#include "apps/bench/lu_refit.hpp"
 #include "apps/bench/scalar_evaluate.hpp"
-#include "apps/laboratory/lu_refit.hpp"
 #include "geometry/common/quantiles.hpp"
 
 namespace forefeel::bench {

@@ -35,6 +35,7 @@
 #include "scheduling/render/bare_loop.hpp"
 #include "scheduling/render/loop_thread.hpp"
 #include "scheduling/session/session.hpp"
+#include "scheduling/workers/reference_service.hpp"
 #include "solver/equilibrium/solver.hpp"
 
 namespace forefeel {

@@ -6,7 +6,6 @@
 
 #include "apps/console/console.hpp"
 #include "apps/console/json_text.hpp"
-#include "geometry/common/quantiles.hpp"
 #include "geometry/common/sha256.hpp"
 
 namespace forefeel {
@@ -18,14 +17,6 @@ nlohmann::ordered_json number(double value) {
 
 nlohmann::ordered_json vector3(const Eigen::Ref<const Eigen::Vector3d>& value) {
   return nlohmann::ordered_json::array({number(value.x()), number(value.y()), number(value.z())});
-}
-
-nlohmann::ordered_json quantiles_json(const std::vector<double>& values) {
-  nlohmann::ordered_json object;
-  object["p50"] = number(quantile_of(values, 0.5));
-  object["p95"] = number(quantile_of(values, 0.95));
-  object["max"] = number(quantile_of(values, 1));
-  return object;
 }
 
 std::string sum_of(const nlohmann::ordered_json& value) {

@@ -59,7 +59,7 @@ double ridge_of(const std::string& text) {
 
 // The value with this name; the parser has already refused unknown names.
 template <class Value>
-std::optional<Value> named(const std::optional<std::string>& text, std::span<const Value> values) {
+std::optional<Value> value_named(const std::optional<std::string>& text, std::span<const Value> values) {
   for (const Value value : values)
     if (text && name(value) == *text) return value;
   return {};
@@ -71,10 +71,10 @@ EvaluateOptions options_of(const ModelArguments& arguments) {
   constexpr std::array rules{Select::label, Select::nearest};
   EvaluateOptions options;
   if (arguments.method) options.choose = *arguments.method == "auto";
-  options.method = named(arguments.method, all_methods());
-  options.model.kernel = named<Kernel>(arguments.kernel, kernels);
-  options.model.data = named<Data>(arguments.data, data);
-  options.model.select = named<Select>(arguments.select, rules);
+  options.method = value_named(arguments.method, all_methods());
+  options.model.kernel = value_named<Kernel>(arguments.kernel, kernels);
+  options.model.data = value_named<Data>(arguments.data, data);
+  options.model.select = value_named<Select>(arguments.select, rules);
   options.model.neighbours = arguments.neighbours;
   options.choose_ridge = arguments.ridge == "auto" && options.choose != true;
   if (arguments.ridge && *arguments.ridge != "auto") options.model.ridge = ridge_of(*arguments.ridge);
@@ -158,7 +158,7 @@ std::vector<Vec3> read_points(const std::string& file) {
 }
 
 // The states, and whether they were taken as those of another body; nothing without a scene.
-struct KnownStates {
+struct EvaluatedStates {
   std::vector<State> states = {};
   double spacing = unknown;  // [m]
   CheckSolves checks = {};
@@ -166,7 +166,7 @@ struct KnownStates {
   std::optional<MeshError> mesh = {};  // of the scene's body, unless the states are of another
 };
 
-KnownStates read_known(const Globals& globals, const EvaluateArguments& arguments) {
+EvaluatedStates read_known(const Globals& globals, const EvaluateArguments& arguments) {
   LoadedStates loaded = load_states(arguments.states);
   if (loaded.damaged > 0) warn(globals, damage_in_words(arguments.states, loaded.damaged));
   if (std::ranges::any_of(loaded.states, &State::has_site))
@@ -175,7 +175,7 @@ KnownStates read_known(const Globals& globals, const EvaluateArguments& argument
                                                    arguments.states));
   if (std::ranges::none_of(loaded.states, &State::usable))
     throw InputError(arguments.states, "holds no solved state, expected at least one");
-  KnownStates known{.spacing = loaded.header.spacing, .checks = check_solves(loaded.header)};
+  EvaluatedStates known{.spacing = loaded.header.spacing, .checks = check_solves(loaded.header)};
   if (!arguments.scene.empty()) {
     const Scene scene = load_scene(arguments.scene, globals.set);
     for (const std::string& warning : scene.source.warnings) warn(globals, warning);
@@ -203,7 +203,7 @@ KnownStates read_known(const Globals& globals, const EvaluateArguments& argument
 EvaluateResult evaluate_command(const Globals& globals, const EvaluateArguments& arguments) {
   EvaluateOptions options = options_of(arguments.model);
   EvaluateResult result{.points = read_points(arguments.points), .found = {}, .belonging = {}, .mesh = {}};
-  KnownStates known = read_known(globals, arguments);
+  EvaluatedStates known = read_known(globals, arguments);
   if (!arguments.output.empty()) check_writable(arguments.output, {arguments.states, arguments.points});
   options.spacing = known.spacing;
   options.checks = known.checks;
@@ -237,7 +237,7 @@ std::string kernel_in_words(const Evaluation& result) {
 }
 
 // ", quintic on force+stiffness, 25 neighbours"
-std::string in_words(const Evaluation& result) {
+std::string result_in_words(const Evaluation& result) {
   const ModelOptions& model = result.options.model;
   const EvaluatedPoints& made = result.made;
   std::string how;
@@ -278,7 +278,7 @@ void tell(const Globals& globals, const EvaluateResult& evaluated, bool with_for
   say(globals,
       fmt::format("{} points from {} states: {}{}; models: {}, median fit {:.1f} us; evaluation {:.0f} ns",
                   evaluated.points.size(), result.states, result.chosen ? "auto" : name(result.method),
-                  in_words(result), models, result.fit_us, result.evaluate_ns));
+                  result_in_words(result), models, result.fit_us, result.evaluate_ns));
   const double shown = evaluated.shown();
   const bool mesh_first = evaluated.mesh && evaluated.mesh->error > shown;
   if (mesh_first) answer(globals, discretisation_line(*evaluated.mesh, shown));

@@ -34,8 +34,7 @@ if(FOREFEEL_HAS_MPI)
 endif()
 
 # The command as a library: the objects of apps.
-get_property(command_objects GLOBAL PROPERTY FOREFEEL_OBJECTS_lu)
-list(APPEND command_objects $<TARGET_OBJECTS:forefeel_apps>)
+set(command_objects $<TARGET_OBJECTS:forefeel_apps>)
 find_package(tomlplusplus REQUIRED)
 add_library(forefeel_command STATIC ${command_objects})
 set_target_properties(forefeel_command PROPERTIES EXPORT_NAME command LINKER_LANGUAGE CXX)
@@ -87,13 +86,14 @@ endif()
 install(FILES ${manual_folder}/forefeel.1 DESTINATION ${CMAKE_INSTALL_MANDIR}/man1)
 install(FILES ${manual_folder}/forefeel.bash DESTINATION ${CMAKE_INSTALL_DATADIR}/bash-completion/completions
         RENAME forefeel)
-install(DIRECTORY apps/scenes apps/studies apps/examples DESTINATION ${CMAKE_INSTALL_DATADIR}/forefeel)
+install(DIRECTORY apps/scenes apps/studies apps/examples apps/paper DESTINATION ${CMAKE_INSTALL_DATADIR}/forefeel
+        PATTERN "__pycache__" EXCLUDE)
 # The README with the files that it links to. Its other paths are those of the source tree.
 set_property(DIRECTORY APPEND PROPERTY CMAKE_CONFIGURE_DEPENDS README.md)
 file(READ README.md readme)
 file(CONFIGURE OUTPUT ${PROJECT_BINARY_DIR}/installed/README.md @ONLY CONTENT
-"> Installed: `apps/scenes`, `apps/studies` and `apps/examples` are in `share/forefeel`, the headers in
-> `include/forefeel`. Scripts and tests are in the source tree alone.
+"> Installed: `apps/scenes`, `apps/studies`, `apps/examples` and `apps/paper` are in `share/forefeel`, the headers in
+> `include/forefeel`. Other scripts and tests are in the source tree alone.
 
 @readme@")
 install(FILES ${package_folder}/copyright ${PROJECT_BINARY_DIR}/installed/README.md LICENSE

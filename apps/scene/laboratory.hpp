@@ -1,16 +1,14 @@
 #pragma once
-// Shared by the commands that run experiments (`reproduce`, `forefeel-bench switch`, the calibration of labels): a
-// scene, given or built in, and states cached on disk between runs.
+// Shared by the commands that run experiments (`forefeel-bench`, the calibration of labels): a scene, given or
+// built in, and states cached on disk between runs.
 
 #include <functional>
-#include <memory>
 #include <span>
 #include <string>
 #include <vector>
 
 #include "apps/console/console.hpp"
 #include "apps/scene/scene.hpp"
-#include "scheduling/workers/reference_service.hpp"
 
 namespace forefeel {
 
@@ -26,8 +24,6 @@ class Laboratory {
   const Scene& scene() const { return scene_; }
   const Globals& globals() const { return globals_; }
   std::string name() const { return scene_.source.file.string(); }
-  bool built_in() const { return built_in_; }              // true if no scene file was given
-  double spacing() const { return scene_.space.spacing; }  // h [m]
 
   // The solvable states of the lattice {k h}^3 in the box, ordered by distance from rest, solved to 1e-9 of
   // the force. Each is solved once and kept in a file of the cache folder; an incomplete file is completed.
@@ -35,19 +31,12 @@ class Laboratory {
   // Tight solves on the reference branch (the primary equilibrium path), in the order of the positions; also
   // cached. A state without a solution is not usable().
   std::vector<State> references(std::span<const Vec3> at, const ShowShare& show = {});
-  const std::shared_ptr<ReferenceService>& service();
 
   SessionInput session_input() const;  // from the scene, without known states
 
  private:
   const Globals& globals_;
   Scene scene_;
-  bool built_in_ = false;
-  std::shared_ptr<ReferenceService> service_;
 };
-
-// Frame of a path: column 0 is the signed lattice axis nearest to `inward`. It is a signed permutation, so it
-// maps lattices to lattices. Columns are the images of x, y, z.
-Mat3 lattice_frame(const Vec3& inward);
 
 }  // namespace forefeel

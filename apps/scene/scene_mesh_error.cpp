@@ -63,7 +63,7 @@ std::optional<MeshError> mesh_error_in(const Json& kept) {
   }
 }
 
-std::string percent(double share) {
+std::string mesh_percent(double share) {
   return fmt::format("{:.2g} %", 100 * share);
 }
 
@@ -112,8 +112,9 @@ std::string measured_by(const MeshError& e) {
 std::string in_words(const MeshError& e) {
   if (e.positions == 0) return measured_by(e);
   const std::string interval =
-      std::isfinite(e.high) ? fmt::format(", between {} and {}", percent(e.low), percent(e.high)) : "";
-  return fmt::format("{}{} ({})", percent(e.error), interval, measured_by(e));
+      std::isfinite(e.high) ? fmt::format(", between {} and {}", mesh_percent(e.low), mesh_percent(e.high))
+                            : "";
+  return fmt::format("{}{} ({})", mesh_percent(e.error), interval, measured_by(e));
 }
 
 std::string discretisation_line(const MeshError& e, double shown) {

@@ -139,6 +139,26 @@ void check_arrivals(const StudyFile& study, const Scene& scene, const SessionOpt
   if (std::ranges::find(warnings, warning) == warnings.end()) warnings.push_back(warning);
 }
 
+// Key of a cell's stored result: the SHA-256 of everything that it depends on. content: identifies the session's body
+// and options, as a scene's hash does.
+std::string cell_key(const std::string& content, const StudyCell& cell, const SessionInput& input,
+                     const std::optional<SustainedOptions>& sustained) {
+  const SessionOptions& options = cell.options;
+  const auto made_by = provenance("");
+  Sha256 hash;
+  hash.add(fmt::format("{}\n{}\n{}\n", format_version, made_by["version"].get<std::string>(),
+                       made_by["commit"].get<std::string>()));
+  hash.add(content + "\n");
+  hash.add(fmt::format("{}\n{}\n{}\n{}\n", to_text(options.motion.device), to_text(options.workers.cost),
+                       options.seed, options.clock.seconds));
+  if (const fs::path trace = trace_file(options.motion.device, input.files.scene); !trace.empty())
+    hash.add(read_text_file(trace));
+  if (options.planning.arrivals) hash.add(read_text_file(*options.planning.arrivals));
+  if (const auto& s = sustained)
+    hash.add(fmt::format("sustained {} {} {} {} {}\n", s->travel, s->share, s->tolerance, s->low, s->high));
+  return hash.hex();
+}
+
 StudyCell planned_cell(const PlannedStudy& planned, std::size_t combination, std::uint64_t seed,
                        const SessionInput& input, std::vector<std::string>& warnings) {
   const StudyFile& file = planned.file;
@@ -169,24 +189,6 @@ StudyCell planned_cell(const PlannedStudy& planned, std::size_t combination, std
 }
 
 }  // namespace
-
-std::string cell_key(const std::string& content, const StudyCell& cell, const SessionInput& input,
-                     const std::optional<SustainedOptions>& sustained) {
-  const SessionOptions& options = cell.options;
-  const auto made_by = provenance("");
-  Sha256 hash;
-  hash.add(fmt::format("{}\n{}\n{}\n", format_version, made_by["version"].get<std::string>(),
-                       made_by["commit"].get<std::string>()));
-  hash.add(content + "\n");
-  hash.add(fmt::format("{}\n{}\n{}\n{}\n", to_text(options.motion.device), to_text(options.workers.cost),
-                       options.seed, options.clock.seconds));
-  if (const fs::path trace = trace_file(options.motion.device, input.files.scene); !trace.empty())
-    hash.add(read_text_file(trace));
-  if (options.planning.arrivals) hash.add(read_text_file(*options.planning.arrivals));
-  if (const auto& s = sustained)
-    hash.add(fmt::format("sustained {} {} {} {} {}\n", s->travel, s->share, s->tolerance, s->low, s->high));
-  return hash.hex();
-}
 
 PlannedStudy plan_study(StudyFile given, const Globals& globals) {
   PlannedStudy planned{.file = std::move(given), .scenes = {}, .plan = {}, .warnings = {}};

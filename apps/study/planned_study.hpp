@@ -22,9 +22,4 @@ struct PlannedStudy {
 // globals: of the field of a body that may be touched anywhere.
 PlannedStudy plan_study(StudyFile file, const Globals& globals = Globals());
 
-// Key of a cell's stored result: the SHA-256 of everything that it depends on. content: identifies the
-// session's body and options, as a scene's hash does.
-std::string cell_key(const std::string& content, const StudyCell& cell, const SessionInput& input,
-                     const std::optional<SustainedOptions>& sustained);
-
 }  // namespace forefeel

@@ -130,11 +130,6 @@ void ReferenceService::take(const State& state) {
   wake_.notify_all();
 }
 
-void ReferenceService::learn(std::span<const State> states) {
-  const std::lock_guard lock(mutex_);
-  for (const State& state : states) take(state);
-}
-
 std::optional<std::string> ReferenceService::cache_failure() {
   const std::lock_guard lock(mutex_);
   return cache_.failure();

@@ -11,7 +11,6 @@
 #include <memory>
 #include <mutex>
 #include <optional>
-#include <span>
 #include <string>
 #include <thread>
 #include <unordered_map>
@@ -49,8 +48,6 @@ class ReferenceService {
   std::optional<State> get_until(const Vec3& x, std::chrono::steady_clock::time_point end,
                                  const SurfacePlace& site = {});
   std::size_t solved() const;  // number of solves not found in the cache
-  // Adds states solved elsewhere, tight and on the reference branch. They are not written to the file.
-  void learn(std::span<const State> states);
   // If a cache was requested but there is none, or it is read-only: the reason.
   const std::optional<std::string>& note() const { return costs_.note() ? costs_.note() : cache_.note(); }
   // Set if records of the cache had a wrong checksum: one line with file and count. They are solved again and

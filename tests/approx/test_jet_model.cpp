@@ -1,8 +1,8 @@
 // Models of energy jets against fields whose Taylor series are exact: sums of sines and polynomials of degree 5.
 
-#include "approx/error/loop_energy.hpp"
 #include "approx/model/jet_set.hpp"
 #include "geometry/states/energy_jet.hpp"
+#include "tests/approx/loop_energy.hpp"
 #include "tests/approx/sets.hpp"
 #include "tests/support/test.hpp"
 

@@ -2,8 +2,8 @@
 
 #include <Eigen/Eigenvalues>
 
-#include "approx/error/loop_energy.hpp"
 #include "approx/error/power_function.hpp"
+#include "tests/approx/loop_energy.hpp"
 #include "tests/approx/sets.hpp"
 #include "tests/support/test.hpp"
 

@@ -21,7 +21,7 @@ State field_state(const Vec3& x) {
 }  // namespace
 
 TEST_CASE("labels are calibrated on a field that is known",
-          "[laboratory]" SLOW("evaluates every model at thousands of places")) {
+          "[calibration]" SLOW("evaluates every model at thousands of places")) {
   CalibrationOptions options;
   options.space.spacing = 0.006;
   options.space.box = {Vec3::Constant(-0.03), Vec3::Constant(0.03)};
@@ -60,7 +60,7 @@ TEST_CASE("labels are calibrated on a field that is known",
   }
 }
 
-TEST_CASE("calibration as a command", "[laboratory]" SLOW("evaluates every model at thousands of places")) {
+TEST_CASE("calibration as a command", "[calibration]" SLOW("evaluates every model at thousands of places")) {
   const BeamShop shop;
   const auto outcome = shop.run(
       "classify --calibrate beam.toml --set 'state_space.box=[[-0.012,-0.012,-0.012],[0.012,0.012,0.012]]' "
@@ -74,7 +74,7 @@ TEST_CASE("calibration as a command", "[laboratory]" SLOW("evaluates every model
   check_refused(shop, "classify soft.states --calibrate beam.toml -o other", {"soft.states", "material"});
 }
 
-TEST_CASE("the share that positions bound", "[laboratory]") {
+TEST_CASE("the share that positions bound", "[calibration]") {
   CHECK(share_bound(0, 59, 0.95) == Approx(1 - std::pow(0.05, 1.0 / 59)));
   CHECK(share_bound(0, 58, 0.95) > 0.05);
   // scipy.stats.beta.ppf(0.95, k + 1, n - k)
@@ -85,7 +85,7 @@ TEST_CASE("the share that positions bound", "[laboratory]") {
 }
 
 TEST_CASE("spacing = auto makes safe mean an error below the tolerance",
-          "[laboratory]" SLOW("solves lattices of several spacings")) {
+          "[calibration]" SLOW("solves lattices of several spacings")) {
   const Workshop shop;
   const std::string scene = R"([body]
 phantom = "beam"
@@ -162,4 +162,25 @@ box = [[-0.016, -0.016, -0.016], [0.016, 0.016, 0.016]]
   CHECK(session.json()["spacing"] == a["spacing"]);
   check_refused(shop, "solve beam.toml --at=0,0,0 --set state_space.spacing=automatic", {"auto"});
   check_refused(shop, "solve beam.toml --at=0,0,0 --set state_space.tolerance=0", {"tolerance", "above 0"});
+}
+
+TEST_CASE("rank correlation and intervals of a share", "[calibration]") {
+  CHECK(rank_correlation({1, 2, 3, 4}, {10, 20, 30, 1e9}) == Approx(1));
+  CHECK(rank_correlation({1, 2, 3, 4}, {4, 3, 2, 1}) == Approx(-1));
+  CHECK(rank_correlation({1, 2, std::nan(""), 4}, {1, 2, 9, INFINITY}) == Approx(1));
+  // scipy.stats.spearmanr([1, 2, 2, 3, 5], [2, 1, 4, 3, 3])
+  CHECK(rank_correlation({1, 2, 2, 3, 5}, {2, 1, 4, 3, 3}) == Approx(0.36842105263157904));
+  CHECK(std::isnan(rank_correlation({1, 1, 1}, {1, 2, 3})));
+  // statsmodels proportion_confint(3, 20, method="wilson")
+  CHECK(wilson_interval(3, 20).low == Approx(0.0523687).epsilon(1e-5));
+  CHECK(wilson_interval(3, 20).high == Approx(0.3604189).epsilon(1e-5));
+  CHECK(wilson_interval(0, 50).low == 0);
+  CHECK(wilson_interval(50, 50).high == 1);
+}
+
+TEST_CASE("calibrations that cannot be run", "[calibration]") {
+  const BeamShop shop;
+  check_refused(shop, "classify --calibrate absent.toml", {"absent.toml"});
+  check_refused(shop, "classify --calibrate beam.toml --grid 0.01", {"--calibrate"});
+  check_refused(shop, "classify absent.states --calibrate beam.toml", {"absent.states"});
 }

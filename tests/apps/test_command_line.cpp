@@ -56,15 +56,10 @@ TEST_CASE("an instruction set that is none is refused at the start", "[command-l
     CHECK(shop.shell("FOREFEEL_ISA='" + right + "' " + program + "--version").code == 0);
 }
 
-TEST_CASE("--set is refused where there is no scene, and is that of the built-in scene where that serves",
-          "[command-line]") {
-  const Workshop shop;
-  check_refused(shop, "reproduce timing --set state_space.spacings=0.01 -o out", {"state_space.spacings"});
-}
-
 TEST_CASE("--set is refused where a command reads no scene, and its help says so", "[command-line]") {
   const Workshop shop;
-  for (const std::string command : {"import s.csv -o s.states", "export s.states -o s.csv", "cache"}) {
+  for (const std::string command :
+       {"import s.csv -o s.states", "export s.states -o s.csv", "reproduce", "cache"}) {
     const std::string name = command.substr(0, command.find(' '));
     check_refused(shop, command + " --set nosuch=1",
                   {"--set: is about keys of a scene, but " + name + " reads none, expected no --set"});

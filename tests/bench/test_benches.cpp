@@ -153,3 +153,18 @@ TEST_CASE("forefeel-bench refuses what a bench does not take",
   check_bench_refused(shop, "switch beam.toml --blocks 4", {"--blocks"});
   check_bench_refused(shop, "solver anywhere.toml", {"anywhere.toml:", "contact.anywhere", "solve --site"});
 }
+
+TEST_CASE("the paper's times: ours are a thousandth of them, by the script that compares them",
+          "[bench]" SLOW("runs forefeel-bench, which only run.sh all builds")) {
+  const Workshop shop;
+  const Workshop::Outcome outcome =
+      shop.shell("python3 '" + (source_folder() / "apps/paper/timing.py").string() +
+                 "' --quick -o out --forefeel '" + executable() + "'");
+  INFO(outcome.out << outcome.err);
+  REQUIRE(outcome.code == 0);
+  const json rows = json::parse(shop.read("out/summary.json"));
+  REQUIRE(rows.size() == 10);
+  for (const json& row : rows)
+    if (row["holds"] == true && row["us"].is_array())
+      CHECK(row["us"][4].get<double>() < 1e-3 * row["us"][0].get<double>());
+}

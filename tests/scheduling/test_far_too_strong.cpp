@@ -101,8 +101,10 @@ TEST_CASE("arrivals: a state of another unit is set aside, counted and said") {
   wrong.force *= 1000;
   wrong.stiffness *= 1000;
   SessionInput poisoned = small_input();
-  poisoned.references = std::make_shared<ReferenceService>(reference_options(poisoned), 1);
-  poisoned.references->learn(std::span(&wrong, 1));
+  ReferenceOptions references = reference_options(poisoned);
+  references.cache_folder = folder / "cache";
+  ReferenceCache(references, false).keep(wrong);
+  poisoned.references = std::make_shared<ReferenceService>(references, 1);
   for (const Clock clock : {Clock::virtual_time, Clock::real}) {
     options.clock.kind = clock;
     if (clock == Clock::real) options.clock.seconds = 3;

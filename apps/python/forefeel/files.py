@@ -22,14 +22,14 @@ def read(file: Any) -> Any:
     """Reads any file that the command writes, by its ending:
 
     .states                  States
-    .csv                     dict of arrays by column: states, points, frames, cells, tables of forefeel-bench and reproduce
+    .csv                     dict of arrays by column: states, points, frames, cells, tables of forefeel-bench
     .inputs                  read_inputs(): all that came into a run
     .json .toml              what JSON and TOML give: summaries, records of a study's cells; scenes
     .msh .mesh .vtk          dict: nodes (v, 3) [m], tets (t, 4), groups of nodes
     .vtu                     dict: points, cells, types, point_data, cell_data
     .pvd                     list of (time, file)
     a folder with frames.csv, or cells.csv   read_run(), read_study()
-    another folder (of classify --calibrate, forefeel-bench, reproduce)   dict of its .csv and .json files by name
+    another folder (of classify --calibrate, forefeel-bench)   dict of its .csv and .json files by name
 
     Pictures and pages (.svg .png .pdf .html) are for people, and are not read.
     """

@@ -6,13 +6,14 @@
 // symmetric K and of order m^-2 or better otherwise (better than any power of m on a smooth loop in a smooth
 // field). net / gross is the share of its work that a hand gains or loses in each turn.
 
+#include <cmath>
 #include <cstddef>
 #include <functional>
 #include <vector>
 
 #include "geometry/common/types.hpp"
 
-namespace forefeel {
+namespace forefeel::test {
 
 struct LoopEnergy {
   double net = 0, gross = 0;  // [J]
@@ -20,9 +21,30 @@ struct LoopEnergy {
 };
 
 // force() is called in order along the loop, so it may depend on the path, like a model that follows the HIP.
-LoopEnergy loop_energy(const std::vector<Vec3>& loop, const std::function<Vec3(const Vec3&)>& force);
+inline LoopEnergy loop_energy(const std::vector<Vec3>& loop, const std::function<Vec3(const Vec3&)>& force) {
+  LoopEnergy energy;
+  if (loop.size() < 2) return energy;
+  Vec3 before = force(loop.front());
+  for (std::size_t k = 1; k <= loop.size(); ++k) {
+    const Vec3 &from = loop[k - 1], &to = loop[k % loop.size()];
+    const Vec3 now = force(to);
+    const double work = 0.5 * (before + now).dot(to - from);
+    energy.net += work;
+    energy.gross += std::abs(work);
+    before = now;
+  }
+  energy.net = std::abs(energy.net);
+  return energy;
+}
 
 // The loop centre + a cos u + b sin u [m] at `points` values of u; the first is not repeated at the end.
-std::vector<Vec3> ellipse(const Vec3& centre, const Vec3& a, const Vec3& b, std::size_t points);
+inline std::vector<Vec3> ellipse(const Vec3& centre, const Vec3& a, const Vec3& b, std::size_t points) {
+  std::vector<Vec3> loop;
+  for (std::size_t k = 0; k < points; ++k) {
+    const double u = 2 * M_PI * static_cast<double>(k) / static_cast<double>(points);
+    loop.emplace_back(centre + std::cos(u) * a + std::sin(u) * b);
+  }
+  return loop;
+}
 
-}  // namespace forefeel
+}  // namespace forefeel::test

@@ -1,4 +1,4 @@
-#include "apps/laboratory/lu_refit.hpp"
+#include "apps/bench/lu_refit.hpp"
 
 #include <cmath>
 
