@@ -25,27 +25,27 @@ double plate(double r) {
 }
 
 // About where the rows lie, and how far they extend.
-struct Frame {
+struct Scaling {
   Vec3 middle = Vec3::Zero();
   double radius = 0;  // root mean square distance from the middle [m]
   PlateAxes axes;     // principal directions over `radius`
 };
 
-Frame frame_of(const std::vector<Vec3>& at) {
-  Frame frame;
-  for (const Vec3& x : at) frame.middle += x / double(at.size());
+Scaling scaling_of(const std::vector<Vec3>& at) {
+  Scaling scaling;
+  for (const Vec3& x : at) scaling.middle += x / double(at.size());
   Mat3 moment = Mat3::Zero();
-  for (const Vec3& x : at) moment += (x - frame.middle) * (x - frame.middle).transpose() / double(at.size());
-  frame.radius = std::sqrt(moment.trace());
+  for (const Vec3& x : at) moment += (x - scaling.middle) * (x - scaling.middle).transpose() / double(at.size());
+  scaling.radius = std::sqrt(moment.trace());
   const Modes3 axes = axes_of(moment);
   std::vector<Vec3> kept;
   const double least = least_extent * least_extent * axes.values[2];
   for (int k = 0; k < 3; ++k)
-    if (axes.values[k] > least) kept.push_back(axes.vectors.col(k) / frame.radius);
+    if (axes.values[k] > least) kept.push_back(axes.vectors.col(k) / scaling.radius);
   if (kept.size() + 1 >= at.size()) kept.clear();
-  frame.axes.resize(3, Index(kept.size()));
-  for (std::size_t k = 0; k < kept.size(); ++k) frame.axes.col(Index(k)) = kept[k];
-  return frame;
+  scaling.axes.resize(3, Index(kept.size()));
+  for (std::size_t k = 0; k < kept.size(); ++k) scaling.axes.col(Index(k)) = kept[k];
+  return scaling;
 }
 
 VectorXd polynomial(const Vec3& x, const Vec3& middle, const PlateAxes& axes) {
@@ -79,12 +79,12 @@ Forces forces_of_rows(const MeasuredRows& rows) {
 }  // namespace
 
 std::optional<SplineLaw> likely_spline(const MeasuredRows& rows, std::optional<double> noise) {
-  const Frame frame = frame_of(rows.at);
-  if (rows.size() < fewest_rows || !(frame.radius > 0)) return {};
-  const MatrixXd p = polynomials(rows, frame.middle, frame.axes);
+  const Scaling scaling = scaling_of(rows.at);
+  if (rows.size() < fewest_rows || !(scaling.radius > 0)) return {};
+  const MatrixXd p = polynomials(rows, scaling.middle, scaling.axes);
   const Index rest = p.rows() - p.cols();
   const MatrixXd other = orthogonal_of(p).q.rightCols(rest);
-  const Modes modes = modes_of(other.transpose() * plates(rows, frame.radius) * other);
+  const Modes modes = modes_of(other.transpose() * plates(rows, scaling.radius) * other);
   const VectorXd squared =
       (modes.vectors.transpose() * (other.transpose() * forces_of_rows(rows))).rowwise().squaredNorm();
   const double count = 3 * double(rest);
@@ -97,16 +97,16 @@ std::optional<SplineLaw> likely_spline(const MeasuredRows& rows, std::optional<d
     const double value = 0.5 * count * std::log(variance) + 0.5 * sum / variance + 1.5 * spread.log().sum();
     if (!(value < least)) continue;
     least = value;
-    law = {.length = frame.radius, .amplitude = std::sqrt(variance), .noise = std::sqrt(variance * ratio)};
+    law = {.length = scaling.radius, .amplitude = std::sqrt(variance), .noise = std::sqrt(variance * ratio)};
   }
   if (!(law.amplitude > 0)) return {};
   return law;
 }
 
 ThinPlate::ThinPlate(MeasuredRows rows, const SplineLaw& law) : rows_(std::move(rows)), law_(law) {
-  const Frame frame = frame_of(rows_.at);
-  middle_ = frame.middle;
-  axes_ = frame.axes;
+  const Scaling scaling = scaling_of(rows_.at);
+  middle_ = scaling.middle;
+  axes_ = scaling.axes;
   system_ = plates(rows_, law_.length);
   const double ratio = std::max(smallest_ratio, law_.noise * law_.noise / (law_.amplitude * law_.amplitude));
   for (Index i = 0; i < system_.rows(); ++i) system_(i, i) += ratio / rows_.weight[std::size_t(i)];

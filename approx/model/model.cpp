@@ -8,7 +8,7 @@
 #include "approx/loops/kernel_sums.hpp"
 #include "approx/model/lattice_field.hpp"
 #include "approx/model/model_data.hpp"
-#include "approx/model/set_sizes.hpp"
+#include "approx/model/model_options.hpp"
 
 namespace forefeel {
 

@@ -1,5 +1,11 @@
 #include "approx/model/model_options.hpp"
 
+#include <fmt/format.h>
+
+#include <algorithm>
+
+#include "geometry/common/error.hpp"
+
 namespace forefeel {
 
 std::string_view name(Kernel kernel) {
@@ -18,6 +24,33 @@ std::string_view name(Smoothness smoothness) {
   return smoothness == Smoothness::gaussian   ? "gaussian"
          : smoothness == Smoothness::matern52 ? "matern52"
                                               : "matern32";
+}
+
+namespace {
+
+constexpr double most_bytes = 1e9;
+
+double matrix_bytes(ModelOptions options, std::size_t neighbours) {
+  options.neighbours = neighbours;
+  const double rows_each = options.data == Data::force ? 1 : 4, spare = 1.125;
+  const double rows =
+      rows_each * spare * static_cast<double>(most_neighbours(options) + affine_places(options));
+  return rows * rows * sizeof(double);
+}
+
+}  // namespace
+
+ModelOptions for_states(ModelOptions options, std::size_t states) {
+  const std::size_t asked = options.neighbours;
+  options.neighbours = std::min(asked, std::max(states, uncapped_neighbours));
+  if (matrix_bytes(options, options.neighbours) <= most_bytes) return options;
+  std::size_t low = uncapped_neighbours, high = options.neighbours;  // low fits, high does not
+  while (high - low > 1)
+    (matrix_bytes(options, (low + high) / 2) <= most_bytes ? low : high) = (low + high) / 2;
+  throw InputError("model.neighbours",
+                   fmt::format("is {}, and there may be {} states: a model of so many takes {:.2g} GB, "
+                               "expected at most {} neighbours",
+                               asked, states, 1e-9 * matrix_bytes(options, options.neighbours), low));
 }
 
 }  // namespace forefeel

@@ -7,7 +7,7 @@
 #include <span>
 
 #include "approx/loops/view_loops.hpp"
-#include "approx/model/set_sizes.hpp"
+#include "approx/model/model_options.hpp"
 #include "approx/model/views.hpp"
 
 namespace forefeel {
@@ -132,7 +132,7 @@ double NeighbourSelector::gather(const Vec3& hip, std::size_t least, double radi
 }
 
 void NeighbourSelector::keep_first(std::size_t count) {
-  const auto before = [](const Candidate& a, const Candidate& b) {
+  const auto before = [](const Nearby& a, const Nearby& b) {
     return a.key != b.key ? a.key < b.key : a.id < b.id;
   };
   count = std::min(count, candidates_.size());
@@ -143,7 +143,7 @@ void NeighbourSelector::keep_first(std::size_t count) {
 
 void NeighbourSelector::take_nearest(const Vec3& hip) {
   gather(hip, sizes_.plain + sizes_.plain / 4 + 8, 0);
-  for (Candidate& c : candidates_)
+  for (Nearby& c : candidates_)
     if (std::ranges::binary_search(last_, c.id)) c.key *= loyalty;
   keep_first(sizes_.plain);
 }
@@ -155,7 +155,7 @@ void NeighbourSelector::look_round() {
   double *x = look_.arrays.data(), *y = x + look_.room, *z = y + look_.room, *distance = z + look_.room;
   std::ranges::fill(look_.before, beyond_all);
   for (std::size_t i = 0; i < n; ++i) {
-    Candidate& c = candidates_[i];
+    Nearby& c = candidates_[i];
     const double sharp = c.distance / (c.distance + at_hip * widths_.spacing);
     x[i] = sharp * c.towards[0];
     y[i] = sharp * c.towards[1];
@@ -188,7 +188,7 @@ const Eigen::Vector4d& NeighbourSelector::view(std::size_t k) {
 }
 
 // d_i and t_i: blended from the fixed views around the state's direction.
-void NeighbourSelector::look_along(Candidate& c) {
+void NeighbourSelector::look_along(Nearby& c) {
   Eigen::Vector4d sum = Eigen::Vector4d::Zero();
   double total = 0;
   const Views& views = detail::views();
@@ -219,7 +219,7 @@ double NeighbourSelector::share(double distance) const {
 double NeighbourSelector::two_sided() const {
   double total = 0;
   Vec3 ahead = Vec3::Zero();
-  for (const Candidate& c : candidates_) {
+  for (const Nearby& c : candidates_) {
     const double near = 1 - (c.distance - around_.nearest) / (shell * widths_.spacing);
     if (near <= 0) continue;
     total += near * near;
@@ -228,7 +228,7 @@ double NeighbourSelector::two_sided() const {
   const double one_sided = ahead.norm() / total;
   double most = rise(1 - 2 * one_sided);
   if (one_sided > 0)
-    for (const Candidate& c : candidates_) {
+    for (const Nearby& c : candidates_) {
       const double sharp = std::min(1.0, c.distance / (at_hip * widths_.spacing));
       most = std::max(most, share(c.distance) * rise(-sharp * c.towards.dot(ahead) / (one_sided * total)));
     }
@@ -254,14 +254,14 @@ double NeighbourSelector::key_of(double rank, double& last) {
 // at.
 double NeighbourSelector::find_keys(const Vec3& hip, double pulled, double rank) {
   keys_.clear();
-  for (Candidate& c : candidates_) {
+  for (Nearby& c : candidates_) {
     c.key = beyond_all;
     c.looked = false;
   }
   double limit = first_end * half_ball(sizes_.rank) * widths_.spacing;
   for (bool all = false;;) {
     double next = beyond_all;
-    for (Candidate& c : candidates_) {
+    for (Nearby& c : candidates_) {
       if (c.looked) continue;
       const double hidden = c.distance - std::max(0.0, look_.before[c.cell] * (1 + 1e-9) - pulled) -
                             aside.norm() * widths_.spacing;
@@ -291,7 +291,7 @@ double NeighbourSelector::find_keys(const Vec3& hip, double pulled, double rank)
 // rank n if there are hardly n states, because that key is then arbitrary.
 double NeighbourSelector::extent(double end) {
   double most = 0;
-  for (const Candidate& c : candidates_) {
+  for (const Nearby& c : candidates_) {
     if (!(c.key < beyond * end)) continue;
     const double inside =
         end < beyond_all ? std::min(1.0, 2 * (beyond * end - c.key) / ((beyond - 1) * end)) : 1;
@@ -332,7 +332,7 @@ void NeighbourSelector::weigh(const Vec3& hip, double end) {
                                                     1e-6 * widths_.spacing});
   double total = 0;
   Vec3 mean = Vec3::Zero();
-  for (Candidate& c : candidates_) {
+  for (Nearby& c : candidates_) {
     c.rank = 0;
     if (!(c.key < end)) continue;
     // If there are fewer than n states, a side enters by its share alone.
@@ -342,7 +342,7 @@ void NeighbourSelector::weigh(const Vec3& hip, double end) {
     mean += w * (space_[c.id].at - hip);
   }
   if (total > 0) mean /= total;
-  for (const Candidate& c : candidates_) {
+  for (const Nearby& c : candidates_) {
     const double w = rise(c.rank);
     if (!(w > least_weight)) continue;
     // A lone state on the far side determines the force over this length, however small its weight.

@@ -50,7 +50,7 @@ class NeighbourSelector {
   void forget();                                 // forgets the last set, and so the hysteresis
 
  private:
-  struct Candidate {
+  struct Nearby {
     double key;  // distance [m], less for a member of the last set; with weights: key_i
     StateId id;
     Vec3 towards;  // unit direction from the HIP
@@ -71,7 +71,7 @@ class NeighbourSelector {
   double gather(const Vec3& hip, std::size_t least, double radius);
   void look_round();
   const Eigen::Vector4d& view(std::size_t k);
-  void look_along(Candidate& candidate);
+  void look_along(Nearby& candidate);
   double find_keys(const Vec3& hip, double pulled, double rank);
   double key_of(double rank, double& last);
   double extent(double end);
@@ -113,7 +113,7 @@ class NeighbourSelector {
   Select rule_;
   Widths widths_;
   std::vector<StateId> found_, last_;
-  std::vector<Candidate> candidates_;
+  std::vector<Nearby> candidates_;
   std::vector<Neighbour> chosen_;
   std::vector<double> keys_;
   Look look_;

@@ -92,7 +92,7 @@ void RbfFit::place(std::size_t slot, const Sample& sample) {
       set_.array(Slots::stiffness + 3 * c + d)[slot] =
           known ? sample.stiffness(Eigen::Index(c), Eigen::Index(d)) : 0;
   }
-  const Vec3 y = frame_.scaled(sample.at);
+  const Vec3 y = scaling_.scaled(sample.at);
   set_.px[slot] = y[0];
   set_.py[slot] = y[1];
   set_.pz[slot] = y[2];
@@ -106,8 +106,8 @@ void RbfFit::functionals(std::size_t slot) {
   lagrange(level_.degree, y, l, gradient);
   double phi[4][max_terms];  // of each row at each anchor
   for (std::size_t j = 0; j < rows_.terms; ++j) {
-    const double d[3] = {y[0] - frame_.anchors[j][0], y[1] - frame_.anchors[j][1],
-                         y[2] - frame_.anchors[j][2]};
+    const double d[3] = {y[0] - scaling_.anchors[j][0], y[1] - scaling_.anchors[j][1],
+                         y[2] - scaling_.anchors[j][2]};
     const double r2 = d[0] * d[0] + d[1] * d[1] + d[2] * d[2];
     const double low = power(r2, level_.power - (level_.power > 1 ? 2 : 0));
     phi[0][j] = level_.power > 1 ? low * r2 : low;
@@ -119,7 +119,7 @@ void RbfFit::functionals(std::size_t slot) {
     for (std::size_t j = 0; j < rows_.terms; ++j) lt[j] = t == 0 ? l[j] : gradient[3 * j + t - 1];
     for (std::size_t j = 0; j < rows_.terms; ++j) {
       double v = 0;
-      for (std::size_t k = 0; k < rows_.terms; ++k) v += frame_.anchor_products[j * max_terms + k] * lt[k];
+      for (std::size_t k = 0; k < rows_.terms; ++k) v += scaling_.anchor_products[j * max_terms + k] * lt[k];
       rows_.lagrange[j * rows_.stride + row] = lt[j];
       rows_.dual[j * rows_.stride + row] = phi[t][j] - 0.5 * v;
     }
@@ -136,7 +136,7 @@ double RbfFit::ridge(std::size_t slot, std::size_t functional) const {
   const double given =
       options_.ridge + (set_.weighted ? least_ridge(level_.power, level_.hermite, functional == 0) : 0);
   if (w >= 1) return given;
-  const double h = (options_.length > 0 ? options_.length : 0.3 * frame_.scale) * frame_.inverse_scale *
+  const double h = (options_.length > 0 ? options_.length : 0.3 * scaling_.scale) * scaling_.inverse_scale *
                    set_.slot[slot].sample.reach;
   return given + border_pivot(level_.power, level_.hermite, functional == 0) * std::pow(h, k) * (1 / w - 1);
 }
@@ -172,7 +172,7 @@ void RbfFit::append_panel(std::size_t first_slot, std::size_t count) {
       line[row] += ridge(slot, t);
       for (unsigned c = 0; c < 3; ++c)
         right[rows_.terms + c] =
-            t == 0 ? sample.force[c] : -sample.stiffness(c, Eigen::Index(t) - 1) * frame_.scale;
+            t == 0 ? sample.force[c] : -sample.stiffness(c, Eigen::Index(t) - 1) * scaling_.scale;
       for (std::size_t j = rows_.terms + 3; j < DenseFactor::border; ++j) right[j] = 0;
       if (t > 0 && !set_.slot[slot].has_stiffness) {
         skip |= 1u << (s * b + t);
@@ -213,7 +213,7 @@ void RbfFit::refit(std::span<const Sample> samples) {
   // Which functionals are dropped depends on their order. Sorting by distance to the centre makes the choice
   // a function of the set.
   scratch_.sorted.assign(samples.begin(), samples.end());
-  const Vec3 centre = frame_.centre;
+  const Vec3 centre = scaling_.centre;
   std::ranges::sort(scratch_.sorted, [&](const Sample& a, const Sample& b) {
     const double da = (a.at - centre).squaredNorm(), db = (b.at - centre).squaredNorm();
     return da != db ? da < db : a.id < b.id;
@@ -235,13 +235,13 @@ void RbfFit::factorise(std::span<const Sample> samples) {
   rows_.per_slot = level_.hermite ? 4 : 1;
   rows_.terms = polynomial_terms(level_.degree);
   rows_.sign = level_.power == 3 ? 1 : -1;
-  for (std::size_t j = 0; j < rows_.terms; ++j) frame_.anchors[j] = anchor(j);
+  for (std::size_t j = 0; j < rows_.terms; ++j) scaling_.anchors[j] = anchor(j);
   for (std::size_t j = 0; j < rows_.terms; ++j)
     for (std::size_t k = 0; k < rows_.terms; ++k) {
-      const auto &a = frame_.anchors[j], &b = frame_.anchors[k];
+      const auto &a = scaling_.anchors[j], &b = scaling_.anchors[k];
       double r2 = 0;
       for (std::size_t d = 0; d < 3; ++d) r2 += (a[d] - b[d]) * (a[d] - b[d]);
-      frame_.anchor_products[j * max_terms + k] = power(r2, level_.power);
+      scaling_.anchor_products[j * max_terms + k] = power(r2, level_.power);
     }
   append(samples);
 }

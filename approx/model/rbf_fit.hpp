@@ -127,8 +127,8 @@ class RbfFit {
   double ridge(std::size_t slot, std::size_t functional) const;
   void correct(ModelData& out, double by);
 
-  // The frame that scales the set to the unit ball, and the anchors of K (polynomial.hpp) in it.
-  struct Frame {
+  // The scaling of the set to the unit ball, and the anchors of K (polynomial.hpp) in it.
+  struct Scaling {
     Vec3 centre = Vec3::Zero();           // [m]
     double scale = 1, inverse_scale = 1;  // [m], [1/m]
     std::array<std::array<double, 3>, detail::max_terms> anchors{};
@@ -205,7 +205,7 @@ class RbfFit {
   Room room_;
   Mode mode_ = Mode::automatic;
   Level level_;
-  Frame frame_;
+  Scaling scaling_;
   DenseFactor factor_;
   Slots set_;
   Rows rows_;

@@ -1,4 +1,4 @@
-// Frame and level of a set: its centre and size, and the highest kernel and degree whose polynomial it
+// Scaling and level of a set: its centre and size, and the highest kernel and degree whose polynomial it
 // determines.
 #include <algorithm>
 #include <cmath>
@@ -64,20 +64,20 @@ bool full_rank(std::size_t q, double* gram) {
 void RbfFit::set_frame(std::span<const Sample> samples) {
   const bool weighted = samples[0].weighted;
   double total = 0, largest = 0;
-  frame_.centre.setZero();
+  scaling_.centre.setZero();
   for (const auto& s : samples) {
     const double w = !weighted ? 1 : s.state ? s.weight : 0;
     total += w;
-    frame_.centre += w * (s.at - samples[0].at);
+    scaling_.centre += w * (s.at - samples[0].at);
   }
-  frame_.centre = samples[0].at + frame_.centre / total;
+  scaling_.centre = samples[0].at + scaling_.centre / total;
   for (const auto& s : samples) {
     const double w = !weighted ? 1 : s.state ? s.weight : 0;
-    largest = std::max(largest, w * (s.at - frame_.centre).norm());
+    largest = std::max(largest, w * (s.at - scaling_.centre).norm());
   }
   if (weighted) largest = std::max(largest, least_size * options_.length);
-  frame_.scale = largest > 0 ? largest : options_.length > 0 ? options_.length : 1;
-  frame_.inverse_scale = 1 / frame_.scale;
+  scaling_.scale = largest > 0 ? largest : options_.length > 0 ? options_.length : 1;
+  scaling_.inverse_scale = 1 / scaling_.scale;
 }
 
 // The highest level whose polynomial the samples determine.
@@ -95,7 +95,7 @@ RbfFit::Level RbfFit::level_for(std::span<const Sample> samples) {
     const std::size_t q = polynomial_terms(level.degree);
     double gram[max_terms * max_terms] = {}, l[max_terms], gradient[3 * max_terms];
     for (const auto& s : samples) {
-      const Vec3 y = frame_.scaled(s.at);
+      const Vec3 y = scaling_.scaled(s.at);
       lagrange(level.degree, y.data(), l, gradient);
       const bool both = level.hermite && s.stiffness.allFinite();
       for (std::size_t i = 0; i < q; ++i)

@@ -146,7 +146,7 @@ void RbfFit::load_given() {
       if (rows_.per_slot == 4)
         for (std::size_t d = 0; d < 3; ++d)
           refinement_.given[(3 + 3 * c + d) * refinement_.stride + i] =
-              -set_.array(Slots::stiffness + 3 * c + d)[s] * frame_.scale;
+              -set_.array(Slots::stiffness + 3 * c + d)[s] * scaling_.scale;
     }
 }
 

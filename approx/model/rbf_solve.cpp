@@ -95,7 +95,7 @@ void RbfFit::set_bound(ModelData& out) {
     for (std::size_t s = 0; s < set_.slots; ++s) {
       const double w = set_.array(Slots::share)[s];
       if (!(w > 0)) continue;
-      const Vec3 apart = set_.slot[s].sample.at - frame_.centre;
+      const Vec3 apart = set_.slot[s].sample.at - scaling_.centre;
       total += w;
       at += w * apart;
       mean += w * set_.slot[s].sample.force;
@@ -106,7 +106,7 @@ void RbfFit::set_bound(ModelData& out) {
     const double least = 0.5 * std::sqrt(std::max(0.0, squared / total - at.squaredNorm()));
     for (std::size_t s = 0; s < set_.slots; ++s) {
       const double w = set_.array(Slots::share)[s],
-                   apart = std::max(least, (set_.slot[s].sample.at - frame_.centre - at).norm());
+                   apart = std::max(least, (set_.slot[s].sample.at - scaling_.centre - at).norm());
       if (w > 0 && apart > 0)
         largest = std::max(largest, 2 * w * (set_.slot[s].sample.force - mean).norm() / apart);
     }
@@ -169,11 +169,11 @@ RbfFit::Reach RbfFit::reach_from(const Vec3& y) {
   }
   // States about equally far count about equally, so that the tangent does not change at once when another
   // state becomes the nearest.
-  reach.farthest = std::max(reach.farthest, reach.nearest + options_.length * frame_.inverse_scale);
+  reach.farthest = std::max(reach.farthest, reach.nearest + options_.length * scaling_.inverse_scale);
   reach.mean = Vec3(extent[0], extent[1], extent[2]) / total;
   reach.radius =
       std::sqrt(std::max(0.0, extent[3] / total - (set_.weighted ? reach.mean.squaredNorm() : 0))) *
-      frame_.scale;
+      scaling_.scale;
   return reach;
 }
 
@@ -188,7 +188,8 @@ double RbfFit::length_of(const Reach& reach, double half_ball) {
                          counted);
     const double shares = std::reduce(set_.array(Slots::share), set_.array(Slots::share) + set_.slots);
     const Vec3 middle = Vec3(counted[0], counted[1], counted[2]) / shares;
-    const double spread = std::sqrt(std::max(0.0, counted[3] / shares - middle.squaredNorm())) * frame_.scale;
+    const double spread =
+        std::sqrt(std::max(0.0, counted[3] / shares - middle.squaredNorm())) * scaling_.scale;
     length = std::min(0.68 * half_ball, 1.5 * spread);
   }
   const Sample& base = set_.slot[reach.first].sample;
@@ -201,10 +202,10 @@ double RbfFit::length_of(const Reach& reach, double half_ball) {
 // Bound, hulls and tangent (see model_data.hpp). A state's share of the tangent falls to zero with its weight
 // and towards the farthest state, so that the tangent changes gradually as the set does.
 void RbfFit::write_tangent(ModelData& out, const Vec3& hip, double bridge, double half_ball) {
-  const Vec3 y = within_range(frame_.scaled(hip));
+  const Vec3 y = within_range(scaling_.scaled(hip));
   const Reach reach = reach_from(y);
   const double length = length_of(reach, half_ball);
-  out.domain.trust = 1.5 * length * frame_.inverse_scale;
+  out.domain.trust = 1.5 * length * scaling_.inverse_scale;
   out.tangent.hold = 4 * length;
   set_bound(out);
   out.domain.bridge = bridge;
@@ -238,9 +239,9 @@ void RbfFit::write_mean_tangent(ModelData& out, const Reach& reach) {
     return;
   }
   const double w = 1 / sum[0];
-  const Vec3 at = w * frame_.scale * Vec3(sum[1], sum[2], sum[3]);
+  const Vec3 at = w * scaling_.scale * Vec3(sum[1], sum[2], sum[3]);
   for (int c = 0; c < 3; ++c) {
-    out.tangent.force[c] = w * (sum[4 + c] + frame_.scale * sum[16 + c]);
+    out.tangent.force[c] = w * (sum[4 + c] + scaling_.scale * sum[16 + c]);
     for (int d = 0; d < 3; ++d) out.tangent.jacobian(c, d) = -w * sum[7 + 3 * c + d];
   }
   out.tangent.at = base.at + at;
@@ -292,10 +293,10 @@ void RbfFit::write_tangent_of_sum(ModelData& out, const Vec3& hip, std::size_t f
   out.tangent.force = base.force;
   out.tangent.jacobian.setZero();
   if (out.sum.power == 0) return;
-  const Vec3 y = frame_.scaled(hip);
+  const Vec3 y = scaling_.scaled(hip);
   double gradient[3];
   const bool outside = y.allFinite() && out.domain.hull.outside(y.data(), gradient) > 0;
-  const double behind = std::min(farthest - nearest, 1.5 * options_.length * frame_.inverse_scale);
+  const double behind = std::min(farthest - nearest, 1.5 * options_.length * scaling_.inverse_scale);
   double total = 0;
   Vec3 at = Vec3::Zero(), sum = Vec3::Zero();  // about the base
   Mat3 jacobian = Mat3::Zero();
@@ -321,12 +322,12 @@ void RbfFit::write_tangent_of_sum(ModelData& out, const Vec3& hip, std::size_t f
 }
 
 Mat3 RbfFit::slope_of_sum(const ModelData& out, const Vec3& at) const {
-  const Vec3 y = frame_.scaled(at);
+  const Vec3 y = scaling_.scaled(at);
   double f[3], j[9];
   Mat3 slope;
   out.sum.raw(y.data(), f, j);
   for (int c = 0; c < 3; ++c)
-    for (int d = 0; d < 3; ++d) slope(c, d) = j[3 * c + d] * frame_.inverse_scale;
+    for (int d = 0; d < 3; ++d) slope(c, d) = j[3 * c + d] * scaling_.inverse_scale;
   const double norm = slope.norm();
   if (!std::isfinite(norm)) return Mat3::Zero();
   return norm > out.largest_stiffness ? Mat3(slope * (out.largest_stiffness / norm)) : slope;
@@ -342,9 +343,9 @@ void RbfFit::write(ModelData& out, const Vec3& hip, double bridge, double half_b
     if (set_.slot[s].sample.state) out.states.push_back(set_.slot[s].sample.id);
     if ((set_.slot[s].dropped & 1u) == 0) ++carrying;
   }
-  out.sum.centre = frame_.centre;
-  out.sum.scale = frame_.scale;
-  out.sum.inverse_scale = frame_.inverse_scale;
+  out.sum.centre = scaling_.centre;
+  out.sum.scale = scaling_.scale;
+  out.sum.inverse_scale = scaling_.inverse_scale;
   out.sum.degree = level_.degree;
   out.sum.hermite = level_.hermite;
   out.sum.kernel = level_.power == 1 ? Kernel::linear : level_.power == 3 ? Kernel::cubic : Kernel::quintic;

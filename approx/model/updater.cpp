@@ -5,10 +5,10 @@
 #include <cmath>
 
 #include "approx/model/jet_set.hpp"
+#include "approx/model/model_options.hpp"
 #include "approx/model/neighbours.hpp"
 #include "approx/model/polynomial.hpp"
 #include "approx/model/rbf_fit.hpp"
-#include "approx/model/set_sizes.hpp"
 #include "geometry/common/error.hpp"
 
 namespace forefeel {

@@ -38,7 +38,7 @@ Vec3 at(const Model* model, const Vec3& x) {
 
 ForceSwitch::ForceSwitch(SwitchOptions options) : options_(options) {}
 
-ForceSwitch::Frame ForceSwitch::step(const Model* newest, const Vec3& x) noexcept {
+ForceSwitch::Step ForceSwitch::step(const Model* newest, const Vec3& x) noexcept {
   if (options_.rule == SwitchRule::paper) return step_paper(newest, x);
   const double travel = begun_ ? (x - last_x_).norm() : 0;
   begun_ = true;
@@ -46,10 +46,10 @@ ForceSwitch::Frame ForceSwitch::step(const Model* newest, const Vec3& x) noexcep
   return step_smooth(newest, x, travel);
 }
 
-ForceSwitch::Frame ForceSwitch::step_smooth(const Model* newest, const Vec3& x, double travel) noexcept {
+ForceSwitch::Step ForceSwitch::step_smooth(const Model* newest, const Vec3& x, double travel) noexcept {
   const Vec3 old = at(current_, x);
   const bool comes = newest != nullptr && newest != current_;
-  Frame out = step(old, comes ? newest->force(x) : old, comes, travel);
+  Step out = step(old, comes ? newest->force(x) : old, comes, travel);
   if (comes) {
     out.released = current_;
     current_ = newest;
@@ -73,10 +73,10 @@ Vec3 ForceSwitch::carried(const Vec3& old, const Vec3& now, double travel) noexc
   return bounded;
 }
 
-ForceSwitch::Frame ForceSwitch::step(const Vec3& old, const Vec3& now, bool comes, double travel) noexcept {
+ForceSwitch::Step ForceSwitch::step(const Vec3& old, const Vec3& now, bool comes, double travel) noexcept {
   const double share = options_.jnd_share * options_.frame / options_.paper_interval;
   const double floor = options_.jnd_floor * options_.frame / options_.paper_interval;
-  Frame out;
+  Step out;
   out.undamped = now;
   out.took_model = comes;
   const Vec3 before = carried(old, now, travel);
@@ -100,8 +100,8 @@ ForceSwitch::Frame ForceSwitch::step(const Vec3& old, const Vec3& now, bool come
   return out;
 }
 
-ForceSwitch::Frame ForceSwitch::step_paper(const Model* newest, const Vec3& x) noexcept {
-  Frame out;
+ForceSwitch::Step ForceSwitch::step_paper(const Model* newest, const Vec3& x) noexcept {
+  Step out;
   const Model* latest = waiting_ != nullptr ? waiting_ : current_;
   if (newest != nullptr && newest != latest) {
     out.undamped_jump = (newest->force(x) - at(latest, x)).norm();

@@ -27,7 +27,7 @@ class ForceSwitch {
  public:
   explicit ForceSwitch(SwitchOptions options = {});
 
-  struct Frame {
+  struct Step {
     Vec3 force = Vec3::Zero();     // rendered [N]
     Vec3 undamped = Vec3::Zero();  // of the newest model at x [N]
     Vec3 change = Vec3::Zero();    // dF of this frame [N]
@@ -38,16 +38,16 @@ class ForceSwitch {
     const Model* released_too = nullptr;
   };
   // newest: the latest published model, or null if none was published since the last frame.
-  Frame step(const Model* newest, const Vec3& x) noexcept;
+  Step step(const Model* newest, const Vec3& x) noexcept;
   // The same from forces at x: `old` of the previous model, `now` of the newest. comes: the newest model is new in
   // this frame; travel: distance that the HIP has moved since the last frame [m]. Not for rule paper, which also needs
   // both models in later frames.
-  Frame step(const Vec3& old, const Vec3& now, bool comes, double travel = 0) noexcept;
+  Step step(const Vec3& old, const Vec3& now, bool comes, double travel = 0) noexcept;
 
  private:
-  Frame step_smooth(const Model* newest, const Vec3& x, double travel) noexcept;  // and none
+  Step step_smooth(const Model* newest, const Vec3& x, double travel) noexcept;  // and none
   Vec3 carried(const Vec3& old, const Vec3& now, double travel) noexcept;
-  Frame step_paper(const Model* newest, const Vec3& x) noexcept;
+  Step step_paper(const Model* newest, const Vec3& x) noexcept;
 
   SwitchOptions options_;
   const Model* current_ = nullptr;

@@ -13,7 +13,7 @@
 #include "geometry/common/instruction_set.hpp"
 #include "geometry/common/quantiles.hpp"
 #include "geometry/common/result_folder.hpp"
-#include "solver/body/law_table.hpp"
+#include "solver/body/law.hpp"
 
 namespace forefeel {
 namespace {

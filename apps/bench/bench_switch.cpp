@@ -126,7 +126,7 @@ class Player {
   const Vec3& at(std::size_t k) const { return stream_.at[std::min(k, frames - 1)]; }
 
   void step(std::size_t k, const Model* comes, std::size_t index, double floor) {
-    const ForceSwitch::Frame now = switch_.step(comes, at(k));
+    const ForceSwitch::Step now = switch_.step(comes, at(k));
     before_.push_back((now.force - now.change).norm());
     out_.over_bound += k >= lead && now.change.norm() > now.bound ? 1 : 0;
     if (k >= lead) {

@@ -5,7 +5,6 @@
 #include <nlohmann/json.hpp>
 
 #include "apps/console/console.hpp"
-#include "apps/console/json_text.hpp"
 #include "geometry/common/sha256.hpp"
 
 namespace forefeel {

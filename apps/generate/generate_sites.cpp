@@ -12,7 +12,6 @@
 #include "apps/console/document_keys.hpp"
 #include "apps/console/interrupt.hpp"
 #include "apps/console/json.hpp"
-#include "apps/console/json_text.hpp"
 #include "apps/console/outputs.hpp"
 #include "apps/console/provenance.hpp"
 #include "apps/generate/generate_deep.hpp"

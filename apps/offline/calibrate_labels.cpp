@@ -10,7 +10,6 @@
 
 #include "apps/console/console.hpp"
 #include "apps/console/json.hpp"
-#include "apps/console/json_text.hpp"
 #include "apps/console/provenance.hpp"
 #include "apps/offline/calibrate_labels.hpp"
 #include "apps/picture/figure.hpp"

@@ -6,7 +6,6 @@
 #include <cmath>
 #include <cstdint>
 
-#include "apps/picture/page_texts.hpp"
 #include "geometry/common/base64.hpp"
 
 namespace forefeel {

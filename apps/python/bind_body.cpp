@@ -1,18 +1,25 @@
 #include <fmt/format.h>
 #include <omp.h>
 #include <pybind11/functional.h>
+#include <pybind11/pybind11.h>
 #include <pybind11/stl.h>
 #include <pybind11/stl/filesystem.h>
 
 #include <algorithm>
 #include <array>
 #include <atomic>
+#include <chrono>
 #include <cmath>
+#include <condition_variable>
+#include <exception>
+#include <functional>
 #include <map>
+#include <mutex>
 #include <optional>
+#include <stop_token>
+#include <thread>
 
 #include "apps/python/bindings.hpp"
-#include "apps/python/interruptible.hpp"
 #include "apps/python/scene_object.hpp"
 #include "geometry/common/error.hpp"
 #include "geometry/mesh/mesh_file.hpp"
@@ -22,7 +29,64 @@
 #include "solver/lattice/generate.hpp"
 
 namespace forefeel::python {
+
 namespace {
+
+// Long calls that show progress and can be stopped by Ctrl-C. Python handles signals on its main thread only, so the
+// work runs on another thread while the calling thread watches.
+
+using ShowShare = std::function<void(double)>;  // of the work that is done, 0 to 1
+
+// Runs work(stop, tell) without the interpreter's lock; tell(share) may be called on any thread. Calls
+// show(share) up to 20 times a second on the calling thread. A signal or an exception of show() requests the stop; the
+// exception is rethrown when the work has ended. Exceptions of the work are rethrown, too.
+void run_interruptibly(const ShowShare& show,
+                       const std::function<void(std::stop_token, const std::function<void(double)>&)>& work);
+
+namespace py = pybind11;
+
+void run_interruptibly(const ShowShare& show,
+                       const std::function<void(std::stop_token, const std::function<void(double)>&)>& work) {
+  std::atomic<double> share = 0;
+  std::mutex mutex;
+  std::condition_variable ended;
+  bool done = false;
+  std::exception_ptr of_work, of_watch;
+  const py::gil_scoped_release released;
+  std::jthread worker([&](std::stop_token stop) {
+    try {
+      work(stop, [&](double now) { share = now; });
+    } catch (...) {
+      of_work = std::current_exception();
+    }
+    const std::lock_guard lock(mutex);
+    done = true;
+    ended.notify_one();
+  });
+  double shown = -1;
+  std::unique_lock lock(mutex);
+  while (!ended.wait_for(lock, std::chrono::milliseconds(50), [&] { return done; })) {
+    lock.unlock();
+    if (!of_watch) try {
+        const py::gil_scoped_acquire locked;
+        if (PyErr_CheckSignals() != 0) throw py::error_already_set();
+        const double now = share;
+        if (show && now != shown) show(shown = now);
+      } catch (...) {
+        of_watch = std::current_exception();
+        worker.request_stop();
+      }
+    lock.lock();
+  }
+  lock.unlock();
+  worker.join();
+  if (of_watch) std::rethrow_exception(of_watch);
+  if (of_work) std::rethrow_exception(of_work);
+  if (show) {
+    const py::gil_scoped_acquire locked;
+    show(1);
+  }
+}
 
 using Integers = py::array_t<std::int64_t, py::array::c_style | py::array::forcecast>;
 

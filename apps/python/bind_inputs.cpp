@@ -10,7 +10,7 @@
 #include "apps/python/arrays.hpp"
 #include "apps/python/bindings.hpp"
 #include "geometry/states/state_message.hpp"
-#include "scheduling/render/input_reader.hpp"
+#include "scheduling/render/input_format.hpp"
 
 namespace forefeel::python {
 namespace {

@@ -13,7 +13,7 @@
 #include "approx/methods/evaluate.hpp"
 #include "approx/model/updater.hpp"
 #include "apps/python/bindings.hpp"
-#include "apps/python/space.hpp"
+#include "apps/python/scene_object.hpp"
 #include "geometry/common/error.hpp"
 #include "scheduling/placement/placement_estimate.hpp"
 

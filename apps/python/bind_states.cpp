@@ -9,7 +9,7 @@
 #include <numeric>
 
 #include "apps/python/bindings.hpp"
-#include "apps/python/space.hpp"
+#include "apps/python/scene_object.hpp"
 #include "geometry/common/error.hpp"
 #include "geometry/coverage/state_space.hpp"
 #include "geometry/index/morton_order.hpp"

@@ -5,7 +5,7 @@
 #include <unordered_map>
 
 #include "apps/python/arrays.hpp"
-#include "apps/python/space.hpp"
+#include "apps/python/scene_object.hpp"
 #include "apps/scene/spec_text.hpp"
 #include "geometry/common/error.hpp"
 

@@ -1,6 +1,7 @@
 #include "apps/scene/cache_folder.hpp"
 
 #include <unistd.h>
+
 #include <algorithm>
 #include <cstdlib>
 #include <fstream>
@@ -11,7 +12,7 @@
 #include <vector>
 
 #include "apps/console/console.hpp"
-#include "apps/console/json_text.hpp"
+#include "apps/console/json.hpp"
 #include "geometry/common/error.hpp"
 #include "geometry/common/output_file.hpp"
 #include "geometry/states/writer_lock.hpp"

@@ -17,7 +17,7 @@
 #include "geometry/common/error.hpp"
 #include "geometry/common/tolerance.hpp"
 #include "scheduling/session/session.hpp"
-#include "scheduling/shape/shape_options.hpp"
+#include "scheduling/shape/shape_log.hpp"
 
 namespace forefeel {
 

@@ -4,7 +4,6 @@
 
 #include "solver/body/contact_stiffness.hpp"
 #include "solver/body/pad.hpp"
-#include "solver/body/pad_pull.hpp"
 #include "solver/equilibrium/solver.hpp"
 
 namespace forefeel {

@@ -8,7 +8,7 @@
 #include <utility>
 
 #include "apps/scene/scene_declared.hpp"
-#include "solver/body/material_limits.hpp"
+#include "solver/body/material.hpp"
 
 namespace forefeel {
 namespace {

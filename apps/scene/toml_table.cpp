@@ -12,7 +12,6 @@
 #include <stdexcept>
 
 #include "apps/console/suggest.hpp"
-#include "apps/scene/scene_override.hpp"
 #include "apps/scene/toml_text.hpp"
 
 namespace forefeel {

@@ -1,5 +1,5 @@
 #include "apps/session/report.hpp"
-#include "apps/console/json_text.hpp"
+#include "apps/console/json.hpp"
 #include "apps/console/summary_json.hpp"
 
 #include <fmt/format.h>

@@ -10,10 +10,15 @@
 #include <vector>
 
 #include "apps/session/session_arguments.hpp"
-#include "scheduling/record/shape_summary.hpp"
+#include "scheduling/record/shape_files.hpp"
 #include "scheduling/session/shaped_session.hpp"
 
 namespace forefeel {
+
+// A small view of the shapes of a run in its report: the surface of the body, turned with the pointer, over time.
+
+// HTML with its own script and data; it needs no other file.
+std::string shape_view(const ShapeLog& log, const ShapeSummary& summary);
 
 // The scene's, with --shape-rate. An InputError names the place that gave the value.
 ShapeOptions shape_options(const Scene& scene, const SessionArguments& given);

@@ -10,7 +10,7 @@
 #include <nlohmann/json.hpp>
 #include <utility>
 
-#include "geometry/common/csv_text.hpp"
+#include "geometry/common/csv_rows.hpp"
 #include "geometry/common/error.hpp"
 #include "geometry/states/state_file.hpp"
 #include "scheduling/common/dispatch_file.hpp"

@@ -12,9 +12,7 @@
 #include <vector>
 
 #include "apps/console/json.hpp"
-#include "apps/console/json_text.hpp"
 #include "apps/picture/page.hpp"
-#include "apps/picture/page_texts.hpp"
 #include "apps/picture/palette.hpp"
 #include "geometry/common/base64.hpp"
 #include "geometry/common/error.hpp"

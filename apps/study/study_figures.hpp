@@ -7,6 +7,7 @@
 
 #include "apps/picture/palette.hpp"
 #include "apps/session/report_figures.hpp"
+#include "scheduling/common/session_result.hpp"
 #include "scheduling/study/study_ranking.hpp"
 
 namespace forefeel {
@@ -25,5 +26,12 @@ std::optional<Figure> curves_figure(const Study& study, const std::vector<StudyC
 // All of a report: rankings, then curves.
 std::vector<Figure> study_figures(const Study& study, const std::vector<StudyCellResult>& cells,
                                   const std::vector<AxisRanking>& ranked, const Palette& palette);
+
+// Gantt chart of the solves: one row per worker, one bar per solve. The colour is the label of the region
+// that the state was planned for.
+
+// Bars of cancelled solves are thin; bars of states that no model used have half the height. The lowest row
+// shows the label at the HIP.
+Figure gantt_figure(const SessionResult& result, double seconds, int workers);
 
 }  // namespace forefeel

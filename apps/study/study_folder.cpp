@@ -1,5 +1,5 @@
 #include "apps/study/study_folder.hpp"
-#include "apps/console/json_text.hpp"
+#include "apps/console/json.hpp"
 
 #include <fcntl.h>
 #include <fmt/format.h>

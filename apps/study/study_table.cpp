@@ -7,7 +7,6 @@
 #include <set>
 
 #include "apps/console/json.hpp"
-#include "apps/console/json_text.hpp"
 #include "apps/console/summary_json.hpp"
 #include "scheduling/record/attention.hpp"
 

@@ -2,7 +2,7 @@
 
 #include <fmt/format.h>
 
-#include "geometry/common/csv_text.hpp"
+#include "geometry/common/csv_rows.hpp"
 #include "geometry/common/error.hpp"
 #include "scheduling/common/records.hpp"
 

@@ -60,7 +60,7 @@ struct TouchRecord {
   Vec3 normal = Vec3::Zero();  // mean normal under the pad
   double energy = 0;           // stored by body and pad [J]
   double lost = 0;             // by sliding, and at the end of a touch, in this frame [J]
-  double slope = unknown;      // |g| / (f . n), g of touch/slip.hpp [1]
+  double slope = unknown;      // |g| / (f . n), g of touch/touch.hpp [1]
   bool at_border = false;      // the slide ended at a clamped facet
 };
 

@@ -40,14 +40,14 @@ struct SafetyReport {
   std::vector<Vec3> uncontrolled = {};
 };
 
-// Timing of the frames, and the end of the force (render/frame_pacer.hpp, render/render_loop.hpp).
+// Timing of the frames, and the end of the force (render/loop_thread.hpp, render/render_loop.hpp).
 struct LoopReport {
   std::size_t skipped = 0;         // frames that were late by a frame or more; they have no record
   double longest_pause = 0;        // between the starts of two frames [s]; virtual clock: 0
   double paused_at = 0;            // when it began [s]
   double planner_stall = 0;        // longest time between two steps of the planner [s]; virtual clock: 0
   std::size_t planner_stalls = 0;  // number of pauses longer than the watchdog allows
-  std::size_t clock_steps = 0;     // of the system clock (render/clock_watch.hpp)
+  std::size_t clock_steps = 0;     // of the system clock (render/loop_thread.hpp)
   std::size_t device_held = 0;     // frames in which the device's position was not finite
   std::size_t device_jumps = 0;    // frames in which it moved faster than SwitchOptions::jump_speed
   std::size_t ending_frames = 0;   // of the ramp at the end

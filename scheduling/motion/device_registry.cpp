@@ -7,7 +7,6 @@
 #include <fmt/format.h>
 
 #include "scheduling/common/registry.hpp"
-#include "scheduling/motion/drawn_hand.hpp"
 #include "scheduling/motion/hand_device.hpp"
 #include "scheduling/motion/path_device.hpp"
 #include "scheduling/motion/touch_surface.hpp"

@@ -14,7 +14,7 @@
 
 #include "geometry/common/types.hpp"
 #include "scheduling/common/arguments.hpp"
-#include "scheduling/motion/trace_format.hpp"
+#include "scheduling/motion/trace_cells.hpp"
 
 namespace forefeel {
 

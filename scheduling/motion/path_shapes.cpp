@@ -25,7 +25,7 @@ double reach_along(const Box& box, const Vec3& direction) {
 
 // Axes of the hand (w into the body, u and v along its surface), and the extent of the box along each [m]. The seed is
 // for drawn targets.
-struct Frame {
+struct HandAxes {
   Vec3 u, v, w;
   double u_low, u_high, v_low, v_high, depth;
   std::uint64_t seed;
@@ -37,8 +37,8 @@ struct Frame {
   }
 };
 
-Frame frame_of(const FactoryContext& context) {
-  Frame f;
+HandAxes axes_of_hand(const FactoryContext& context) {
+  HandAxes f;
   f.w = context.inward.norm() > 0 ? Vec3(context.inward.normalized()) : Vec3(-Vec3::UnitZ());
   int axis = 0;
   f.w.cwiseAbs().minCoeff(&axis);
@@ -53,15 +53,15 @@ Frame frame_of(const FactoryContext& context) {
   return f;
 }
 
-PathShape press(const Frame& f) {
+PathShape press(const HandAxes& f) {
   return {{Vec3::Zero()}, {Vec3::Zero(), f.at(0, 0, 0.8)}};
 }
 
-PathShape line(const Frame& f) {
+PathShape line(const HandAxes& f) {
   return {{Vec3::Zero(), f.at(0, 0, 0.4)}, {f.at(0, 0, 0.4), f.at(0.8, 0, 0.4), f.at(-0.8, 0, 0.4)}};
 }
 
-PathShape circle(const Frame& f) {
+PathShape circle(const HandAxes& f) {
   PathShape shape{{Vec3::Zero(), f.at(0, 0, 0.5)}, {}};
   const double radius = 0.7 * std::min({f.u_low, f.u_high, f.v_low, f.v_high});
   for (int i = 0; i < 180; ++i) {
@@ -71,7 +71,7 @@ PathShape circle(const Frame& f) {
   return shape;
 }
 
-PathShape lissajous(const Frame& f) {
+PathShape lissajous(const HandAxes& f) {
   PathShape shape{{Vec3::Zero(), f.at(0, 0, 0.4)}, {}};
   for (int i = 0; i < 720; ++i) {
     const double angle = random::two_pi * i / 720;
@@ -82,7 +82,7 @@ PathShape lissajous(const Frame& f) {
 }
 
 // Moves from target to target; 16 random targets in the box.
-PathShape reach_targets(const Frame& f) {
+PathShape reach_targets(const HandAxes& f) {
   PathShape shape{{Vec3::Zero()}, {}};
   for (std::uint64_t i = 0; i < 16; ++i) {
     const auto draw = [&](std::uint64_t k) { return random::uniform(random::mix(f.seed, 3 * i + k)); };
@@ -92,7 +92,7 @@ PathShape reach_targets(const Frame& f) {
 }
 
 // Nine sites on a grid: at each, press in and come out, then move along the surface to the next.
-PathShape palpation(const Frame& f) {
+PathShape palpation(const HandAxes& f) {
   PathShape shape{{Vec3::Zero()}, {Vec3::Zero(), f.at(0, 0, 0.7), Vec3::Zero()}};
   for (int row = -1; row <= 1; ++row)
     for (int i = -1; i <= 1; ++i) {
@@ -103,14 +103,14 @@ PathShape palpation(const Frame& f) {
 }
 
 // Presses in, slides sideways out of the box and back, slides the other way, comes out.
-PathShape tour(const Frame& f) {
+PathShape tour(const HandAxes& f) {
   return {{Vec3::Zero()},
           {Vec3::Zero(), f.at(0, 0, 0.65), f.at(0.6, 0.1, 0.6), f.at(1.2, 0.2, 0.55), f.at(0.6, 0.5, 0.5),
            f.at(-0.2, 0.7, 0.5), f.at(-0.7, 0.2, 0.65), f.at(-0.4, -0.6, 0.45), f.at(0.3, -0.5, 0.3)}};
 }
 
 // Parallel lines over the box and a little beyond, layer by layer into the body.
-PathShape mower(const Frame& f) {
+PathShape mower(const HandAxes& f) {
   PathShape shape{{Vec3::Zero()}, {}};
   const int lines = 6;
   for (const double depth : {0.2, 0.5, 0.8})
@@ -124,7 +124,7 @@ PathShape mower(const Frame& f) {
 
 // Close parallel lines over the whole box, layer by layer into the body: the path visits nearly every lattice
 // cell, most of them once. It is about 5 m long in a box of 7 cm.
-PathShape raster(const Frame& f) {
+PathShape raster(const HandAxes& f) {
   PathShape shape{{Vec3::Zero()}, {}};
   constexpr int lines = 12, layers = 5;
   for (int layer = 0; layer < layers; ++layer)
@@ -141,9 +141,9 @@ PathShape raster(const Frame& f) {
 
 PathShape path_shape(PathName path, const FactoryContext& context) {
   // In the order of PathName.
-  static constexpr PathShape (*shapes[])(const Frame&) = {press,     line, circle, lissajous, reach_targets,
-                                                          palpation, tour, mower,  raster};
-  return shapes[static_cast<std::size_t>(path)](frame_of(context));
+  static constexpr PathShape (*shapes[])(const HandAxes&) = {
+      press, line, circle, lissajous, reach_targets, palpation, tour, mower, raster};
+  return shapes[static_cast<std::size_t>(path)](axes_of_hand(context));
 }
 
 }  // namespace forefeel

@@ -1,5 +1,5 @@
 #pragma once
-// The built-in predictors, one file each: predictor_NAME.cpp.
+// The built-in predictors (built_in_predictors.cpp).
 
 #include <memory>
 

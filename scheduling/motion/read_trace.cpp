@@ -12,8 +12,7 @@
 #include "geometry/common/error.hpp"
 #include "geometry/common/scanner.hpp"
 #include "scheduling/motion/trace_cells.hpp"
-#include "scheduling/motion/trace_flaws.hpp"
-#include "scheduling/motion/trace_header.hpp"
+#include "scheduling/motion/trace_check.hpp"
 
 namespace forefeel {
 namespace {

@@ -5,7 +5,7 @@
 #include <algorithm>
 #include <utility>
 
-#include "geometry/common/csv_table.hpp"
+#include "geometry/common/csv_rows.hpp"
 #include "geometry/common/error.hpp"
 #include "scheduling/motion/device.hpp"
 #include "scheduling/motion/trace_file.hpp"

@@ -8,7 +8,7 @@
 #include <vector>
 
 #include "geometry/common/types.hpp"
-#include "scheduling/motion/trace_format.hpp"
+#include "scheduling/motion/trace_cells.hpp"
 
 namespace forefeel {
 

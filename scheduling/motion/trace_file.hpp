@@ -18,7 +18,7 @@
 #include <vector>
 
 #include "geometry/common/types.hpp"
-#include "scheduling/motion/trace_format.hpp"
+#include "scheduling/motion/trace_cells.hpp"
 
 namespace forefeel {
 
@@ -31,7 +31,7 @@ struct TraceRows {
   std::vector<Vec3> positions;     // [m]
   std::vector<std::size_t> lines;  // number of each row's line in the file, from 1
   std::size_t missing = 0;         // rows left out: position empty or not a number
-  std::size_t lost = 0;            // rows at 0, 0, 0 far from their neighbours (trace_flaws.hpp)
+  std::size_t lost = 0;            // rows at 0, 0, 0 far from their neighbours (trace_check.hpp)
   bool lost_left_out = false;      // true if the format gives columns, a rate, units or a tool
   std::size_t ignored = 0;         // columns that are not read
   bool times_unused = false;       // a column of times beside a rate

@@ -10,7 +10,7 @@
 #include "geometry/common/in_best_set.hpp"
 #include "scheduling/motion/random.hpp"
 #include "scheduling/policy/candidate_rows.hpp"
-#include "scheduling/policy/prediction_weight.hpp"
+#include "scheduling/policy/need_policy.hpp"
 
 namespace forefeel {
 namespace {

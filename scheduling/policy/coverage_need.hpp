@@ -29,7 +29,7 @@
 #include <vector>
 
 #include "geometry/coverage/coverage_query.hpp"
-#include "scheduling/policy/need_left.hpp"
+#include "scheduling/policy/need_policy.hpp"
 #include "scheduling/policy/policy.hpp"
 
 namespace forefeel {

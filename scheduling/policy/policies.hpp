@@ -1,6 +1,6 @@
 #pragma once
-// The built-in policies, one file each: policy_NAME.cpp. clairvoyant and the shuffled policies are variants of
-// coverage, in its file; error-shuffled is in the file of error.
+// The built-in policies (built_in_policies.cpp). clairvoyant and the shuffled policies are variants of
+// coverage and error.
 
 #include <memory>
 

@@ -16,7 +16,7 @@
 //
 // In code, options.planning.policy = Registered("deepest") then selects it. Scenes, studies and options
 // know the name only in a command built with it (apps/examples/command_policy.cpp); `forefeel` itself is not.
-// Each built-in policy has a file of its own, policy_NAME.cpp.
+// The built-in policies are in built_in_policies.cpp.
 //
 // Order of calls in each planning step (each frame under the virtual clock, about every millisecond under the
 // real one): look() once; prioritise() for all candidates; after each dispatch pend(), then prioritise()

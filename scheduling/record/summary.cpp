@@ -7,9 +7,9 @@
 
 #include "geometry/common/quantiles.hpp"
 #include "geometry/states/state_outcome.hpp"
-#include "scheduling/motion/drawn_hand.hpp"
+#include "scheduling/motion/hand_device.hpp"
 #include "scheduling/record/needed_states.hpp"
-#include "scheduling/record/touch_summary.hpp"
+#include "scheduling/record/summary_parts.hpp"
 #include "scheduling/render/render_loop.hpp"
 #include "scheduling/session/session_input.hpp"
 #include "scheduling/session/session_plan.hpp"

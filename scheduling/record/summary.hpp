@@ -24,8 +24,8 @@
 
 #include "geometry/coverage/coverage.hpp"
 #include "scheduling/motion/prediction_score.hpp"
-#include "scheduling/record/control_summary.hpp"
 #include "scheduling/record/stability.hpp"
+#include "scheduling/record/summary_parts.hpp"
 #include "scheduling/session/session_options.hpp"
 
 namespace forefeel {

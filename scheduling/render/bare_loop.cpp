@@ -1,6 +1,5 @@
 #include "scheduling/render/bare_loop.hpp"
 
-#include "scheduling/render/frame_pacer.hpp"
 #include "scheduling/render/loop_thread.hpp"
 
 namespace forefeel {

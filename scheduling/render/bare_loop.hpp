@@ -1,6 +1,6 @@
 #pragma once
 // A loop that only waits for its deadlines. It measures the deadlines that the machine itself misses. It has the thread
-// settings (loop_thread.hpp) and the rule for late frames (frame_pacer.hpp) of the session's loop, and does nothing in
+// settings (loop_thread.hpp) and the rule for late frames (loop_thread.hpp) of the session's loop, and does nothing in
 // a frame. Both loops can run at the same time, under the same load, with half a frame between their deadlines.
 
 #include <atomic>

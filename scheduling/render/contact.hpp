@@ -20,7 +20,7 @@ class Contact {
  public:
   virtual ~Contact() = default;
   // Once a frame, with the tip of this frame.
-  virtual ForceSwitch::Frame step(const HipSample& tip, TouchRecord& touch) noexcept = 0;
+  virtual ForceSwitch::Step step(const HipSample& tip, TouchRecord& touch) noexcept = 0;
   // What follows is of the last step.
   virtual bool came() const noexcept = 0;                      // a newer model came
   virtual std::uint64_t newest() const noexcept = 0;           // its serial number; 0: none yet
@@ -30,7 +30,7 @@ class Contact {
     return false;
   }  // a touch begins, or there is none: no memory of forces before
   virtual bool view(ModelView& view) noexcept = 0;  // of the newest model; false: there is none
-  virtual ForceBar bar(const ForceSwitch::Frame& frame) noexcept = 0;
+  virtual ForceBar bar(const ForceSwitch::Step& frame) noexcept = 0;
   virtual std::size_t lost() const noexcept {
     return 0;
   }  // models: the queue back was full; its size prevents that
@@ -41,13 +41,13 @@ class Grasp final : public Contact {
  public:
   Grasp(LoopLink& link, const SwitchOptions& options) : link_(link), jnd_(options), switch_(options) {}
 
-  ForceSwitch::Frame step(const HipSample& tip, TouchRecord& touch) noexcept override;
+  ForceSwitch::Step step(const HipSample& tip, TouchRecord& touch) noexcept override;
   bool came() const noexcept override { return came_; }
   std::uint64_t newest() const noexcept override { return newest_ ? newest_->serial() : 0; }
   std::uint32_t rendered() const noexcept override { return rendered_; }
   bool view(ModelView& view) noexcept override;
   // Tells the planner what is rendered here, so that it can be scored later.
-  ForceBar bar(const ForceSwitch::Frame& frame) noexcept override;
+  ForceBar bar(const ForceSwitch::Step& frame) noexcept override;
   std::size_t lost() const noexcept override { return lost_; }
 
  private:

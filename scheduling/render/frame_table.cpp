@@ -6,9 +6,9 @@
 #include <string_view>
 #include <system_error>
 
-#include "geometry/common/csv_table.hpp"
+#include "geometry/common/csv_rows.hpp"
 #include "geometry/common/error.hpp"
-#include "scheduling/render/input_reader.hpp"
+#include "scheduling/render/input_format.hpp"
 
 namespace forefeel {
 namespace {

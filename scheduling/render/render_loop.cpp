@@ -8,6 +8,48 @@
 
 namespace forefeel {
 
+ForceOutput::ForceOutput(const RenderOptions& options, std::function<double()> now)
+    : now_(std::move(now)), safety_(options.safety, options.frame) {
+  if (options.passivity.mode != Passivity::control) return;
+  control_.emplace(options.passivity, options.frame);
+  without_.emplace(options.safety, options.frame);
+}
+
+const Vec3& ForceOutput::send(const Vec3& rendered, const HipSample& tip, const Frame& frame) noexcept {
+  SafetyMoment moment{.t = tip.t, .age = tip.t - frame.beat, .ending = frame.ending};
+  if (now_) {
+    const double now = now_();
+    moment.age = now - frame.beat;
+    if (begun_) moment.passed = std::min(frame.started - started_, now - sent_at_);
+    started_ = frame.started;
+    sent_at_ = now;
+  }
+  begun_ = true;
+  if (control_) {
+    uncontrolled_ = without_->apply(rendered, tip.at, moment);
+    moment.control = &*control_;
+  }
+  sent_ = safety_.apply(rendered, tip.at, moment);
+  return sent_;
+}
+
+const HipSample& TipReader::read(std::size_t k, const Vec3& sent) noexcept {
+  const double t = frame_time(k, frame_);
+  Vec3 x = device_.position(t, sent);
+  held_ = !x.allFinite();
+  if (held_) {
+    x = tip_.at;
+    ++faults_.held;
+  }
+  const std::size_t step = next_ > 0 && k >= next_ ? k - next_ + 1 : 1;
+  const double passed = static_cast<double>(step) * frame_;
+  tip_ = {.t = t, .at = x, .velocity = k == 0 ? Vec3::Zero() : Vec3((x - tip_.at) / passed)};
+  // The first frame leads from rest to where the motion begins.
+  if (next_ > 0 && tip_.velocity.norm() > (1 + 1e-9) * jump_speed_) ++faults_.jumps;
+  next_ = k + 1;
+  return tip_;
+}
+
 RenderLoop::RenderLoop(Device& device, LoopLink& link, const RenderOptions& options, std::size_t frames,
                        RealTime real, std::unique_ptr<Contact> contact)
     : link_(link),
@@ -26,7 +68,7 @@ void RenderLoop::frame(std::size_t k, double started) noexcept {
   hip_ = tip_.read(k, sent());
   const std::uint32_t known = link_.known.load(std::memory_order_acquire);
   TouchRecord touch;
-  const ForceSwitch::Frame f = contact_->step(hip_, touch);
+  const ForceSwitch::Step f = contact_->step(hip_, touch);
   hip_.site = touch.site;
   link_.hip.publish(hip_);
   input_ = {.frame = static_cast<std::uint32_t>(k),
@@ -49,7 +91,7 @@ Vec3 RenderLoop::relaxed(const Vec3& elastic, double dt) noexcept {
   return filter_->step(elastic, dt);
 }
 
-void RenderLoop::record(const ForceSwitch::Frame& f, const ForceBar& bar, const TouchRecord& touch) noexcept {
+void RenderLoop::record(const ForceSwitch::Step& f, const ForceBar& bar, const TouchRecord& touch) noexcept {
   log_.has_last = log_.done < log_.frames.size();
   if (!log_.has_last) return;
   if (output_.controlled()) log_.uncontrolled[log_.done] = output_.uncontrolled();

@@ -14,6 +14,7 @@
 // recorded and judged like all others; only `sent` differs. Under the real clock, late frames may leave some force at
 // the last frame. Further frames then follow until it is zero; up to `spare` of them are recorded.
 
+#include <cmath>
 #include <cstddef>
 #include <functional>
 #include <memory>
@@ -22,14 +23,95 @@
 
 #include "approx/switch/relaxation.hpp"
 #include "scheduling/common/records.hpp"
+#include "scheduling/common/session_result.hpp"
+#include "scheduling/motion/device.hpp"
+#include "scheduling/motion/hip_sample.hpp"
 #include "scheduling/render/contact.hpp"
-#include "scheduling/render/force_output.hpp"
 #include "scheduling/render/frame_input.hpp"
 #include "scheduling/render/loop_link.hpp"
 #include "scheduling/render/render_options.hpp"
-#include "scheduling/render/tip_reader.hpp"
+#include "scheduling/render/safety.hpp"
 
 namespace forefeel {
+
+// From the rendered force to the one that is sent: the safety rules, with passivity control where it is wanted, by the
+// wall time that has passed. Under control note_model() goes before send(), where wants_model() asks for it. Nothing
+// here allocates, locks or throws.
+
+class ForceOutput {
+ public:
+  // now(): as RealTime::now (render_loop.hpp); empty: each frame takes place at its nominal time.
+  ForceOutput(const RenderOptions& options, std::function<double()> now);
+
+  struct Frame {
+    double started = 0, beat = 0;  // of the frame, of the planner's last step [s]
+    bool ending = false;           // the force goes to zero
+  };
+  // Once a frame; came: there is a new model.
+  bool wants_model(bool came) noexcept { return control_ && (control_->wants_model() || came); }
+  void note_model(const Vec3& tip, const ModelView& model, bool came) noexcept {
+    control_->note_model(tip, model, came);
+  }
+  void rest_at(const Vec3& rest) noexcept {
+    if (control_) control_->rest_at(rest);
+  }
+  // Returns the force for the device [N].
+  const Vec3& send(const Vec3& rendered, const HipSample& tip, const Frame& frame) noexcept;
+
+  const Vec3& sent() const { return sent_; }
+  double sent_at() const { return sent_at_; }  // by now() [s]; 0 without it
+  const Safety& safety() const { return safety_; }
+  bool controlled() const { return control_.has_value(); }
+  // Under control: the force that the other rules alone would have sent [N].
+  const Vec3& uncontrolled() const { return uncontrolled_; }
+  PassivityReport passivity() const { return control_ ? control_->report() : PassivityReport{}; }
+
+ private:
+  std::function<double()> now_;
+  Safety safety_;
+  std::optional<PassivityControl> control_;  // none: passivity is observed only
+  // The same rules at the same positions without control, to measure the added error.
+  std::optional<Safety> without_;
+  Vec3 sent_ = Vec3::Zero(), uncontrolled_ = Vec3::Zero();
+  bool begun_ = false;
+  double started_ = 0, sent_at_ = 0;  // last frame, by now() [s]
+};
+
+// Where the tip is in each frame, as the device gives it, and how often the device failed. Nothing here allocates or
+// throws.
+
+// Time of frame k [s], rounded to whole nanoseconds: prints short and is the same on every machine.
+inline double frame_time(std::size_t k, double frame) {
+  return static_cast<double>(std::llround(static_cast<double>(k) * frame * 1e9)) / 1e9;
+}
+
+// Frames in which the device failed.
+struct DeviceFaults {
+  std::size_t held = 0;   // its position was not finite: the last one was held
+  std::size_t jumps = 0;  // it moved faster than SwitchOptions::jump_speed
+};
+
+class TipReader {
+ public:
+  TipReader(Device& device, double frame, double jump_speed)  // [s], [m/s]
+      : device_(device), frame_(frame), jump_speed_(jump_speed) {}
+
+  // The tip in frame k. sent: force of the frame read before [N]. Frames may be skipped.
+  const HipSample& read(std::size_t k, const Vec3& sent) noexcept;
+
+  const HipSample& tip() const { return tip_; }
+  bool held() const { return held_; }                  // in the frame read last
+  std::size_t next() const noexcept { return next_; }  // number of that frame + 1
+  const DeviceFaults& faults() const { return faults_; }
+
+ private:
+  Device& device_;
+  double frame_, jump_speed_;
+  HipSample tip_;
+  bool held_ = false;
+  std::size_t next_ = 0;
+  DeviceFaults faults_;
+};
 
 // Settings of a loop under the real clock only.
 struct RealTime {
@@ -84,7 +166,7 @@ class RenderLoop {
   };
   void send(double started) noexcept;
   Vec3 relaxed(const Vec3& elastic, double dt) noexcept;
-  void record(const ForceSwitch::Frame& frame, const ForceBar& bar, const TouchRecord& touch) noexcept;
+  void record(const ForceSwitch::Step& frame, const ForceBar& bar, const TouchRecord& touch) noexcept;
 
   LoopLink& link_;
   TipReader tip_;

@@ -5,7 +5,7 @@
 #include <algorithm>
 
 #include "approx/model/lattice_field.hpp"
-#include "approx/model/set_sizes.hpp"
+#include "approx/model/model_options.hpp"
 #include "scheduling/common/option_check.hpp"
 
 namespace forefeel {

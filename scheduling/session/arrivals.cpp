@@ -5,7 +5,7 @@
 #include <algorithm>
 #include <cmath>
 
-#include "geometry/common/csv_table.hpp"
+#include "geometry/common/csv_rows.hpp"
 #include "geometry/common/error.hpp"
 #include "scheduling/common/dispatch_file.hpp"
 #include "scheduling/common/records.hpp"

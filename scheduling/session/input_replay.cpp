@@ -13,7 +13,6 @@
 #include "geometry/coverage/state_space.hpp"
 #include "geometry/states/state_message.hpp"
 #include "scheduling/render/input_format.hpp"
-#include "scheduling/render/input_reader.hpp"
 #include "scheduling/render/render_loop.hpp"
 #include "scheduling/render/session_model.hpp"
 #include "scheduling/session/session_input.hpp"

@@ -14,11 +14,9 @@
 #include "geometry/common/signed_vector.hpp"
 #include "scheduling/render/model_keeper.hpp"
 #include "scheduling/session/dispatch_log.hpp"
-#include "scheduling/session/jet_estimates.hpp"
 #include "scheduling/session/planner_setup.hpp"
 #include "scheduling/session/ranking.hpp"
 #include "scheduling/session/solve_starts.hpp"
-#include "scheduling/session/solve_times.hpp"
 #include "scheduling/session/surprises.hpp"
 #include "scheduling/workers/generator.hpp"
 

@@ -8,10 +8,10 @@
 // another unit, or a faulty link that returns a state of another body, exceeds the limit.
 //
 // Without such a neighbour, as for the first state, the state is compared with the body itself. At rest no body is
-// stiffer than K_b [N/m], the stiffness with all nodes held but those of the contact (solver/body/contact_bound.hpp). A
-// state is far too strong if |K| > c |K_b| or |f| > c |K_b| max(|x|, h), with the spacing h [m], c = 3 at rest, and
-// c = 100 elsewhere, as a body may stiffen. K_b is 2 to 20 times the stiffness of usual meshes, so a first state that
-// is 1000 times too strong is detected. If K_b is unknown, the state is accepted.
+// stiffer than K_b [N/m], the stiffness with all nodes held but those of the contact
+// (solver/body/contact_stiffness.hpp). A state is far too strong if |K| > c |K_b| or |f| > c |K_b| max(|x|, h), with
+// the spacing h [m], c = 3 at rest, and c = 100 elsewhere, as a body may stiffen. K_b is 2 to 20 times the stiffness of
+// usual meshes, so a first state that is 1000 times too strong is detected. If K_b is unknown, the state is accepted.
 
 #include "geometry/coverage/state_space.hpp"
 

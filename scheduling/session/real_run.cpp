@@ -19,8 +19,6 @@
 #include <thread>
 #include <utility>
 
-#include "scheduling/render/clock_watch.hpp"
-#include "scheduling/render/frame_pacer.hpp"
 #include "scheduling/render/input_log.hpp"
 #include "scheduling/render/loop_thread.hpp"
 #include "scheduling/render/model_keeper.hpp"

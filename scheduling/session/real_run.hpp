@@ -25,7 +25,7 @@ struct RunLogs {
 // all have failed, the loop continues with the known states, and result.failures says so.
 //
 // The loop wakes at the absolute times of its frames on CLOCK_MONOTONIC; frames that it misses are skipped and counted
-// (render/frame_pacer.hpp). The planner's heartbeat and the watchdog use the same clock, so a stop of the whole process
+// (render/loop_thread.hpp). The planner's heartbeat and the watchdog use the same clock, so a stop of the whole process
 // (SIGSTOP, a debugger) shows as a pause of both loop and planner.
 void run_real(const RunSetup& setup, ReferenceService& references, SessionResult& result,
               const ShowProgress& show, const RunLogs& logs = {});

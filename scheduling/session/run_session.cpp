@@ -22,7 +22,7 @@
 #include "scheduling/session/session_setup.hpp"
 #include "scheduling/session/shaped_session.hpp"
 #include "scheduling/session/virtual_run.hpp"
-#include "scheduling/shape/shape_stage.hpp"
+#include "scheduling/shape/shape_thread.hpp"
 #include "scheduling/workers/cost.hpp"
 #include "scheduling/workers/reference_service.hpp"
 
@@ -149,20 +149,24 @@ SessionResult run_and_judge(const RunSetup& setup, ReferenceService& references,
   if (!surface)
     pipeline.add(judge = std::make_shared<SessionJudge>(setup.judging, pipeline.known(), references));
   std::shared_ptr<ShapeStage> stage;
-  if (shapes && is_virtual)
+  if (shapes && is_virtual && !surface)
     pipeline.add(stage =
                      std::make_shared<ShapeStage>(*shapes->log, pipeline.known(), setup.motion.clock.frame));
   if (hooks.each_position) pipeline.add(std::make_shared<PositionTeller>(hooks.each_position));
   if (is_virtual)
     run_virtual(setup, {references, pipeline, renderer.get(), inputs.get()}, result, hooks.progress);
   else
-    run_real(setup, references, result, hooks.progress, {shapes ? shapes->log.get() : nullptr, inputs.get()});
+    run_real(setup, references, result, hooks.progress,
+             {shapes && !surface ? shapes->log.get() : nullptr, inputs.get()});
   if (inputs) inputs->close();
   if (inputs && inputs->failure()) result.failures.push_back(*inputs->failure());
   if (hooks.when_run) hooks.when_run(result);
   note_late_states(result);
   note_stiffness(setup.motion.device->limits(), setup.motion.name, result);
   if (surface) note_touches(result);
+  if (surface && shapes)
+    if (const auto failure = take_shapes(*shapes->log, result.frames, surface->known()))
+      result.failures.push_back(*failure);
   pipeline.pass_rest(result.frames, surface ? std::span<const State>() : result.states);
   try {
     pipeline.wait(hooks.progress);
@@ -325,8 +329,6 @@ SessionResult run_rehearsed(SessionPlan plan, const SessionHooks& hooks, ShapedR
 
 SessionResult run_session(const SessionPlan& plan, const SessionHooks& hooks, ShapedRun* shapes) {
   if (!shapes) return run_session(plan, hooks);
-  if (plan.input.touched.anywhere)
-    throw InputError("session.shape_rate", "is of one place, expected 0 with contact.anywhere");
   if (plan.input.foreign)
     throw InputError("session.shape_rate", "needs states of the scene's own body, expected none of another");
   if (!plan.input.touched.displacements)

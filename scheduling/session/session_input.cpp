@@ -5,6 +5,10 @@
 
 namespace forefeel {
 
+std::shared_ptr<const RestSites> sites_of(const TouchedBody& touched) {
+  return touched.anywhere ? touched.anywhere->field->rest_shared() : nullptr;
+}
+
 ReferenceOptions reference_options(const SessionInput& input) {
   const TouchedBody& touched = input.touched;
   return {.body = touched.body,
@@ -13,7 +17,7 @@ ReferenceOptions reference_options(const SessionInput& input) {
           .box = touched.space.box,
           .displacements = touched.displacements,
           .jet = touched.jet,
-          .sites = touched.anywhere ? touched.anywhere->field->rest_shared() : nullptr,
+          .sites = sites_of(touched),
           .cache_folder = input.files.cache};
 }
 

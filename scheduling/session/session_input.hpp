@@ -13,6 +13,8 @@
 
 namespace forefeel {
 
+class RestSites;  // solver/jet/rest_sites.hpp
+
 class CostModel;
 class Device;
 class Policy;
@@ -74,6 +76,8 @@ struct SessionInput {
 };
 
 // The options of a reference service for this input (workers/reference_service.hpp).
+// Of a body that is touched anywhere; else null.
+std::shared_ptr<const RestSites> sites_of(const TouchedBody& touched);
 ReferenceOptions reference_options(const SessionInput& input);
 
 }  // namespace forefeel

@@ -12,7 +12,7 @@
 #include "scheduling/touch/surface_contact.hpp"
 #include "scheduling/workers/reference_service.hpp"
 #include "solver/body/body.hpp"
-#include "solver/body/contact_bound.hpp"
+#include "solver/body/contact_stiffness.hpp"
 
 namespace forefeel {
 namespace {
@@ -44,7 +44,7 @@ RunSolving solving_of(const SessionPlan& plan, ReferenceService& references) {
                               .tolerance = 1e-6,
                               .displacements = touched.displacements,
                               .jet = touched.jet,
-                              .sites = touched.anywhere ? touched.anywhere->field->rest_shared() : nullptr},
+                              .sites = sites_of(touched)},
                   .count = options.count},
       .real = plan.input.parts.workers,
       .simulated = plan.input.parts.virtual_workers,

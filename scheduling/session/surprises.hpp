@@ -5,6 +5,7 @@
 #include <span>
 #include <vector>
 
+#include "approx/model/updater.hpp"
 #include "approx/switch/force_switch.hpp"
 #include "geometry/coverage/state_space.hpp"
 
@@ -25,6 +26,23 @@ class Surprises {
   std::function<Vec3(const State&)> predicted_;  // by the models so far, at the state's place [N]
   SwitchOptions jnd_;
   std::vector<float> errors_;
+};
+
+// What a model of energy jets says of its own error at a place, in JNDs (just noticeable differences), trust included:
+// PlannerView::estimate. One thread owns it.
+
+class JetEstimates {
+ public:
+  // The space must outlive this.
+  JetEstimates(const StateSpace& space, const ModelOptions& model, const SwitchOptions& jnd)
+      : updater_(space, model), jnd_(jnd) {}
+
+  double operator()(const Vec3& x);  // NaN while no state has a jet
+
+ private:
+  ModelUpdater updater_;
+  Model model_;
+  SwitchOptions jnd_;
 };
 
 }  // namespace forefeel

@@ -46,15 +46,21 @@ CheckedShape compare(const ShapeLog& log, std::size_t which, const std::vector<d
 std::vector<CheckedShape> check_shapes(const ShapeLog& log, ReferenceService& references,
                                        const StopOptions& stop, SessionResult& result,
                                        const ShowProgress& show) {
-  const std::vector<std::size_t> records = chosen(log.records().size(), log.options().checks);
-  for (const std::size_t which : records) references.request(log.records()[which].at);
+  std::vector<std::size_t> touched;  // all records where the contact has one place
+  for (std::size_t i = 0; i < log.records().size(); ++i)
+    if (!log.at_sites() || log.records()[i].site.exists()) touched.push_back(i);
+  std::vector<std::size_t> records;
+  for (const std::size_t i : chosen(touched.size(), log.options().checks)) records.push_back(touched[i]);
+  const auto from_site = [&](const ShapeRecord& record) { return Vec3(record.at - record.site.at); };
+  for (const std::size_t which : records)
+    references.request(from_site(log.records()[which]), log.records()[which].site);
   Patience patience(stop);
   std::vector<CheckedShape> checked;
   std::vector<float> u;
   std::size_t late = 0, failed = 0;
   for (std::size_t i = 0; i < records.size(); ++i) {
     const ShapeRecord& record = log.records()[records[i]];
-    const std::optional<State> truth = patience.wait_for(record.at, references);
+    const std::optional<State> truth = patience.wait_for(from_site(record), references, false, record.site);
     if (!truth)
       ++late;
     else if (!truth->usable() || !truth->displacements)

@@ -5,6 +5,8 @@
 #include <exception>
 #include <utility>
 
+#include "scheduling/render/render_loop.hpp"
+
 namespace forefeel {
 
 ShapeThread::ShapeThread(ShapeLog& log, std::function<double()> now)
@@ -67,6 +69,40 @@ void ShapeThread::work(const std::stop_token& stop) {
     log_.miss(static_cast<std::size_t>(due - next - 1));
     next = due;
   }
+}
+
+ShapeStage::ShapeStage(ShapeLog& log, const StateSpace& known, double frame)
+    : log_(log), known_(known), frame_(frame) {}
+
+void ShapeStage::frame(const PassedFrame& frame) {
+  if (failure_) return;
+  try {
+    follow(frame);
+  } catch (const std::exception& problem) {
+    failure_ = shapes_ended(log_, problem);
+  }
+}
+
+void ShapeStage::follow(const PassedFrame& frame) {
+  while (log_.known() < known_.size()) log_.learn(known_[StateId{static_cast<std::uint32_t>(log_.known())}]);
+  const double t = frame_time(frame.k, frame_);
+  if (t * log_.options().rate < static_cast<double>(taken_) - 1e-9) return;
+  log_.take(t, frame.at);
+  while (static_cast<double>(taken_) - 1e-9 <= t * log_.options().rate) ++taken_;
+}
+
+std::optional<std::string> take_shapes(ShapeLog& log, std::span<const FrameRecord> frames,
+                                       std::span<const State> known) try {
+  std::size_t taken = 0;
+  for (const FrameRecord& frame : frames) {
+    if (frame.t < static_cast<double>(taken) / log.options().rate - 1e-9) continue;
+    while (log.known() < std::min<std::size_t>(frame.known, known.size())) log.learn(known[log.known()]);
+    log.take(frame.t, frame.at, frame.touch.site);
+    taken = static_cast<std::size_t>(frame.t * log.options().rate + 1e-6) + 1;
+  }
+  return std::nullopt;
+} catch (const std::exception& problem) {
+  return shapes_ended(log, problem);
 }
 
 }  // namespace forefeel

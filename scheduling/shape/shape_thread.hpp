@@ -10,12 +10,15 @@
 #include <functional>
 #include <mutex>
 #include <optional>
+#include <span>
 #include <stop_token>
 #include <string>
 #include <thread>
 #include <vector>
 
 #include "geometry/coverage/state_space.hpp"
+#include "scheduling/common/session_result.hpp"
+#include "scheduling/judge/frame_pipeline.hpp"
 #include "scheduling/motion/hip_sample.hpp"
 #include "scheduling/render/triple_buffer.hpp"
 #include "scheduling/shape/shape_log.hpp"
@@ -51,5 +54,32 @@ class ShapeThread {
   std::optional<std::string> failure_;
   std::jthread thread_;  // the last member: it ends first
 };
+
+// Makes shapes under the virtual clock: a stage of the frame pipeline (judge/frame_pipeline.hpp) that takes a shape at
+// the first frame at or after each instant k / rate. Repeated runs give the same bytes.
+
+class ShapeStage final : public FrameStage {
+ public:
+  // known: FramePipeline::known(); frame: time of a frame [s]. Log and space must outlive the stage.
+  ShapeStage(ShapeLog& log, const StateSpace& known, double frame);
+  void frame(const PassedFrame& frame) override;
+  // One line if it failed; it makes no shapes after that.
+  const std::optional<std::string>& failure() const { return failure_; }
+
+ private:
+  void follow(const PassedFrame& frame);
+
+  ShapeLog& log_;
+  const StateSpace& known_;
+  double frame_;
+  std::size_t taken_ = 0;
+  std::optional<std::string> failure_;
+};
+
+// Shapes of a body that is touched anywhere, of a run that has ended: at its first frame at or after each instant
+// k / rate, of the states known then. known: in the order in which they became known. Returns one line if it fails;
+// there are no shapes after that.
+std::optional<std::string> take_shapes(ShapeLog& log, std::span<const FrameRecord> frames,
+                                       std::span<const State> known);
 
 }  // namespace forefeel

@@ -13,20 +13,20 @@ namespace {
 using Index = Eigen::Index;
 
 // Coordinates y = (p - x) / scale: the HIP position x of the wanted shape is the origin.
-struct Frame {
+struct Scaling {
   Vec3 rest = Vec3::Zero();
   std::vector<Vec3> at;
   double scale = 1;
 };
 
-Frame frame_of(const Vec3& x, std::span<const Vec3> places) {
-  Frame frame;
-  frame.scale = x.norm();
-  for (const Vec3& place : places) frame.scale = std::max(frame.scale, (place - x).norm());
-  if (!(frame.scale > 0)) frame.scale = 1;
-  frame.rest = -x / frame.scale;
-  for (const Vec3& place : places) frame.at.push_back((place - x) / frame.scale);
-  return frame;
+Scaling scaling_of(const Vec3& x, std::span<const Vec3> places) {
+  Scaling scaling;
+  scaling.scale = x.norm();
+  for (const Vec3& place : places) scaling.scale = std::max(scaling.scale, (place - x).norm());
+  if (!(scaling.scale > 0)) scaling.scale = 1;
+  scaling.rest = -x / scaling.scale;
+  for (const Vec3& place : places) scaling.at.push_back((place - x) / scaling.scale);
+  return scaling;
 }
 
 double power(double r, int k) {
@@ -57,16 +57,16 @@ struct System {
   Eigen::VectorXd right;
 };
 
-System system_of(const Frame& frame, int k, int degree) {
-  const auto n = static_cast<Index>(frame.at.size());
+System system_of(const Scaling& scaling, int k, int degree) {
+  const auto n = static_cast<Index>(scaling.at.size());
   const Index values = n + 1, terms = degree == 2 ? 10 : 4, size = values + 3 + terms;
-  const auto place = [&](Index i) { return i < n ? frame.at[static_cast<std::size_t>(i)] : frame.rest; };
+  const auto place = [&](Index i) { return i < n ? scaling.at[static_cast<std::size_t>(i)] : scaling.rest; };
   System s{Eigen::MatrixXd::Zero(size, size), Eigen::VectorXd::Zero(size)};
   Eigen::RowVectorXd row(terms);
   for (Index i = 0; i < values; ++i) {
     const Vec3 y = place(i);
     for (Index j = 0; j < values; ++j) s.matrix(i, j) = power((y - place(j)).norm(), k);
-    const Vec3 from_rest = y - frame.rest;
+    const Vec3 from_rest = y - scaling.rest;
     const Vec3 slope = -k * power(from_rest.norm(), k - 2) * from_rest;
     s.matrix.block<1, 3>(i, values) = slope.transpose();
     s.matrix.block<3, 1>(values, i) = slope;
@@ -74,9 +74,9 @@ System system_of(const Frame& frame, int k, int degree) {
     put_terms(y, degree, -1, row);
     s.matrix.row(i).tail(terms) = row;
   }
-  s.right.segment<3>(values) = k * power(frame.rest.norm(), k - 2) * frame.rest;
+  s.right.segment<3>(values) = k * power(scaling.rest.norm(), k - 2) * scaling.rest;
   for (int j = 0; j < 3; ++j) {
-    put_terms(frame.rest, degree, j, row);
+    put_terms(scaling.rest, degree, j, row);
     s.matrix.row(values + j).tail(terms) = row;
   }
   s.matrix.bottomRows(terms) = s.matrix.rightCols(terms).transpose();
@@ -84,10 +84,10 @@ System system_of(const Frame& frame, int k, int degree) {
   return s;
 }
 
-std::optional<ShapeWeights> interpolate(const Frame& frame, ShapeOrder order) {
-  const auto n = static_cast<Index>(frame.at.size());
+std::optional<ShapeWeights> interpolate(const Scaling& scaling, ShapeOrder order) {
+  const auto n = static_cast<Index>(scaling.at.size());
   const bool quintic = order == ShapeOrder::quintic;
-  const System s = system_of(frame, quintic ? 5 : 3, quintic ? 2 : 1);
+  const System s = system_of(scaling, quintic ? 5 : 3, quintic ? 2 : 1);
   const Eigen::FullPivLU<Eigen::MatrixXd> factor(s.matrix);
   if (factor.rank() < s.matrix.rows()) return {};
   Eigen::VectorXd solution = factor.solve(s.right);
@@ -95,7 +95,7 @@ std::optional<ShapeWeights> interpolate(const Frame& frame, ShapeOrder order) {
   if (!solution.allFinite() || (s.right - s.matrix * solution).cwiseAbs().maxCoeff() > 1e-10) return {};
   if (solution.head(n + 1).cwiseAbs().sum() > most_weight) return {};
   ShapeWeights weights{.of_states = std::vector<double>(solution.data(), solution.data() + n),
-                       .of_slope = frame.scale * solution.segment<3>(n + 1),
+                       .of_slope = scaling.scale * solution.segment<3>(n + 1),
                        .order = order};
   return weights;
 }
@@ -107,11 +107,11 @@ std::string_view name(ShapeOrder order) {
 }
 
 ShapeWeights shape_weights(const Vec3& x, std::span<const Vec3> places) {
-  const Frame frame = frame_of(x, places);
+  const Scaling scaling = scaling_of(x, places);
   if (places.size() >= 6)  // with rest and its slope, ten conditions
-    if (auto weights = interpolate(frame, ShapeOrder::quintic)) return *weights;
+    if (auto weights = interpolate(scaling, ShapeOrder::quintic)) return *weights;
   if (!places.empty())
-    if (auto weights = interpolate(frame, ShapeOrder::cubic)) return *weights;
+    if (auto weights = interpolate(scaling, ShapeOrder::cubic)) return *weights;
   ShapeWeights weights{.of_states = std::vector<double>(places.size(), 0.0), .of_slope = x};
   const auto nearest =
       std::ranges::min_element(places, {}, [&](const Vec3& place) { return (place - x).squaredNorm(); });

@@ -14,7 +14,7 @@ void SurfaceContact::take(const SurfaceModel* model) noexcept {
   field_.use(model->deep.get());
 }
 
-ForceSwitch::Frame SurfaceContact::step(const HipSample& tip, TouchRecord& record) noexcept {
+ForceSwitch::Step SurfaceContact::step(const HipSample& tip, TouchRecord& record) noexcept {
   const SurfaceModel* came = link_.surfaces.take().value_or(nullptr);
   const Vec3 before = touch_.tip;
   const TouchFrame frame = touch(field_, touch_, tip.at, friction_);  // with the model so far

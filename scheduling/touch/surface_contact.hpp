@@ -17,14 +17,14 @@ class SurfaceContact final : public Contact {
   // Not for SwitchRule::paper, which needs two models in every frame.
   SurfaceContact(const TouchTask& task, LoopLink& link, const SwitchOptions& options);
 
-  ForceSwitch::Frame step(const HipSample& tip, TouchRecord& touch) noexcept override;
+  ForceSwitch::Step step(const HipSample& tip, TouchRecord& touch) noexcept override;
   bool came() const noexcept override { return came_; }
   std::uint64_t newest() const noexcept override { return model_ ? model_->serial : 0; }
   std::uint32_t rendered() const noexcept override { return model_ ? model_->serial : 0; }
   Vec3 rest() const noexcept override { return holds_ ? touch_.site.at : touch_.tip; }
   bool begins() const noexcept override { return begins_; }
   bool view(ModelView& view) noexcept override;
-  ForceBar bar(const ForceSwitch::Frame&) noexcept override { return {}; }
+  ForceBar bar(const ForceSwitch::Step&) noexcept override { return {}; }
 
  private:
   void take(const SurfaceModel* model) noexcept;

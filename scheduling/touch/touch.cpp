@@ -1,8 +1,153 @@
 #include "scheduling/touch/touch.hpp"
 
+#include <Eigen/Geometry>
 #include <algorithm>
+#include <cmath>
 
 namespace forefeel {
+
+namespace {
+
+constexpr double settled = 5e-4;   // of mu f . n, or of |f| where the force pulls
+constexpr double shortest = 1e-9;  // step [m]
+constexpr double longest = 2e-3;   // step [m]; a longer way has several
+constexpr int most_steps = 200, most_halvings = 60;
+
+// One site, seen along a direction of its facet.
+struct Seen {
+  SurfaceMap::Walk walk;
+  TouchTerms terms;
+  Vec3 drive = Vec3::Zero();  // g
+  double limit = 0;           // mu f . n, 0 where the force pulls
+};
+
+class Slider {
+ public:
+  Slider(const TouchField& field, const Vec3& tip, double friction, double steepness)
+      : field_(field), tip_(tip), friction_(friction), steepness_(steepness) {}
+
+  Seen see(const SurfaceMap::Walk& walk) const {
+    Seen seen{.walk = walk, .terms = field_.at(walk.end, tip_ - walk.end.at, false)};
+    seen.drive = drive(field_, walk.end, seen.terms);
+    seen.limit = friction_ * std::max(0.0, push(seen));
+    return seen;
+  }
+  static double push(const Seen& seen) { return seen.terms.at.force.dot(seen.terms.normal); }
+  static double tolerance(const Seen& seen) {
+    return settled * (seen.limit > 0 ? seen.limit : seen.terms.at.force.norm()) + 1e-12;
+  }
+
+  // The farthest place along `way` (length 1) to which E falls by more than friction takes. `from` if there is none.
+  // By secants of the slope, kept between the last place before it and the first one behind.
+  Seen advance(const Seen& from, const Vec3& way) {
+    double low = 0, low_slope = from.drive.dot(way) - from.limit, high = -1;
+    const double guess = steepness_ > 0 ? steepness_ : from.terms.at.stiffness.norm() + 1e-300;
+    double step = std::clamp(low_slope / guess, 10 * shortest, longest);
+    Seen best = from;
+    for (int i = 0; i < most_halvings && (high < 0 || high - low > shortest); ++i) {
+      Seen seen = see(field_.map().walk(from.walk.end, step * way));
+      const double slope = onward(seen, way);
+      // No body has E < 0: there the model is wrong, and no site goes.
+      const bool falls = seen.terms.at.energy <= best.terms.at.energy &&
+                         seen.terms.at.energy >= std::min(0.0, best.terms.at.energy),
+                 before = falls && slope >= -tolerance(seen);
+      // Where the slope would vanish.
+      const double steepness = (low_slope - slope) / (step - low);
+      const double wanted = falls && steepness > 0 ? step + slope / steepness : -1;
+      if (wanted > 0) steepness_ = steepness;
+      if (before) {
+        best = seen, low = step, low_slope = slope;
+        if (slope <= tolerance(seen) || !seen.walk.whole || low >= longest) break;
+      } else {
+        high = step;
+      }
+      if (high < 0)
+        step = std::min(wanted > low ? std::min(wanted, 4 * low) : 2 * low, longest);
+      else
+        step = wanted > low + 0.02 * (high - low) && wanted < high - 0.02 * (high - low) ? wanted
+                                                                                         : 0.5 * (low + high);
+    }
+    return best;
+  }
+  double steepness() const { return steepness_; }
+
+ private:
+  // -dE/dh - mu f . n, h the way so far.
+  double onward(const Seen& seen, const Vec3& way) const {
+    const Vec3 direction = seen.walk.step.norm() > 0 ? Vec3(seen.walk.step.normalized()) : way;
+    return seen.drive.dot(direction) - seen.limit;
+  }
+
+  const TouchField& field_;
+  Vec3 tip_;
+  double friction_, steepness_;
+};
+
+// Along the edge of the facet that the site stands on, downhill; zero if it is on none.
+Vec3 along_edge(const SurfaceMap& map, const Seen& seen) {
+  const std::array<Vec3, 3> corner = map.corners(seen.walk.end.facet);
+  const Vec3 share = map.barycentric(seen.walk.end);
+  for (std::size_t e = 0; e < 3; ++e) {
+    const Vec3 edge = corner[(e + 1) % 3] - corner[e];
+    const double height =
+        share[static_cast<int>((e + 2) % 3)] * 2 * map.facet(seen.walk.end).area / edge.norm();
+    if (height > 2 * shortest) continue;
+    const Vec3 way = edge.normalized();
+    return seen.drive.dot(way) >= 0 ? way : Vec3(-way);
+  }
+  return Vec3::Zero();
+}
+
+}  // namespace
+
+Vec3 drive(const TouchField& field, const SurfacePlace& site, const TouchTerms& terms) {
+  const Vec3 g = -(terms.at.by_site + terms.at.force);
+  const Vec3& n = field.map().facet(site).normal;
+  return g - n.dot(g) * n;
+}
+
+Slip slide(const TouchField& field, const SurfacePlace& from, const Vec3& tip, double friction,
+           double steepness) {
+  Slider slider(field, tip, friction, steepness);
+  Seen here = slider.see({.end = from});
+  const bool pulled = Slider::push(here) < 0;
+  Slip slip;
+  slip.site = from, slip.pulled = pulled;
+  const double start = here.terms.at.energy;
+  slip.end = SlipEnd::unsettled;
+  for (int i = 0; i < most_steps; ++i) {
+    if (pulled && Slider::push(here) >= 0) {
+      slip.end = SlipEnd::sticks;
+      break;
+    }
+    if (here.drive.norm() <= here.limit + Slider::tolerance(here)) {
+      slip.end = pulled ? SlipEnd::minimum : SlipEnd::sticks;
+      break;
+    }
+    Seen next = slider.advance(here, here.drive.normalized());
+    if (next.walk.step.norm() <= 2 * shortest &&
+        next.walk.whole) {  // a kink: along the edge, if that goes down
+      const Vec3 way = along_edge(field.map(), next);
+      if (next.drive.dot(way) > next.limit + Slider::tolerance(next)) next = slider.advance(next, way);
+      if (next.walk.step.norm() <= 2 * shortest) {
+        slip.end = pulled ? SlipEnd::minimum : SlipEnd::sticks;
+        break;
+      }
+    }
+    slip.slid += next.walk.step.norm();
+    const bool border = !next.walk.whole;
+    here = next;
+    here.walk.step.setZero(), here.walk.whole = true;
+    if (border) {
+      slip.end = SlipEnd::border;
+      break;
+    }
+  }
+  slip.site = here.walk.end, slip.terms = here.terms, slip.steepness = slider.steepness();
+  slip.lost = std::max(0.0, start - here.terms.at.energy);
+  return slip;
+}
+
 namespace {
 
 // The touch of a tip that has just come in; none through a clamped facet.

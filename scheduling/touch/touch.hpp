@@ -1,7 +1,7 @@
 #pragma once
 // Touching a body anywhere. Inside and outside mean the body at rest. The tip outside feels nothing. Where it crosses
 // the surface a touch begins: the site s, and x = tip - s. Without friction the site stays; with it the site slides
-// (slip.hpp). The touch ends when the tip is outside again, or when a tensile force finds a minimum of E before it
+// (touch.hpp). The touch ends when the tip is outside again, or when a tensile force finds a minimum of E before it
 // becomes a push. Crossing a clamped facet begins none. A tip inside from the start begins at the nearest place. One
 // point, one coefficient, no torque.
 //
@@ -10,9 +10,43 @@
 #include <optional>
 
 #include "scheduling/common/records.hpp"
-#include "scheduling/touch/slip.hpp"
+#include "scheduling/touch/touch_field.hpp"
 
 namespace forefeel {
+
+// How a site moves while the tip stands still at p. At fixed p the energy of a site is E(s, p - s), and
+//   g = -(dE/ds + f), projected on the facet      [N]
+// is the force that drives the site over the surface: the downhill slope of that energy. With one friction coefficient
+// mu the site stays while |g| <= mu f . n and slides down g until equality (Harwin and Melder 2002: the friction cone
+// of the proxy). Each accepted move lowers E, so sliding only dissipates. Where facets meet in a valley, E has a kink:
+// the site stops on the edge, or slides along it. A tensile force, f . n < 0, has no friction: the site goes down to a
+// minimum of E, or until the force pushes again. A wrong model may have E < 0, which no body has: no site goes there.
+//
+// g is not the tangential force: pressed straight along -n on a curved body it does not vanish.
+
+enum class SlipEnd {
+  sticks,    // |g| <= mu f . n, or in a valley of the surface the same along its edge
+  minimum,   // of E, under a tensile force
+  border,    // at a clamped facet or an open edge
+  unsettled  // after the most steps allowed
+};
+
+struct Slip {
+  SurfacePlace site;
+  double lost = 0;  // energy that sliding dissipated [J], >= 0
+  double slid = 0;  // way over the surface [m]
+  SlipEnd end = SlipEnd::sticks;
+  bool pulled = false;   // the force was tensile at the start
+  TouchTerms terms;      // at the end; K only nearly
+  double steepness = 0;  // how fast |g| - mu f . n fell along the last way [N/m]; 0: no way was gone
+};
+
+// g at (s, p - s).
+Vec3 drive(const TouchField& field, const SurfacePlace& site, const TouchTerms& terms);
+
+// friction: mu >= 0. steepness: of the last slide nearby, so that the first step is a good one; 0: not known.
+Slip slide(const TouchField& field, const SurfacePlace& from, const Vec3& tip, double friction,
+           double steepness = 0);
 
 struct Touch {
   TouchKind kind = TouchKind::none;
@@ -20,14 +54,14 @@ struct Touch {
   Vec3 tip = Vec3::Zero();  // [m]
   bool known = false;       // false before the first tip
   bool inside = false;      // the tip, of the body at rest
-  double steepness = 0;     // of the last slide (slip.hpp); only the way to the answer depends on it
+  double steepness = 0;     // of the last slide (touch.hpp); only the way to the answer depends on it
 };
 
 struct TouchFrame {
   Touch touch;                        // after the tip has moved
   Vec3 force = Vec3::Zero();          // of the body on the tip [N]
   Vec3 normal = Vec3::Zero();         // mean normal under the pad
-  Vec3 drive = Vec3::Zero();          // g of slip.hpp [N]
+  Vec3 drive = Vec3::Zero();          // g of touch.hpp [N]
   double energy = 0;                  // stored [J]
   double lost = 0;                    // by sliding, and at the end of a touch [J]
   bool at_border = false;             // the slide ended at a clamped facet

@@ -11,7 +11,7 @@
 #include <utility>
 
 #include "geometry/common/signed_vector.hpp"
-#include "scheduling/workers/rank_listener.hpp"
+#include "scheduling/workers/transport.hpp"
 
 namespace forefeel {
 namespace {

@@ -1,6 +1,6 @@
 #pragma once
 // This process as a rank of an MPI run: `mpirun -n 5 forefeel … --mpi`. The messages between the ranks are in
-// rank_protocol.hpp. Without Boost.MPI, built() returns false and no other function may be called.
+// transport.hpp. Without Boost.MPI, built() returns false and no other function may be called.
 
 #include <functional>
 #include <memory>

@@ -9,7 +9,6 @@
 #include <vector>
 
 #include "geometry/common/signed_vector.hpp"
-#include "scheduling/workers/rank_protocol.hpp"
 #include "scheduling/workers/transport.hpp"
 
 namespace forefeel {

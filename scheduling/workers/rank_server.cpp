@@ -9,7 +9,7 @@
 #include <thread>
 #include <utility>
 
-#include "scheduling/workers/rank_listener.hpp"
+#include "scheduling/workers/transport.hpp"
 
 namespace forefeel {
 namespace {

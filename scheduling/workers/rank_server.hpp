@@ -8,7 +8,6 @@
 #include <stop_token>
 #include <string>
 
-#include "scheduling/workers/rank_protocol.hpp"
 #include "scheduling/workers/transport.hpp"
 
 namespace forefeel {

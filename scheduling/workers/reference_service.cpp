@@ -7,7 +7,7 @@
 #include <chrono>
 #include <fstream>
 
-#include "geometry/common/csv_table.hpp"
+#include "geometry/common/csv_rows.hpp"
 #include "geometry/common/error.hpp"
 #include "geometry/common/output_file.hpp"
 #include "scheduling/motion/random.hpp"

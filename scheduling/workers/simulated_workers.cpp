@@ -21,11 +21,11 @@ namespace {
 
 using Time = VirtualWorkers::Time;
 
-constexpr double for_ever =
+constexpr double without_end =
     1e8;  // [s], three years: no run is longer, and sums of a few such times still fit
 
 Time time_of(double seconds) {
-  return Time(std::llround(std::min(seconds, for_ever) * 1e9));
+  return Time(std::llround(std::min(seconds, without_end) * 1e9));
 }
 double seconds_of(Time t) {
   return static_cast<double>(t.count()) / 1e9;

@@ -2,7 +2,7 @@
 
 #include <algorithm>
 
-#include "solver/body/law_table.hpp"
+#include "solver/body/law.hpp"
 
 namespace forefeel {
 

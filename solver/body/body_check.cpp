@@ -2,6 +2,7 @@
 #include "solver/body/body.hpp"
 
 #include <fmt/format.h>
+
 #include <Eigen/Geometry>
 
 #include <algorithm>
@@ -9,7 +10,7 @@
 #include <set>
 
 #include "geometry/common/error.hpp"
-#include "solver/body/material_limits.hpp"
+#include "solver/body/material.hpp"
 #include "solver/body/pad.hpp"
 
 namespace forefeel {

@@ -6,8 +6,9 @@
 #include <Eigen/Core>
 
 #include "geometry/common/types.hpp"
-#include "solver/body/law_table.hpp"
 #include "solver/body/material.hpp"
+#include "solver/kernels/kernels.hpp"
+#include "solver/kernels/law_list.hpp"
 
 namespace forefeel {
 
@@ -25,5 +26,10 @@ struct LawValue {
 };
 // Uses the portable code: the same bits on every processor.
 LawValue evaluate_law(Law law, const LawConstants& constants, const Mat3& deformation_gradient);
+
+// The functions that the file of each material law (solver/kernels/law_*.cpp) defines.
+
+const LawEntry& law_entry(Law law);           // as compiled for this processor
+const LawEntry& portable_law_entry(Law law);  // as compiled for every processor: the same bits everywhere
 
 }  // namespace forefeel

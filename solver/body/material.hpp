@@ -20,4 +20,9 @@ struct Material {
   friend bool operator==(const Material&, const Material&) = default;
 };
 
+// Accepted range of Young's modulus. Outside it, forces leave the range in which residuals can be judged, and a value
+// in the wrong unit is the likely cause. (The limits are far beyond any foam and a thousand times diamond.)
+
+inline constexpr double softest_young = 1e-3, stiffest_young = 1e15;  // E [Pa]
+
 }  // namespace forefeel

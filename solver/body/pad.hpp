@@ -10,6 +10,7 @@
 // and not normalised. The springs pull as well as push: the tip is bonded, as a rigid patch is.
 
 #include <array>
+#include <span>
 #include <vector>
 
 #include "solver/body/body.hpp"
@@ -42,5 +43,15 @@ double pad_peak(const Pad& pad);
 
 // The point of the surface that is nearest to `point`.
 Vec3 nearest_site(const TetMesh& mesh, const Vec3& point);
+
+// Which share of a pad's springs pulls. A fingertip only pushes; the springs of a pad (pad.hpp) also pull, as if
+// bonded:
+//   q(y) = a(y) (x - u(y)) . x / |x|     [Pa]
+//   pulling share = int max(0, -q) dA / int |q| dA
+// a [N/m^3] density of the springs, x [m] position of the tip, u(y) [m] displacement of the surface.
+
+// displacements: of the mesh's nodes, #V x 3 [m]. Midpoint rule over 256 parts of each facet, u linear over a facet.
+// 0 without a pad and at rest.
+double pulling_share(const Body& body, std::span<const double> displacements, const Vec3& x);
 
 }  // namespace forefeel

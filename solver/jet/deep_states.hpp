@@ -24,6 +24,7 @@
 // A loop asks several times a frame. So each facet has a list of the states that reach it, and their polynomials are
 // kept in z = Q_k B(s) x, to be summed several at a time (solver/kernels/site_sums.hpp).
 
+#include <Eigen/Core>
 #include <array>
 #include <memory>
 #include <optional>
@@ -31,10 +32,27 @@
 #include <vector>
 
 #include "geometry/states/state.hpp"
+#include "solver/jet/jet_polynomial.hpp"
 #include "solver/jet/site_cover.hpp"
 #include "solver/jet/site_field.hpp"
 
 namespace forefeel {
+
+// Polynomials in three variables to degree 5,
+//   p(d) = sum_{a + b + c <= 5} p_abc d_x^a d_y^b d_z^c,
+// by ascending degree, within one by descending a, then b: degrees 3 to 5 are in the order of an EnergyJet.
+
+inline constexpr int series_size = 10 + static_cast<int>(jet_size);
+using Series = Eigen::Matrix<double, series_size, 1>;
+
+// 1/2 d^T K d - f . d + e and a jet's terms.
+Series series_of(double e, const Vec3& f, const Mat3& k, const JetCoefficients& jet);
+Series product(const Series& p, const Series& q);  // to degree 5
+Series moved(const Series& p, const Vec3& x);      // p(x + d) as a polynomial in d
+Series turned(const Series& p, const Mat3& t);     // p(T d)
+Series inverse_growth(const Vec3& x);              // (|x| / |x + d|)^6
+Series cut_after(const Series& p, int degree);     // the degrees above are zero
+Mat3 stiffness_of(const Series& p);                // its second derivatives at 0
 
 class FieldPatches;
 struct SiteSums;

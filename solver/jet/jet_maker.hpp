@@ -11,20 +11,39 @@
 // 1/2 u_2^T M u_2 to E_4. The equilibrium must be exact: with a residual of 1e-9 N degrees 3 and 4 are off by 1e-9,
 // with 6e-5 N by 2e-4 of their size.
 //
-// Material limit (EnergyJet::limit): the least |d|, over the directions of path_directions.hpp and their opposites, at
+// Material limit (EnergyJet::limit): the least |d|, over the directions of jet_maker.hpp and their opposites, at
 // which the jet's own displacement u_0 + U d + V[d, d] (order 2 and 3: without V) takes an element's least principal
 // stretch below the limit of its law (LawEntry::least_stretch). A force of the jet may belong to no equilibrium beyond
 // it. A heuristic: it sees where the material softens or folds, not that the series has ended. Of paths that dip below
 // the limit and come back only those that are below it at the end or half-way are seen.
 
+#include <array>
 #include <functional>
 #include <memory>
+#include <span>
 #include <vector>
 
+#include "geometry/common/types.hpp"
 #include "geometry/states/energy_jet.hpp"
 #include "solver/system/factorisation.hpp"
 
 namespace forefeel {
+
+// Recovers the polynomials E_4(d), E_5(d) (degrees 4 and 5 in d, 15 and 21 coefficients) from their values at 21 fixed
+// directions: the axes, (1, +-0.6) and (0.6, +-1)-like pairs in the coordinate planes, and six inside. The matrices are
+// constant; for values at the unit directions their condition numbers are below 40.
+
+inline constexpr std::size_t path_direction_count = 21;
+
+const std::array<double, 3 * path_direction_count>& path_directions();  // row by row
+const std::array<double, path_direction_count>& path_lengths();
+// Products d_i d_j of a direction, pairs 11, 22, 33, 12, 13, 23.
+std::array<double, 6> pair_products(const double* direction);
+
+// Coefficients of degree 4 (least squares) and 5 into the jet.
+void set_fourth(std::span<const double, path_direction_count> values, EnergyJet& jet);
+void set_fifth(std::span<const double, path_direction_count> values, EnergyJet& jet);
+double path_condition();  // the larger of the two condition numbers, for values at the unit directions
 
 // What a jet needs of A: eight b in lanes become A^{-1} b, or U^-T b with A = U^T U (for order 3 alone); and the pad's
 // springs that are in A, over free nodes.

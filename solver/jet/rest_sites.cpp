@@ -301,4 +301,16 @@ RestJet SiteJets::at(const SurfacePlace& site) {
           impl_->maker.at(impl_->rest, impl_->tangent, solves, most_jet_order)};
 }
 
+std::vector<double> SiteJets::tangent(const SurfacePlace& site) {
+  impl_->set_tangent(impl_->sites.at(site, false));
+  const std::size_t size = impl_->rest.size(), nodes = impl_->sites.body->mesh.nodes.size();
+  std::vector<double> tangent(9 * nodes);
+  for (std::size_t node = 0; node < nodes; ++node)
+    for (std::size_t i = 0; i < 3; ++i)
+      for (std::size_t c = 0; c < 3; ++c)
+        tangent[9 * node + 3 * i + c] =
+            impl_->tangent[c * size + 3 * static_cast<std::size_t>(impl_->sites.d->local[node]) + i];
+  return tangent;
+}
+
 }  // namespace forefeel

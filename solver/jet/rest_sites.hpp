@@ -56,6 +56,8 @@ class SiteJets {
   ~SiteJets();
   SiteJets(SiteJets&&) noexcept;
   RestJet at(const SurfacePlace& site);
+  // du/dx at rest under the pad at a site: of each node of the mesh 3 x 3, row by row [1].
+  std::vector<double> tangent(const SurfacePlace& site);
 
  private:
   struct Impl;

@@ -1,7 +1,7 @@
 #pragma once
 // The two-level sweep of a lattice of spacing h [m], behind generate_lattice():
 // 1. The coarse nodes, outward from rest. They lie where planes 2h apart, and the faces of the box, cross
-//    (sweep_planes.hpp). Each state is predicted from one node nearer to rest or from all nodes between it and rest,
+//    (sweep.hpp). Each state is predicted from one node nearer to rest or from all nodes between it and rest,
 //    whichever gives the least residual (sweep_predict.cpp). Newton corrects it, reusing a factor while it contracts.
 // 2. The fine states of each coarse cell (seven of its eight), or of a few small cells at the border of the box. They
 //    are predicted from the coarse corners around them by u = mean over c of u_c + V_c (x - x_c)/2, a cubic Hermite
@@ -16,12 +16,34 @@
 #include <functional>
 #include <map>
 #include <optional>
+#include <utility>
+#include <vector>
 
+#include "geometry/common/types.hpp"
 #include "solver/equilibrium/continuation.hpp"
 #include "solver/equilibrium/solver.hpp"
-#include "solver/lattice/sweep_planes.hpp"
 
 namespace forefeel {
+
+// The lattice planes of a sweep whose crossings are the coarse nodes: along each axis the even multiples of the spacing
+// h and both ends of the box. Every lattice position between them lies halfway between two planes.
+
+using LatticeIndex = std::array<int, 3>;  // x = h k
+
+struct CoarsePlanes {
+  std::array<std::vector<int>, 3> at;  // by axis, ascending
+
+  bool holds(const LatticeIndex& k) const;  // a coarse node
+  // The nearest planes with low <= q <= high; both are q on a plane; nothing outside of the box.
+  std::optional<std::pair<int, int>> around(std::size_t axis, double q) const;
+  // The next plane from the plane k to the lower (-1) or higher (1) side.
+  std::optional<int> next(std::size_t axis, int k, int side) const;
+};
+
+// The node and the coarse nodes one plane nearer to rest along one or more axes: 1, 2, 4 or 8.
+std::vector<LatticeIndex> inner_corners(const CoarsePlanes& planes, const LatticeIndex& coarse);
+
+CoarsePlanes coarse_planes(const Box& box, double spacing);
 
 struct SweepNode {
   LatticeIndex index{};

@@ -5,7 +5,6 @@
 
 #include "geometry/coverage/state_space.hpp"
 #include "solver/body/law.hpp"
-#include "solver/body/law_table.hpp"
 
 namespace forefeel {
 namespace {

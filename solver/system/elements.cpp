@@ -4,9 +4,99 @@
 #include <array>
 
 #include "solver/body/law.hpp"
-#include "solver/body/law_table.hpp"
+#include "solver/kernels/kernels.hpp"
 
 namespace forefeel {
+
+namespace {
+
+using Row = Eigen::Map<Vec3>;
+using ConstRow = Eigen::Map<const Vec3>;
+// One lane of a node's row in lanes.
+using LaneRow = Eigen::Map<Vec3, 0, Eigen::InnerStride<lane_count>>;
+using ConstLaneRow = Eigen::Map<const Vec3, 0, Eigen::InnerStride<lane_count>>;
+
+}  // namespace
+
+double TipEnergy::add_gradient(const double* u, double* r) const {
+  if (!jet) return 0;
+  const JetTerms terms = jet->at(ConstRow(u + 3 * node));
+  Row(r + 3 * node) += terms.gradient;
+  return terms.energy;
+}
+
+void TipEnergy::add_hessian(const double* u, double* blocks) const {
+  if (!jet) return;
+  Eigen::Map<Mat3>(blocks + 9 * block) += jet->at(ConstRow(u + 3 * node)).hessian;  // symmetric
+}
+
+void TipEnergy::add_gradient_lanes(const double* u, double* r, double* energy) const {
+  if (!jet) return;
+  const std::int64_t row = 3 * lane_count * node;
+  for (int lane = 0; lane < lane_count; ++lane) {
+    const JetTerms terms = jet->at(ConstLaneRow(u + row + lane));
+    LaneRow(r + row + lane) += terms.gradient;
+    *(energy + lane) += terms.energy;
+  }
+}
+
+void TipEnergy::add_product(std::int64_t stride, const double* u, const double* d, double* y) const {
+  if (!jet) return;
+  const Mat3 hessian = jet->at(ConstRow(u + 3 * node)).hessian;
+  for (std::int64_t c = 0; c < 3; ++c)
+    Row(y + c * stride + 3 * node) += hessian * ConstRow(d + c * stride + 3 * node);
+}
+
+void TipEnergy::add_product_lanes(std::int64_t stride, const double* u, const double* d, double* y) const {
+  if (!jet) return;
+  const std::int64_t row = 3 * lane_count * node;
+  for (int lane = 0; lane < lane_count; ++lane) {
+    const Mat3 hessian = jet->at(ConstLaneRow(u + row + lane)).hessian;
+    for (std::int64_t c = 0; c < 3; ++c)
+      LaneRow(y + c * stride + row + lane) += hessian * ConstLaneRow(d + c * stride + row + lane);
+  }
+}
+
+double PadSprings::energy(const double* u) const {
+  double twice = 0;
+  for (const Pair& p : pairs) {
+    const double *a = u + 3 * p.a, *b = u + 3 * p.b;
+    const double product = p.stiffness * (a[0] * b[0] + a[1] * b[1] + a[2] * b[2]);
+    twice += p.a == p.b ? product : 2 * product;
+  }
+  return 0.5 * twice;
+}
+
+void PadSprings::apply(const double* u, double* y) const {
+  for (const Pair& p : pairs)
+    for (std::int32_t i = 0; i < 3; ++i) {
+      *(y + 3 * p.a + i) += p.stiffness * *(u + 3 * p.b + i);
+      if (p.a != p.b) *(y + 3 * p.b + i) += p.stiffness * *(u + 3 * p.a + i);
+    }
+}
+
+void PadSprings::apply_lanes(const double* u, double* y) const {
+  constexpr std::int32_t row = 3 * lane_count;
+  for (const Pair& p : pairs)
+    for (std::int32_t i = 0; i < row; ++i) {
+      *(y + row * p.a + i) += p.stiffness * *(u + row * p.b + i);
+      if (p.a != p.b) *(y + row * p.b + i) += p.stiffness * *(u + row * p.a + i);
+    }
+}
+
+void PadSprings::energy_lanes(const double* u, double* energy) const {
+  constexpr std::int32_t row = 3 * lane_count;
+  for (const Pair& p : pairs) {
+    const double scale = p.a == p.b ? 0.5 * p.stiffness : p.stiffness;
+    for (std::int32_t i = 0; i < row; ++i)
+      *(energy + i % lane_count) += scale * *(u + row * p.a + i) * *(u + row * p.b + i);
+  }
+}
+
+void PadSprings::add_to(double* blocks) const {
+  for (const Pair& p : pairs)
+    for (std::int64_t i = 0; i < 3; ++i) *(blocks + 9 * p.block + 4 * i) += p.stiffness;
+}
 
 ElementView ElementGroups::view(const MaterialGroups& of) const {
   const auto first = static_cast<std::size_t>(of.first), lanes = std::size_t{lane_count},

@@ -6,14 +6,50 @@
 
 #include <cstddef>
 #include <cstdint>
+#include <memory>
 #include <vector>
 
 #include "solver/body/body.hpp"
+#include "solver/body/fine_jet.hpp"
 #include "solver/kernels/kernels.hpp"
-#include "solver/system/pad_springs.hpp"
-#include "solver/system/tip_energy.hpp"
 
 namespace forefeel {
+
+// The fine jet dE(x) of a body (solver/body/fine_jet.hpp) as an energy of the contact's local node, whose displacement
+// is x: force, stiffness and energy of every solve contain it, and no free node feels it.
+
+struct TipEnergy {
+  std::shared_ptr<const FineJet> jet;  // null: none
+  std::int64_t node = 0, block = 0;    // the contact's local node and its own block of the pattern
+
+  // As the loops of ElementGroups, for local vectors and eight side by side; add_gradient returns dE.
+  double add_gradient(const double* u, double* r) const;
+  void add_hessian(const double* u, double* blocks) const;
+  void add_gradient_lanes(const double* u, double* r, double* energy) const;
+  void add_product(std::int64_t stride, const double* u, const double* d, double* y) const;
+  void add_product_lanes(std::int64_t stride, const double* u, const double* d, double* y) const;
+};
+
+// The springs of a compliant pad (solver/body/pad.hpp) over local nodes, the tip included:
+//   E_pad = 1/2 sum_ij M_ij w_i . w_j = 1/2 u^T M u,   w_i = u_i - x
+// M [N/m] couples nodes, not components: each entry stands for M_ij I. The row of the tip is minus the sum of the
+// others, so a shift of body and tip together costs nothing. Clamped nodes have u = 0 and no row.
+
+struct PadSprings {
+  // Entry a <= b of M, local nodes, and its block of Discretisation::pattern.
+  struct Pair {
+    std::int32_t a = 0, b = 0;
+    std::int64_t block = 0;
+    double stiffness = 0;
+  };
+  std::vector<Pair> pairs;
+
+  double energy(const double* u) const;                      // [J]
+  void apply(const double* u, double* y) const;              // y += M u, [N]
+  void apply_lanes(const double* u, double* y) const;        // of eight fields side by side
+  void energy_lanes(const double* u, double* energy) const;  // energy[8] +=
+  void add_to(double* blocks) const;                         // blocks += M
+};
 
 // Consecutive groups of one material.
 struct MaterialGroups {

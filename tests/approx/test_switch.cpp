@@ -92,7 +92,7 @@ TEST_CASE("Every model is released exactly once, and the latest wins") {
       for (std::size_t i = 0; i < known.size(); ++i) released[i] += known[i].get() == model ? 1 : 0;
     };
     const Vec3 x(0.005, 0.002, -0.001);
-    ForceSwitch::Frame out;
+    ForceSwitch::Step out;
     for (std::size_t frame = 0; frame < 6000; ++frame) {
       const bool comes = frame % 7 == 0 && frame / 7 < known.size();
       out = damped.step(comes ? known[frame / 7].get() : nullptr, x);

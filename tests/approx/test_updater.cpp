@@ -1,5 +1,5 @@
+#include "approx/model/model_options.hpp"
 #include "approx/model/neighbours.hpp"
-#include "approx/model/set_sizes.hpp"
 #include "approx/model/updater.hpp"
 #include "tests/approx/jumps.hpp"
 #include "tests/approx/sets.hpp"

@@ -6,7 +6,7 @@
 #include "apps/picture/palette.hpp"
 #include "apps/session/bad_moments.hpp"
 #include "apps/session/bars_card.hpp"
-#include "apps/session/run_data.hpp"
+#include "apps/session/run_charts.hpp"
 #include "tests/support/executable.hpp"
 
 namespace {

@@ -1,6 +1,6 @@
 // forefeel session of a scene with contact.anywhere: its files, what it refuses, recorded motions.
 
-#include "geometry/common/csv_table.hpp"
+#include "geometry/common/csv_rows.hpp"
 #include "tests/support/executable.hpp"
 
 namespace {
@@ -85,7 +85,7 @@ TEST_CASE("a recorded motion is registered by its first sample and the normal") 
   CHECK(deepest == Approx(0.02 - 0.003).margin(1e-5));
 }
 
-TEST_CASE("what is for one place is refused, and what is for a surface elsewhere") {
+TEST_CASE("what is for one place is refused, and what is for a surface elsewhere; shapes are for both") {
   const Workshop shop;
   shop.write("any.toml", beam("neo-hookean"));
   shop.write("plain.toml", beam_scene());
@@ -97,10 +97,14 @@ TEST_CASE("what is for one place is refused, and what is for a surface elsewhere
   check_refused(shop, start + "--device hand:touch --policy clairvoyant",
                 {"--policy", "depends on the force"});
   check_refused(shop, start + "--switch paper", {"session.switch", "contact.anywhere"});
-  check_refused(shop, start + "--shape-rate 10", {"--shape-rate", "contact.anywhere"});
   const std::string plain = "session plain.toml --clock virtual --seconds 1 -o run ";
   check_refused(shop, plain + "--device path:line,depth=0.003", {"depth", "contact.anywhere"});
   CHECK_FALSE(fs::exists(shop.path() / "run/frames.csv"));
+  const json shaped = shop.json(start + "--device path:palpation,depth=0.003 --shape-rate 10");
+  CHECK(shaped["shape"]["shapes"] == 10);
+  CHECK(shaped["shape"]["error"]["p95"].get<double>() < 0.05);
+  CHECK_THAT(text_of(shop.path() / "run/shape.csv"), Contains("t,x,y,z"));
+  CHECK(fs::exists(shop.path() / "run/shape.pvd"));
 }
 
 TEST_CASE(

@@ -4,7 +4,7 @@
 #include <variant>
 
 #include "apps/scene/spec_text.hpp"
-#include "geometry/common/csv_text.hpp"
+#include "geometry/common/csv_rows.hpp"
 #include "geometry/common/error.hpp"
 #include "geometry/states/state_file.hpp"
 #include "geometry/states/state_message.hpp"
@@ -13,7 +13,7 @@
 #include "scheduling/motion/trace.hpp"
 #include "scheduling/motion/trace_check.hpp"
 #include "scheduling/motion/trace_file.hpp"
-#include "scheduling/render/input_reader.hpp"
+#include "scheduling/render/input_format.hpp"
 #include "scheduling/session/arrivals.hpp"
 #include "scheduling/session/input_replay.hpp"
 #include "tests/fuzz/targets.hpp"

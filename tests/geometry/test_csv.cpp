@@ -1,8 +1,6 @@
 // The rows of a CSV file, and the readers of columns of numbers and of text that use them.
 
 #include "geometry/common/csv_rows.hpp"
-#include "geometry/common/csv_table.hpp"
-#include "geometry/common/csv_text.hpp"
 #include "geometry/common/scanner.hpp"
 #include "geometry/states/state_file.hpp"
 #include "tests/support/test.hpp"

@@ -8,7 +8,6 @@
 #include <utility>
 #include <vector>
 
-#include "scheduling/workers/rank_protocol.hpp"
 #include "scheduling/workers/transport.hpp"
 
 namespace forefeel::test {

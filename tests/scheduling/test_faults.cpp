@@ -9,7 +9,7 @@
 #include "scheduling/record/attention.hpp"
 #include "scheduling/record/summary.hpp"
 #include "scheduling/record/summary_columns.hpp"
-#include "scheduling/render/clock_watch.hpp"
+#include "scheduling/render/loop_thread.hpp"
 #include "scheduling/render/render_loop.hpp"
 #include "scheduling/session/session.hpp"
 #include "scheduling/workers/worker_threads.hpp"

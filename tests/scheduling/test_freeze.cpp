@@ -8,7 +8,7 @@
 #include "approx/model/updater.hpp"
 #include "scheduling/record/attention.hpp"
 #include "scheduling/record/summary.hpp"
-#include "scheduling/render/frame_pacer.hpp"
+#include "scheduling/render/loop_thread.hpp"
 #include "scheduling/render/render_loop.hpp"
 #include "scheduling/session/session.hpp"
 #include "small_body.hpp"

@@ -1,7 +1,6 @@
 // Hands that differ: drawn from the seed, and with a reaction to a force that comes as a surprise.
 
 #include "scheduling/motion/device.hpp"
-#include "scheduling/motion/drawn_hand.hpp"
 #include "scheduling/motion/hand_device.hpp"
 #include "scheduling/motion/trace.hpp"
 #include "scheduling/record/summary.hpp"

@@ -7,8 +7,8 @@
 
 #include "allocation_count.hpp"
 #include "run_logs.hpp"
+#include "scheduling/render/input_format.hpp"
 #include "scheduling/render/input_log.hpp"
-#include "scheduling/render/input_reader.hpp"
 #include "scheduling/render/render_loop.hpp"
 #include "scheduling/session/input_replay.hpp"
 #include "scheduling/session/session.hpp"

@@ -3,7 +3,7 @@
 #include "scheduling/motion/predictor.hpp"
 #include "scheduling/motion/random.hpp"
 #include "scheduling/policy/candidates.hpp"
-#include "scheduling/policy/need_left.hpp"
+#include "scheduling/policy/need_policy.hpp"
 #include "scheduling/policy/policy.hpp"
 #include "small_body.hpp"
 

@@ -1,11 +1,13 @@
 // Shapes of a session against tight solves; what they may not change; the thread of its own.
 
 #include "run_logs.hpp"
-#include "scheduling/record/shape_summary.hpp"
+#include "scheduling/record/shape_files.hpp"
 #include "scheduling/session/shaped_session.hpp"
 #include "scheduling/shape/shape_thread.hpp"
+#include "scheduling/workers/state_solver.hpp"
 #include "small_body.hpp"
 #include "solver/equilibrium/solver.hpp"
+#include "touched_liver.hpp"
 
 namespace {
 
@@ -260,4 +262,63 @@ TEST_CASE("options of shapes that make no sense are refused") {
     CHECK_THROWS_AS(check(ShapeOptions{.rate = rate}), InputError);
   CHECK_THROWS_AS(check(ShapeOptions{.rate = 30, .neighbours = 0}), InputError);
   CHECK_NOTHROW(check(ShapeOptions{.rate = 60}));
+}
+
+TEST_CASE(
+    "of a body touched anywhere: exact in a linear body, at states, and the better the nearer states are") {
+  for (const Law law : {Law::linear, Law::neo_hookean}) {
+    CAPTURE(law == Law::linear);
+    const SessionInput input = test::made_liver(law);
+    const auto sites = sites_of(input.touched);
+    SiteSolver exact(sites, 0.006, true);
+    std::mt19937_64 random(5);
+    for (int i = 0; i < 3; ++i) {
+      SurfacePlace place = sites->map().random(random);
+      while (sites->at(place, false).clamped_share > 0) place = sites->map().random(random);
+      const Vec3 inward = -sites->at(place, false).normal, x = 0.012 * inward + Vec3(0.002, -0.001, 0.001);
+      const State truth = exact.reference(place, x).state;
+      REQUIRE(truth.usable());
+      ShapeLog log(input.touched.body, {.rate = 30, .surface = false}, {}, sites);
+      const auto error = [&](const Vec3& at) {
+        log.take(0, place.at + at, place);
+        const Misfit found = misfit(log, log.records().back(), truth);
+        return found.error / found.largest;
+      };
+      const double alone = error(x);
+      if (law == Law::linear) CHECK(alone < 1e-5);
+      log.learn(exact.reference(place, x + Vec3(0.001, 0.001, 0.002)).state);
+      const double beside = error(x);
+      log.learn(truth);
+      const double at_it = error(x);
+      INFO(alone << ' ' << beside << ' ' << at_it);
+      CHECK(at_it < 1e-5);
+      if (law != Law::linear) CHECK(beside < 0.5 * alone);
+    }
+  }
+}
+
+TEST_CASE("a session that touches a body anywhere has shapes, and the same frames as without") {
+  SessionInput input = test::liver();
+  const SessionOptions options = test::options_for(PathName::palpation, 0.008, 1.5);
+  const SessionResult without = run_session(input, options);
+  input.touched.displacements = true;
+  ShapedRun shapes{.log = std::make_shared<ShapeLog>(input.touched.body, ShapeOptions{.rate = 20},
+                                                     EachShape(), sites_of(input.touched))};
+  const SessionResult with = run_session(make_plan(input, options), {}, &shapes);
+  CHECK(with.failures.empty());
+  REQUIRE(with.frames.size() == without.frames.size());
+  for (std::size_t k = 0; k < with.frames.size(); ++k) REQUIRE(with.frames[k].sent == without.frames[k].sent);
+  CHECK(shapes.log->records().size() == 30);
+  REQUIRE(shapes.checked.size() > 3);
+  for (const CheckedShape& checked : shapes.checked) {
+    const ShapeRecord& record = shapes.log->records()[checked.record];
+    CHECK(record.site.exists());
+    INFO((record.at - record.site.at).norm());
+    CHECK(checked.error < 0.1);
+  }
+  const std::size_t free =
+      std::ranges::count_if(shapes.log->records(), [](const ShapeRecord& r) { return r.largest == 0; });
+  const std::size_t apart =
+      std::ranges::count_if(shapes.log->records(), [](const ShapeRecord& r) { return !r.site.exists(); });
+  CHECK(free == apart);
 }

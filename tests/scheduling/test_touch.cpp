@@ -3,7 +3,7 @@
 
 #include "geometry/meshing/phantom.hpp"
 #include "scheduling/touch/touch.hpp"
-#include "scheduling/workers/site_solver.hpp"
+#include "scheduling/workers/state_solver.hpp"
 #include "solver/body/pad.hpp"
 #include "tests/support/test.hpp"
 

@@ -3,7 +3,7 @@
 #include <Eigen/Eigenvalues>
 
 #include "block_body.hpp"
-#include "solver/body/contact_bound.hpp"
+#include "solver/body/contact_stiffness.hpp"
 #include "solver/equilibrium/solver.hpp"
 #include "tests/support/test.hpp"
 

@@ -1,7 +1,7 @@
 // FOREFEEL_ISA chooses the kernels of the solver, as it does the loops of approx.
 
 #include "geometry/common/instruction_set.hpp"
-#include "solver/body/law_table.hpp"
+#include "solver/body/law.hpp"
 #include "solver/body/material.hpp"
 #include "solver/kernels/kernels.hpp"
 #include "tests/support/test.hpp"

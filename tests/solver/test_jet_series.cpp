@@ -4,7 +4,7 @@
 #include <boost/math/special_functions/factorials.hpp>
 
 #include "block_body.hpp"
-#include "solver/jet/path_directions.hpp"
+#include "solver/jet/jet_maker.hpp"
 #include "solver/system/discretisation.hpp"
 #include "tests/support/test.hpp"
 

@@ -4,8 +4,8 @@
 
 #include "pad_body.hpp"
 #include "region_body.hpp"
-#include "solver/body/law_table.hpp"
-#include "solver/jet/path_directions.hpp"
+#include "solver/body/law.hpp"
+#include "solver/jet/jet_maker.hpp"
 #include "solver/jet/rest_jet.hpp"
 #include "tests/support/test.hpp"
 

@@ -1,14 +1,14 @@
+#include "scheduling/render/contact.hpp"
+
 #include <algorithm>
 #include <cmath>
 
-#include "scheduling/render/contact.hpp"
-
 namespace forefeel {
 
-ForceSwitch::Frame Grasp::step(const HipSample& tip, TouchRecord&) noexcept {
+ForceSwitch::Step Grasp::step(const HipSample& tip, TouchRecord&) noexcept {
   x_ = tip.at;
   const Model* model = link_.models.take().value_or(nullptr);
-  const ForceSwitch::Frame frame = switch_.step(model, x_);
+  const ForceSwitch::Step frame = switch_.step(model, x_);
   came_ = model != nullptr;
   if (came_) newest_ = model;
   if (frame.took_model)  // the switch may let a model wait, and takes the latest
@@ -29,7 +29,7 @@ bool Grasp::view(ModelView& view) noexcept {
   return true;
 }
 
-ForceBar Grasp::bar(const ForceSwitch::Frame& frame) noexcept {
+ForceBar Grasp::bar(const ForceSwitch::Step& frame) noexcept {
   if (const auto newer = link_.bars.take()) bar_ = *newer;
   const bool jets = newest_ && newest_->has_jets();
   const JetEstimate own = jets ? newest_->estimate(x_) : JetEstimate{};

@@ -1,10 +1,3 @@
-// State (x, v, a) of each axis, with an acceleration that decays over tau (Singer 1970):
-//   dx = v,  dv = a - v / tau_v,  da = -a / tau + white noise
-// The model has constant acceleration over short horizons and stays bounded over long ones. The filter itself
-// uses tau_v = infinity. Predictions use a finite tau_v, because hands turn: it is learnt from the motion and
-// stays infinite while the motion is straight. The standard deviation is that of the filter, scaled by the
-// errors measured so far.
-
 #include <Eigen/Dense>
 #include <algorithm>
 #include <cmath>
@@ -14,6 +7,61 @@
 #include "scheduling/motion/predictors.hpp"
 
 namespace forefeel {
+
+// x(t + s) = x + v s, with the velocity v smoothed over 30 ms.
+
+namespace {
+
+constexpr double memory = 0.03;  // [s] over which the velocity is smoothed
+
+// The deviation is measured. Predictions over a probing horizon of 0.1 s are kept and later compared with the
+// true position. Their mean square error gives the acceleration that the model of constant velocity neglects.
+class ConstantVelocity final : public Predictor {
+ public:
+  void observe(const HipSample& sample) override {
+    const double dt = sample.t - last_.t;
+    if (seen_ && dt > 0) {
+      velocity_ += (1 - std::exp(-dt / memory)) * ((sample.at - last_.at) / dt - velocity_);
+      while (!made_.empty() && made_.front().t <= sample.t) {
+        const double error2 = (made_.front().at - sample.at).squaredNorm() / 3;
+        made_.pop_front();
+        error2_ += (1 - std::exp(-dt / 0.5)) * (error2 - error2_);
+      }
+    }
+    last_ = sample;
+    seen_ = true;
+    made_.push_back({.t = sample.t + probe, .at = sample.at + probe * velocity_, .velocity = velocity_});
+  }
+
+  Prediction predict(double horizon) const override {
+    const double share = horizon / probe;
+    return {.horizon = horizon,
+            .at = last_.at + horizon * velocity_,
+            .deviation = std::hypot(0.0002, std::sqrt(error2_) * share * std::max(1.0, share))};
+  }
+
+ private:
+  static constexpr double probe = 0.1;  // [s]
+  bool seen_ = false;
+  HipSample last_;
+  Vec3 velocity_ = Vec3::Zero();
+  std::deque<HipSample> made_;  // predictions, by target time
+  double error2_ = 1e-6;        // mean square per axis over the probing horizon [m^2]
+};
+
+}  // namespace
+
+std::unique_ptr<Predictor> make_constant_velocity(FactoryContext&) {
+  return std::make_unique<ConstantVelocity>();
+}
+
+// State (x, v, a) of each axis, with an acceleration that decays over tau (Singer 1970):
+//   dx = v,  dv = a - v / tau_v,  da = -a / tau + white noise
+// The model has constant acceleration over short horizons and stays bounded over long ones. The filter itself
+// uses tau_v = infinity. Predictions use a finite tau_v, because hands turn: it is learnt from the motion and
+// stays infinite while the motion is straight. The standard deviation is that of the filter, scaled by the
+// errors measured so far.
+
 namespace {
 
 // One filter serves the three axes: covariance and gain do not depend on the data, so the axes share them.

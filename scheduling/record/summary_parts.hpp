@@ -1,0 +1,50 @@
+#pragma once
+// Parts of a summary (summary.hpp): what was known within a tolerance, passivity control, touches.
+//
+// Share of the frames of a session whose force was known within a tolerance (geometry/common/tolerance.hpp) according
+// to its error bars, and how often this was true. A frame counts as known if the half-width of the bar of 95 % around
+// its rendered force F [N] is at most limit(F). This was true if |F - f| <= limit(f), with f [N] the force of a tight
+// solve. For a viscous body, F and f are the elastic forces.
+
+#include <cstddef>
+#include <span>
+
+#include "geometry/common/tolerance.hpp"
+#include "scheduling/common/session_result.hpp"
+
+namespace forefeel {
+
+struct ToleranceShare {
+  std::size_t frames = 0, frames_known = 0;
+  std::size_t samples = 0, known = 0, known_true = 0, within = 0;  // frames with f; within: of all samples
+};
+
+ToleranceShare tolerance_share(const SessionResult& result, const Tolerance& tolerance);
+
+// Summarises the passivity control of a session, and the force error that it added in each frame:
+//   e = |F - F'| / max(|F'|, f0)     [1]
+// F [N]: force sent, F' [N]: force that the other safety rules alone would have sent at the same positions, f0 [N]: the
+// error floor of the session. The ramp at the end is left out.
+
+struct ControlSummary {
+  PassivityReport report;
+  double coupled_share = unknown, drained_share = unknown, controlled_share = unknown;  // of the frames
+  double added_p50 = unknown, added_p95 = unknown, added_max = unknown;                 // e [1]
+};
+
+// sent: F of each frame but those of the ramp at the end.
+ControlSummary control_summary(const SafetyReport& safety, std::span<const Vec3> sent, std::size_t frames,
+                               double error_floor);
+ControlSummary control_summary(const SessionResult& result, double error_floor);
+
+// The part of a summary that is about touches of a body that may be touched anywhere.
+
+struct TouchTask;
+
+// Jets at rest that were made at the hand's place; they are counted apart from states.
+bool is_jet_at_rest(const DispatchRecord& dispatch);
+std::size_t jets_at_rest(const SessionResult& result);  // solved ones
+
+TouchNumbers touches_of(const SessionResult& result, const TouchTask& task);
+
+}  // namespace forefeel
