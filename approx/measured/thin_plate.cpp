@@ -35,7 +35,8 @@ Scaling scaling_of(const std::vector<Vec3>& at) {
   Scaling scaling;
   for (const Vec3& x : at) scaling.middle += x / double(at.size());
   Mat3 moment = Mat3::Zero();
-  for (const Vec3& x : at) moment += (x - scaling.middle) * (x - scaling.middle).transpose() / double(at.size());
+  for (const Vec3& x : at)
+    moment += (x - scaling.middle) * (x - scaling.middle).transpose() / double(at.size());
   scaling.radius = std::sqrt(moment.trace());
   const Modes3 axes = axes_of(moment);
   std::vector<Vec3> kept;

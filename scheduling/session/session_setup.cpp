@@ -37,21 +37,20 @@ std::shared_ptr<const CostModel> cost_of(const SessionPlan& plan, ReferenceServi
 RunSolving solving_of(const SessionPlan& plan, ReferenceService& references) {
   const TouchedBody& touched = plan.input.touched;
   const WorkerOptions& options = plan.options.workers;
-  return {
-      .options = options,
-      .context = {.body = touched.body,
-                  .solving = {.spacing = touched.space.spacing,
-                              .tolerance = 1e-6,
-                              .displacements = touched.displacements,
-                              .jet = touched.jet,
-                              .sites = sites_of(touched)},
-                  .count = options.count},
-      .real = plan.input.parts.workers,
-      .simulated = plan.input.parts.virtual_workers,
-      .cost = cost_of(plan, references),
-      .rest_first = plan.options.planning.rest_first,
-      .arrivals = plan.arrivals.list,
-      .dispatches = !plan.arrivals.given};
+  return {.options = options,
+          .context = {.body = touched.body,
+                      .solving = {.spacing = touched.space.spacing,
+                                  .tolerance = 1e-6,
+                                  .displacements = touched.displacements,
+                                  .jet = touched.jet,
+                                  .sites = sites_of(touched)},
+                      .count = options.count},
+          .real = plan.input.parts.workers,
+          .simulated = plan.input.parts.virtual_workers,
+          .cost = cost_of(plan, references),
+          .rest_first = plan.options.planning.rest_first,
+          .arrivals = plan.arrivals.list,
+          .dispatches = !plan.arrivals.given};
 }
 
 RunRecord record_of(const SessionPlan& plan) {
