@@ -35,8 +35,8 @@ std::size_t usual_neighbours(Data data);  // n where it is not given: 100, 25 an
 inline constexpr std::size_t most_jets = 64;
 
 // The options with no more neighbours than there can be states (but at least uncapped_neighbours). The models are the
-// same; their buffers are smaller. Throws InputError("model.neighbours", ...) if the matrix of one model would take more
-// than a gigabyte.
+// same; their buffers are smaller. Throws InputError("model.neighbours", ...) if the matrix of one model would take
+// more than a gigabyte.
 ModelOptions for_states(ModelOptions options, std::size_t states);
 
 // A Gaussian process of measured forces in place of a model (approx/measured). r(t): exp(-t^2 / 2), and Matern's with
