@@ -5,6 +5,7 @@
 #include <vector>
 
 #include "geometry/common/quantiles.hpp"
+#include "geometry/common/tolerance.hpp"
 #include "scheduling/touch/surface_models.hpp"
 
 namespace forefeel {

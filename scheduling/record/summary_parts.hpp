@@ -9,10 +9,11 @@
 #include <cstddef>
 #include <span>
 
-#include "geometry/common/tolerance.hpp"
 #include "scheduling/common/session_result.hpp"
 
 namespace forefeel {
+
+struct Tolerance;  // geometry/common/tolerance.hpp
 
 struct ToleranceShare {
   std::size_t frames = 0, frames_known = 0;
