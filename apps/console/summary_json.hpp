@@ -6,9 +6,9 @@
 #include <vector>
 
 #include "apps/console/document_keys.hpp"
+#include "geometry/common/tolerance.hpp"
 #include "scheduling/motion/prediction_score.hpp"
 #include "scheduling/record/summary_columns.hpp"
-#include "geometry/common/tolerance.hpp"
 #include "scheduling/record/summary_parts.hpp"
 
 namespace forefeel {
