@@ -38,10 +38,15 @@ bool ended_by_itself(const Workshop::Outcome& outcome) {
   return outcome.code != 124 && outcome.code != 137;
 }
 
+// MPI begins once in a process, so this is one of its own.
+Workshop::Outcome started_alone(const Workshop& shop) {
+  return shop.shell("'" + executable() + "' session beam.toml --mpi --clock real --seconds 1 -o alone");
+}
+
 // The reason why these tests cannot run; empty if they can.
 std::string reason_to_skip(const Workshop& shop) {
   shop.write("beam.toml", beam_scene());
-  const auto alone = shop.forefeel("session beam.toml --mpi --clock real --seconds 1 -o alone");
+  const auto alone = started_alone(shop);
   if (alone.err.find("no MPI") != std::string::npos) return "this build has no MPI";
   return has_command("mpirun") ? "" : "mpirun is not installed";
 }
@@ -215,7 +220,7 @@ TEST_CASE("a session that touches anywhere has its workers in other processes",
 TEST_CASE("a session with its workers in other processes",
           SLOW("starts Open MPI, which only run.sh all installs")) {
   const BeamShop shop;
-  const Workshop::Outcome alone = shop.forefeel("session beam.toml --mpi --clock real --seconds 1 -o alone");
+  const Workshop::Outcome alone = started_alone(shop);
   CHECK(alone.code == 2);
   CHECK(alone.error_lines() == 1);
   if (alone.err.find("no MPI") != std::string::npos) return skip("this build has no MPI");
