@@ -93,14 +93,6 @@ int info_scene(const Globals& globals, const std::string& file) {
   return 0;
 }
 
-DeclaredTable info_scene_output() {
-  DeclaredTable table{"info.json", "Of info SCENE --json, beside what its lines say.", {}};
-  for (const std::vector<Declared>& rows :
-       {below("contact", declared(contact_keys())), below("field", declared(field_keys()))})
-    table.rows.insert(table.rows.end(), rows.begin(), rows.end());
-  return table;
-}
-
 // What `forefeel info` says of a label volume: voxels, their size, where the axes point, and the labels.
 
 constexpr std::size_t most_shown = 255;  // labels; more are probably no labels
@@ -289,6 +281,14 @@ int run_info(const Globals& globals, const std::string& file) {
 }
 
 }  // namespace
+
+DeclaredTable info_scene_output() {
+  DeclaredTable table{"info.json", "Of info SCENE --json, beside what its lines say.", {}};
+  for (const std::vector<Declared>& rows :
+       {below("contact", declared(contact_keys())), below("field", declared(field_keys()))})
+    table.rows.insert(table.rows.end(), rows.begin(), rows.end());
+  return table;
+}
 
 void add_info(CommandLine& line) {
   auto file = std::make_shared<std::string>();
