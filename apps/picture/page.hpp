@@ -12,7 +12,7 @@ namespace forefeel {
 // Scripts, styles and other texts of HTML pages. They are files of this folder tree; the build puts them into the
 // executable (apps/CMakeLists.txt).
 
-extern const std::string_view page_style;  // of every page (page.hpp)
+extern const std::string_view page_style;  // of every page
 extern const std::string_view
     run_script;  // of a session's report: reads the document of run_charts.hpp from the element
                  // "run-data", draws into the elements that run_charts.hpp makes

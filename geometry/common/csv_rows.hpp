@@ -3,7 +3,7 @@
 //   Cells are separated by commas. White space around a cell is dropped, and so are quotes around a whole
 //   cell. Commas and line breaks inside quotes are not supported.
 //   Blank lines, lines that begin with # and a byte order mark are skipped.
-// csv_rows.hpp reads columns of numbers, csv_rows.hpp columns of text.
+// CsvTable reads columns of numbers, CsvText columns of text.
 
 #include <cstddef>
 #include <filesystem>
@@ -45,7 +45,7 @@ class CsvRows {
 };
 
 // Reads a CSV file with a header line and keeps every cell as text. Columns are found by name; a cell is
-// converted to a number on request. For files whose cells may be empty or hold words; csv_rows.hpp is for
+// converted to a number on request. For files whose cells may be empty or hold words; CsvTable is for
 // columns of numbers only.
 
 class CsvText {

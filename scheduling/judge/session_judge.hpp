@@ -7,7 +7,7 @@
 //     switch         |F - f~|
 //     staleness      |f~ - f~*|   f~* the force of a model made from all states known at that moment
 //   each over max(|f|, f0), f0 = error_floor
-// Viscous body: in `error`, F and f are the forces after the relaxation filter (session_judge.hpp). The three parts
+// Viscous body: in `error`, F and f are the forces after the relaxation filter (below). The three parts
 // compare elastic forces, before the filter.
 // Samples are taken every reference_step of HIP travel, and in the first frame within each lattice cell. The
 // judge is a stage that follows the run: it computes labels, samples and f~* frame by frame. finish() writes

@@ -28,7 +28,7 @@
 namespace forefeel {
 
 // A line fitted by least squares to the logarithms of errors, from a prior worth some states:
-//   ln m = a + b ln(delta / h) + c side,   deviation v of the logarithm    (error_need.hpp)
+//   ln m = a + b ln(delta / h) + c side,   deviation v of the logarithm
 
 class ErrorFit {
  public:

@@ -1,5 +1,5 @@
 #pragma once
-// The file of a run's inputs (RUN/session.inputs), written by input_log.hpp and read by input_format.hpp.
+// The file of a run's inputs (RUN/session.inputs), written by input_log.hpp and read by InputReader.
 //   "forefeel inputs 1\n", header, records
 // The header and each record begin with a kind (one letter) and the length of their content (32 bits). Numbers have
 // their form in memory, every double all its bits. The header ends with a digest of itself.
@@ -71,7 +71,7 @@ FrameInput unpack_frame(Unpacker& in);
 // A record: kind, length, content.
 void pack_record(Packer& out, InputKind kind, const Bytes& content);
 
-// Reads the file of a run's inputs record by record (render/input_format.hpp), with little memory however long it is.
+// Reads the file of a run's inputs record by record, with little memory however long it is.
 // The file of an interrupted run ends within a record, or without the end record; its complete records are used.
 // Anything else that is no record is damage.
 

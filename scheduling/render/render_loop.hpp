@@ -40,7 +40,7 @@ namespace forefeel {
 
 class ForceOutput {
  public:
-  // now(): as RealTime::now (render_loop.hpp); empty: each frame takes place at its nominal time.
+  // now(): as RealTime::now; empty: each frame takes place at its nominal time.
   ForceOutput(const RenderOptions& options, std::function<double()> now);
 
   struct Frame {

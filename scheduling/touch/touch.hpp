@@ -1,7 +1,7 @@
 #pragma once
 // Touching a body anywhere. Inside and outside mean the body at rest. The tip outside feels nothing. Where it crosses
 // the surface a touch begins: the site s, and x = tip - s. Without friction the site stays; with it the site slides
-// (touch.hpp). The touch ends when the tip is outside again, or when a tensile force finds a minimum of E before it
+// (below). The touch ends when the tip is outside again, or when a tensile force finds a minimum of E before it
 // becomes a push. Crossing a clamped facet begins none. A tip inside from the start begins at the nearest place. One
 // point, one coefficient, no torque.
 //
@@ -54,14 +54,14 @@ struct Touch {
   Vec3 tip = Vec3::Zero();  // [m]
   bool known = false;       // false before the first tip
   bool inside = false;      // the tip, of the body at rest
-  double steepness = 0;     // of the last slide (touch.hpp); only the way to the answer depends on it
+  double steepness = 0;     // of the last slide; only the way to the answer depends on it
 };
 
 struct TouchFrame {
   Touch touch;                        // after the tip has moved
   Vec3 force = Vec3::Zero();          // of the body on the tip [N]
   Vec3 normal = Vec3::Zero();         // mean normal under the pad
-  Vec3 drive = Vec3::Zero();          // g of touch.hpp [N]
+  Vec3 drive = Vec3::Zero();          // g of the slide [N]
   double energy = 0;                  // stored [J]
   double lost = 0;                    // by sliding, and at the end of a touch [J]
   bool at_border = false;             // the slide ended at a clamped facet

@@ -1,7 +1,7 @@
 #pragma once
 // Solves states of one body in one thread. It uses a Solver, whose analysis all threads share; for a linear
 // body, it superposes three states that all threads share (solver/equilibrium/linear_body.hpp). Of a body that is
-// touched anywhere, each state has a site (state_solver.hpp).
+// touched anywhere, each state has a site (SiteSolver).
 
 #include <memory>
 #include <optional>

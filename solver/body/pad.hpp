@@ -44,7 +44,7 @@ double pad_peak(const Pad& pad);
 // The point of the surface that is nearest to `point`.
 Vec3 nearest_site(const TetMesh& mesh, const Vec3& point);
 
-// Which share of a pad's springs pulls. A fingertip only pushes; the springs of a pad (pad.hpp) also pull, as if
+// Which share of a pad's springs pulls. A fingertip only pushes; the springs of a pad also pull, as if
 // bonded:
 //   q(y) = a(y) (x - u(y)) . x / |x|     [Pa]
 //   pulling share = int max(0, -q) dA / int |q| dA

@@ -11,7 +11,7 @@
 // 1/2 u_2^T M u_2 to E_4. The equilibrium must be exact: with a residual of 1e-9 N degrees 3 and 4 are off by 1e-9,
 // with 6e-5 N by 2e-4 of their size.
 //
-// Material limit (EnergyJet::limit): the least |d|, over the directions of jet_maker.hpp and their opposites, at
+// Material limit (EnergyJet::limit): the least |d|, over the path directions below and their opposites, at
 // which the jet's own displacement u_0 + U d + V[d, d] (order 2 and 3: without V) takes an element's least principal
 // stretch below the limit of its law (LawEntry::least_stretch). A force of the jet may belong to no equilibrium beyond
 // it. A heuristic: it sees where the material softens or folds, not that the series has ended. Of paths that dip below

@@ -1,8 +1,8 @@
 #pragma once
 // The two-level sweep of a lattice of spacing h [m], behind generate_lattice():
-// 1. The coarse nodes, outward from rest. They lie where planes 2h apart, and the faces of the box, cross
-//    (sweep.hpp). Each state is predicted from one node nearer to rest or from all nodes between it and rest,
-//    whichever gives the least residual (sweep_predict.cpp). Newton corrects it, reusing a factor while it contracts.
+// 1. The coarse nodes, outward from rest. They lie where planes 2h apart, and the faces of the box, cross.
+//    Each state is predicted from one node nearer to rest or from all nodes between it and rest, whichever gives
+//    the least residual (sweep_predict.cpp). Newton corrects it, reusing a factor while it contracts.
 // 2. The fine states of each coarse cell (seven of its eight), or of a few small cells at the border of the box. They
 //    are predicted from the coarse corners around them by u = mean over c of u_c + V_c (x - x_c)/2, a cubic Hermite
 //    value of error O(h^4). They are solved together with one factor, except those whose prediction is far from an

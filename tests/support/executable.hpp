@@ -17,8 +17,8 @@ class Workshop {
     nlohmann::json json() const;  // of out; fails the test if it is not one document
   };
   // `forefeel arguments`, written as for a shell, without expansions, in this process by the entry of the program
-  // (command_main). Linked with tests/support/command.cpp. For a process of its own, as for signals, limits and pipes:
-  // shell() with executable().
+  // (command_main). Linked with tests/support/run_command.cpp. For a process of its own, as for signals, limits and
+  // pipes: shell() with executable().
   Outcome forefeel(const std::string& arguments) const;
   // The same of a command that must succeed, and its document with --json.
   Outcome run(const std::string& arguments) const;
