@@ -1,6 +1,6 @@
 #pragma once
 // What the commands write, for `forefeel help outputs`: a table for each document and CSV file, made of the rows that
-// write it (document_keys.hpp, geometry/common/csv_columns.hpp). Each function stands beside them.
+// write it (document_keys.hpp, geometry/common/field.hpp). Each function stands beside them.
 
 #include <vector>
 

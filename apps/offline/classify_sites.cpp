@@ -13,8 +13,8 @@
 #include "apps/scene/given_states.hpp"
 #include "apps/scene/scene_anywhere.hpp"
 #include "apps/scene/scene_field.hpp"
-#include "geometry/common/csv_columns.hpp"
 #include "geometry/common/error.hpp"
+#include "geometry/common/field.hpp"
 #include "geometry/common/output_file.hpp"
 #include "geometry/coverage/sited_labels.hpp"
 
@@ -55,21 +55,18 @@ struct ClassifiedSites {
   }
 };
 
-const CsvColumns<LabelledPlace>& place_columns() {
-  using P = LabelledPlace;
-  static const CsvColumns<P> columns{
-      {"sx,sy,sz", "m", "site, on the surface of the body that is answered for",
-       [](const P& p) { return cells(p.place.site.at); }},
-      {"x,y,z", "m", "displacement of the tip there", [](const P& p) { return cells(p.place.x); }},
-      {"label", "", "safe, sparse, gap or blank", [](const P& p) { return std::string(name(p.label)); }},
-      {"near", "", "states near the site, that the label comes from",
-       [](const P& p) { return std::to_string(p.near); }},
-      {"estimate", "N", "of the error of the force from field and states",
-       [](const P& p) { return known_cell(p.estimate); }},
-      {"trusted", "", "1: three times the estimate is within state_space.tolerance",
-       [](const P& p) { return std::string(p.trusted ? "1" : "0"); }}};
-  return columns;
-}
+constexpr Field<LabelledPlace> place_columns[] = {
+    {"sx,sy,sz", "m", "site, on the surface of the body that is answered for",
+     [](Cells& o, const LabelledPlace& p) { put(o, p.place.site.at); }},
+    {"x,y,z", "m", "displacement of the tip there",
+     [](Cells& o, const LabelledPlace& p) { put(o, p.place.x); }},
+    {"label", "", "safe, sparse, gap or blank", [](Cells& o, const LabelledPlace& p) { put(o, p.label); }},
+    {"near", "", "states near the site, that the label comes from",
+     [](Cells& o, const LabelledPlace& p) { put(o, p.near); }},
+    {"estimate", "N", "of the error of the force from field and states",
+     [](Cells& o, const LabelledPlace& p) { put(o, p.estimate); }},
+    {"trusted", "", "1: three times the estimate is within state_space.tolerance",
+     [](Cells& o, const LabelledPlace& p) { put(o, p.trusted); }}};
 
 const JsonKeys<ClassifiedSites>& classified_sites_keys() {
   using S = ClassifiedSites;
@@ -176,7 +173,7 @@ DeclaredTable classify_sites_output() {
 }
 DeclaredTable labelled_sites_output() {
   return {"labels_sites.csv", "What classify writes with -o, for states with sites.",
-          declared(place_columns())};
+          declared<LabelledPlace>(place_columns)};
 }
 
 int classify_sites(const Globals& globals, const ClassifyArguments& arguments, const StatesInFrame& set) {
@@ -219,8 +216,8 @@ int classify_sites(const Globals& globals, const ClassifyArguments& arguments, c
   found.seconds = seconds_since(start);
   if (!arguments.output.empty()) {
     OutputFile out(arguments.output);
-    out.write(csv_header(place_columns()));
-    for (const LabelledPlace& p : found.places) out.write(csv_row(place_columns(), p));
+    out.write(header_of<LabelledPlace>(place_columns));
+    for (const LabelledPlace& p : found.places) out.write(csv_row<LabelledPlace>(place_columns, p));
     out.commit();
     say(globals, fmt::format("labels of the places: {}", arguments.output));
   }

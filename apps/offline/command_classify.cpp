@@ -24,6 +24,7 @@
 #include "apps/picture/figure_files.hpp"
 #include "apps/scene/given_states.hpp"
 #include "geometry/common/error.hpp"
+#include "geometry/common/field.hpp"
 #include "geometry/common/output_file.hpp"
 #include "geometry/coverage/region_file.hpp"
 #include "geometry/coverage/regions.hpp"
@@ -89,33 +90,34 @@ struct PointRow {
   std::size_t i;  // of the point
 };
 
-CsvColumns<PointRow> point_columns(bool barred) {
+std::vector<Field<PointRow>> point_columns(bool barred) {
   using R = PointRow;
-  CsvColumns<R> columns{
-      {"x,y,z", "m", "position", [](const R& r) { return cells(r.at); }},
-      {"label", "", "safe, sparse, gap or blank",
-       [](const R& r) { return std::string(name(r.found.label)); }},
+  std::vector<Field<R>> columns{
+      {"x,y,z", "m", "position", [](Cells& o, const R& r) { put(o, r.at); }},
+      {"label", "", "safe, sparse, gap or blank", [](Cells& o, const R& r) { put(o, r.found.label); }},
       {"spread", "m", "sqrt(R^2 - d^2) in its Delaunay cell: R circumradius, d distance to the circumcentre",
-       [](const R& r) { return known_cell(r.found.spread); }},
+       [](Cells& o, const R& r) { put(o, r.found.spread); }},
       {"alpha", "m", "circumradius of the cell, the least where several touch",
-       [](const R& r) { return known_cell(r.found.alpha); }},
-      {"delta", "m", "distance to the nearest state", [](const R& r) { return known_cell(r.found.delta); }},
+       [](Cells& o, const R& r) { put(o, r.found.alpha); }},
+      {"delta", "m", "distance to the nearest state", [](Cells& o, const R& r) { put(o, r.found.delta); }},
       {"gamma_deg", "degrees", "half-angle of the largest empty cone of directions to states within 8 h",
-       [](const R& r) { return known_cell(r.found.gamma_deg); }}};
+       [](Cells& o, const R& r) { put(o, r.found.gamma_deg); }}};
   if (!barred) return columns;
-  columns.push_back(bar_column<R>("with --bars: ", [](const R& r) { return bar_of(*r.errors, r.i); }));
+  static const std::string meaning = "with --bars: " + std::string(bar_meaning);
+  columns.push_back(
+      {"bar90,bar95,bar99", "N", meaning, [](Cells& o, const R& r) { o.vector(bar_of(*r.errors, r.i)); }});
   columns.push_back({"known", "", "with --bars: 1 where bar95 is at most the tolerance, else 0",
-                     [](const R& r) { return std::string(is_known(*r.errors, r.i) ? "1" : "0"); }});
+                     [](Cells& o, const R& r) { put(o, is_known(*r.errors, r.i)); }});
   return columns;
 }
 
 void write_points(const std::string& file, const std::vector<Vec3>& points,
                   const std::vector<Coverage>& found, const std::optional<ErrorKnown>& errors) {
-  const CsvColumns<PointRow> columns = point_columns(errors && errors->points);
+  const std::vector<Field<PointRow>> columns = point_columns(errors && errors->points);
   OutputFile out(file);
-  out.write(csv_header(columns));
+  out.write(header_of<PointRow>(columns));
   for (std::size_t i = 0; i < points.size(); ++i)
-    out.write(csv_row(columns, {points[i], found[i], errors ? &*errors : nullptr, i}));
+    out.write(csv_row<PointRow>(columns, {points[i], found[i], errors ? &*errors : nullptr, i}));
   out.commit();
 }
 
@@ -298,7 +300,7 @@ void add_thresholds(Command& sub, CoverageOptions& limits) {
 
 DeclaredTable coverage_output() {
   return {"coverage.csv", "What classify writes with --points or --line and -o.",
-          declared(point_columns(true))};
+          declared<PointRow>(point_columns(true))};
 }
 
 void add_classify(CommandLine& line) {

@@ -25,6 +25,7 @@
 #include "apps/scene/given_states.hpp"
 #include "apps/scene/scene_mesh_error.hpp"
 #include "geometry/common/error.hpp"
+#include "geometry/common/field.hpp"
 #include "geometry/common/output_file.hpp"
 #include "geometry/states/check_solves.hpp"
 #include "geometry/states/misleading.hpp"
@@ -87,25 +88,29 @@ struct ForceRow {
   std::size_t i;  // of the point
 };
 
-CsvColumns<ForceRow> force_columns(bool barred, bool of_jets) {
+std::vector<Field<ForceRow>> force_columns(bool barred, bool of_jets) {
   using R = ForceRow;
-  CsvColumns<R> columns{{"x,y,z", "m", "position", [](const R& r) { return cells(r.at); }},
-                        {"fx,fy,fz", "N", "approximated force of the body on the tip",
-                         [](const R& r) { return cells(r.found.made.forces[r.i]); }},
-                        {"label", "", "coverage there: safe, sparse, gap or blank",
-                         [](const R& r) { return std::string(name(r.found.made.labels[r.i])); }}};
+  std::vector<Field<R>> columns{{"x,y,z", "m", "position", [](Cells& o, const R& r) { put(o, r.at); }},
+                                {"fx,fy,fz", "N", "approximated force of the body on the tip",
+                                 [](Cells& o, const R& r) { put(o, r.found.made.forces[r.i]); }},
+                                {"label", "", "coverage there: safe, sparse, gap or blank",
+                                 [](Cells& o, const R& r) { put(o, r.found.made.labels[r.i]); }}};
   if (of_jets)
     columns.push_back({"trusted", "", "with --data jet: 1 where its jets are within their trust, else 0",
-                       [](const R& r) { return std::string(r.found.made.trusted[r.i] ? "1" : "0"); }});
-  if (barred) columns.push_back(bar_column<R>("", [](const R& r) { return r.found.bars->at[r.i]; }));
+                       [](Cells& o, const R& r) { o.flag(r.found.made.trusted[r.i]); }});
+  if (barred)
+    columns.push_back({"bar90,bar95,bar99", "N", bar_meaning,
+                       [](Cells& o, const R& r) { o.vector(r.found.bars->at[r.i]); }});
   return columns;
 }
 
 void write_csv(const std::string& file, const std::vector<Vec3>& points, const Evaluation& found) {
-  const CsvColumns<ForceRow> columns = force_columns(found.bars.has_value(), !found.made.trusted.empty());
+  const std::vector<Field<ForceRow>> columns =
+      force_columns(found.bars.has_value(), !found.made.trusted.empty());
   OutputFile out(file);
-  out.write(csv_header(columns));
-  for (std::size_t i = 0; i < points.size(); ++i) out.write(csv_row(columns, {points[i], found, i}));
+  out.write(header_of<ForceRow>(columns));
+  for (std::size_t i = 0; i < points.size(); ++i)
+    out.write(csv_row<ForceRow>(columns, {points[i], found, i}));
   out.commit();
 }
 
@@ -315,7 +320,7 @@ int run_evaluate(const Globals& globals, const EvaluateArguments& arguments, con
 }  // namespace
 
 DeclaredTable forces_output() {
-  return {"forces.csv", "What evaluate writes with -o.", declared(force_columns(true, true))};
+  return {"forces.csv", "What evaluate writes with -o.", declared<ForceRow>(force_columns(true, true))};
 }
 
 void add_evaluate(CommandLine& line) {

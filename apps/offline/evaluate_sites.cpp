@@ -12,8 +12,8 @@
 #include "apps/scene/given_states.hpp"
 #include "apps/scene/scene_anywhere.hpp"
 #include "apps/scene/scene_field.hpp"
-#include "geometry/common/csv_columns.hpp"
 #include "geometry/common/error.hpp"
+#include "geometry/common/field.hpp"
 #include "geometry/common/output_file.hpp"
 #include "geometry/states/state_file.hpp"
 
@@ -35,21 +35,18 @@ struct SitedForces {
   FieldErrors error;
 };
 
-const CsvColumns<SitedForce>& sited_columns() {
-  using F = SitedForce;
-  static const CsvColumns<F> columns{
-      {"sx,sy,sz", "m", "site, on the surface of the body that is answered for",
-       [](const F& f) { return cells(f.site); }},
-      {"x,y,z", "m", "displacement of the tip there", [](const F& f) { return cells(f.at); }},
-      {"fx,fy,fz", "N", "force of the body on the tip", [](const F& f) { return cells(f.found.force); }},
-      {"estimate", "N", "of the force's error, from the last degrees of the jets and what states differ by",
-       [](const F& f) { return fmt::format("{:.6g}", f.found.estimate); }},
-      {"thickness", "m", "of the body at rest under the site, against the normal",
-       [](const F& f) { return known_cell(f.thickness); }},
-      {"trusted", "", "1: three times the estimate is within state_space.tolerance, no deeper than thick",
-       [](const F& f) { return std::string(f.trusted ? "1" : "0"); }}};
-  return columns;
-}
+constexpr Field<SitedForce> sited_columns[] = {
+    {"sx,sy,sz", "m", "site, on the surface of the body that is answered for",
+     [](Cells& o, const SitedForce& f) { put(o, f.site); }},
+    {"x,y,z", "m", "displacement of the tip there", [](Cells& o, const SitedForce& f) { put(o, f.at); }},
+    {"fx,fy,fz", "N", "force of the body on the tip",
+     [](Cells& o, const SitedForce& f) { put(o, f.found.force); }},
+    {"estimate", "N", "of the force's error, from the last degrees of the jets and what states differ by",
+     [](Cells& o, const SitedForce& f) { o.word(fmt::format("{:.6g}", f.found.estimate), no_word); }},
+    {"thickness", "m", "of the body at rest under the site, against the normal",
+     [](Cells& o, const SitedForce& f) { put(o, f.thickness); }},
+    {"trusted", "", "1: three times the estimate is within state_space.tolerance, no deeper than thick",
+     [](Cells& o, const SitedForce& f) { put(o, f.trusted); }}};
 
 const JsonKeys<SitedForces>& sited_keys() {
   using S = SitedForces;
@@ -98,8 +95,8 @@ SitedForce force_at(const Scene& scene, const DeepStates& known, const SitedPoin
 
 void write_sited(const std::string& file, const std::vector<SitedForce>& forces) {
   OutputFile out(file);
-  out.write(csv_header(sited_columns()));
-  for (const SitedForce& force : forces) out.write(csv_row(sited_columns(), force));
+  out.write(header_of<SitedForce>(sited_columns));
+  for (const SitedForce& force : forces) out.write(csv_row<SitedForce>(sited_columns, force));
   out.commit();
 }
 
@@ -146,7 +143,8 @@ DeclaredTable evaluate_sites_output() {
   return {"evaluate_sites.json", "Of evaluate --json, with sites.", declared(sited_keys())};
 }
 DeclaredTable sited_forces_output() {
-  return {"forces_sites.csv", "What evaluate writes with -o, with sites.", declared(sited_columns())};
+  return {"forces_sites.csv", "What evaluate writes with -o, with sites.",
+          declared<SitedForce>(sited_columns)};
 }
 
 bool has_site_columns(const std::string& points) {

@@ -2,14 +2,13 @@
 // Prints and writes the error bars of states without a session, for evaluate and classify.
 
 #include <filesystem>
-#include <functional>
 #include <string>
+#include <string_view>
 #include <vector>
 
 #include "approx/error/known_within.hpp"
 #include "approx/methods/evaluate.hpp"
 #include "apps/console/document_keys.hpp"
-#include "geometry/common/csv_columns.hpp"
 
 namespace forefeel {
 
@@ -26,18 +25,11 @@ std::string expectation_in_words(const AutoModel& chosen, const SharedError& sha
 // if the share is more than five points below a level.
 std::string bars_in_words(const EvaluatedBars& bars);
 
-// The columns bar90, bar95 and bar99 of a CSV file, empty where infinite. bar: of a row.
-template <class Row>
-CsvColumn<Row> bar_column(const std::string& before, std::function<BarWidths(const Row&)> bar) {
-  return {"bar90,bar95,bar99", "N",
-          before +
-              "half-widths of the error bars around the approximated force, from known forces left out in "
-              "groups; empty where too few are known for that level",
-          [=](const Row& row) {
-            const auto& [b90, b95, b99] = bar(row);
-            return fmt::format("{},{},{}", known_cell(b90), known_cell(b95), known_cell(b99));
-          }};
-}
+// Of the columns bar90, bar95 and bar99 of a CSV file, empty where infinite.
+inline constexpr std::string_view bar_meaning =
+    "half-widths of the error bars around the approximated force, from known forces left out in groups; "
+    "empty "
+    "where too few are known for that level";
 
 // The forces left out as a point cloud for ParaView: error and bars at their positions.
 void write_left_out_vtu(const std::filesystem::path& file, const OfflineBars& bars);

@@ -3,7 +3,6 @@
 #include <pybind11/stl.h>
 #include <pybind11/stl/filesystem.h>
 
-#include <array>
 #include <cstring>
 #include <nlohmann/json.hpp>
 #include <type_traits>
@@ -17,7 +16,7 @@
 #include "apps/scene/scene_session.hpp"
 #include "apps/scene/spec_text.hpp"
 #include "geometry/common/error.hpp"
-#include "geometry/common/run_columns.hpp"
+#include "geometry/common/field.hpp"
 #include "scheduling/record/run_files.hpp"
 #include "scheduling/record/summary.hpp"
 #include "scheduling/session/session.hpp"
@@ -29,7 +28,7 @@ namespace {
 class RowTypes final : public Cells {
  public:
   void real(double) override { types.push_back("f8"); }
-  void vector(const Vec3&) override { types.push_back("(3,)f8"); }
+  void vector(std::span<const double>) override { types.push_back("(3,)f8"); }  // three
   void whole(std::int64_t) override { types.push_back("i8"); }
   void flag(bool) override { types.push_back("?"); }
   void word(std::string_view, std::uint8_t) override { types.push_back("u1"); }
@@ -40,7 +39,9 @@ class RowBytes final : public Cells {
  public:
   explicit RowBytes(void* to) : to_(static_cast<std::byte*>(to)) {}
   void real(double value) override { add(value); }
-  void vector(const Vec3& value) override { add(std::array{value.x(), value.y(), value.z()}); }
+  void vector(std::span<const double> values) override {
+    for (const double value : values) add(value);
+  }
   void whole(std::int64_t value) override { add(value); }
   void flag(bool value) override { add(value); }
   void word(std::string_view, std::uint8_t number) override { add(number); }
@@ -56,26 +57,26 @@ class RowBytes final : public Cells {
 
 // The columns of a run's file as a structured array, also those that the file leaves out.
 template <class Record>
-py::array table_of(std::span<const RunColumn<Record>> columns, const std::vector<Record>& records) {
+py::array table_of(std::span<const Field<Record>> columns, const std::vector<Record>& records) {
   RowTypes of;
   py::list fields;
-  for (const RunColumn<Record>& column : columns) {
+  for (const Field<Record>& column : columns) {
     column.put(of, Record{});
-    fields.append(py::make_tuple(column.array.empty() ? column.names : column.array, of.types.back()));
+    fields.append(py::make_tuple(column.array.empty() ? column.name : column.array, of.types.back()));
   }
   py::array rows(py::dtype::from_args(fields), static_cast<py::ssize_t>(records.size()));
   RowBytes bytes(rows.mutable_data());
   for (const Record& record : records)
-    for (const RunColumn<Record>& column : columns) column.put(bytes, record);
+    for (const Field<Record>& column : columns) column.put(bytes, record);
   return rows;
 }
 
 // Of each field of such an array: its name, the columns of the file, unit and meaning.
 template <class Record>
-py::list names_of(std::span<const RunColumn<Record>> columns) {
+py::list names_of(std::span<const Field<Record>> columns) {
   py::list all;
-  for (const RunColumn<Record>& c : columns)
-    all.append(py::make_tuple(c.array.empty() ? c.names : c.array, c.names, c.unit, c.meaning));
+  for (const Field<Record>& c : columns)
+    all.append(py::make_tuple(c.array.empty() ? c.name : c.array, c.name, c.unit, c.meaning));
   return all;
 }
 

@@ -7,9 +7,9 @@
 #include <map>
 #include <set>
 
-#include "geometry/common/csv_columns.hpp"
 #include "geometry/common/csv_rows.hpp"
 #include "geometry/common/error.hpp"
+#include "geometry/common/field.hpp"
 #include "geometry/common/output_file.hpp"
 #include "geometry/common/scanner.hpp"
 #include "geometry/states/jet_columns.hpp"
@@ -209,48 +209,45 @@ class CsvWriter {
   std::string text_;
 };
 
-std::string stiffness_cells(const State& state) {
-  std::string text;
-  for (int i = 0; i < 9; ++i) text += (i > 0 ? "," : "") + known_cell(state.stiffness(i / 3, i % 3));
-  return text;
-}
-
 // The coefficients that a jet of order `to` has beyond one of order `from`.
-CsvColumn<State> jet_column(int from, int to, const char* unit, const char* meaning) {
-  const std::span names(jet_names());
-  const std::size_t begin = jet_terms_of_order(from), end = jet_terms_of_order(to);
-  return {fmt::format("{}", fmt::join(names.subspan(begin, end - begin), ",")), unit, meaning,
-          [=](const State& s) {
+template <int from, int to>
+Field<State> jet_field(std::string_view unit, std::string_view meaning) {
+  static const std::size_t begin = jet_terms_of_order(from), size = jet_terms_of_order(to) - begin;
+  static const std::string names =
+      fmt::format("{}", fmt::join(std::span(jet_names()).subspan(begin, size), ","));
+  return {names, unit, meaning, [](Cells& o, const State& s) {
             const JetCells cells = cells_of(s.jet.get());
-            std::string text;
-            for (std::size_t i = begin; i < end; ++i)
-              text += (i > begin ? "," : "") + known_cell(cells.coefficients[i]);
-            return text;
+            o.vector(std::span(cells.coefficients).subspan(begin, size));
           }};
 }
 
-std::string limit_cell(const State& s) {
-  const double limit = cells_of(s.jet.get()).limit;
-  return std::isinf(limit) ? "inf" : known_cell(limit);
-}
-
-const CsvColumns<State>& state_columns() {
-  static const CsvColumns<State> columns{
+const std::vector<Field<State>>& state_columns() {
+  static const std::string stiffness_names = fmt::format("{}", fmt::join(stiffness_columns, ","));
+  static const std::vector<Field<State>> columns{
       {"sx,sy,sz", "m", "site of a pad anywhere, in the mesh; where some state has one",
-       [](const State& s) { return s.has_site() ? cells(s.site) : ",,"; }},
+       [](Cells& o, const State& s) { put(o, s.has_site() ? s.site : Vec3(Vec3::Constant(unknown))); }},
       {"x,y,z", "m", "position of the tip, from its rest position",
-       [](const State& s) { return cells(s.at); }},
-      {"fx,fy,fz", "N", "force of the body on the tip", [](const State& s) { return cells(s.force); }},
-      {fmt::format("{}", fmt::join(stiffness_columns, ",")), "N/m",
-       "stiffness, -d force_i / d x_j, row by row; where some state has it", stiffness_cells},
+       [](Cells& o, const State& s) { put(o, s.at); }},
+      {"fx,fy,fz", "N", "force of the body on the tip", [](Cells& o, const State& s) { put(o, s.force); }},
+      {stiffness_names, "N/m", "stiffness, -d force_i / d x_j, row by row; where some state has it",
+       [](Cells& o, const State& s) {
+         const Mat3 by_row = s.stiffness.transpose();
+         o.vector({by_row.data(), 9});
+       }},
       {"h", "m", "spacing of the lattice that the state belongs to; where known",
-       [](const State& s) { return known_cell(s.spacing); }},
-      {"energy", "J", "stored energy; where known", [](const State& s) { return known_cell(s.energy); }},
-      jet_column(0, 2, "N/m^2", "energy jet: E = … + sum of e_abc dx^a dy^b dz^c; where some state has one"),
-      jet_column(2, 3, "N/m^3", "its fourth degree; empty where it has none"),
-      jet_column(3, 4, "N/m^4", "its fifth degree; empty where it has none"),
+       [](Cells& o, const State& s) { put(o, s.spacing); }},
+      {"energy", "J", "stored energy; where known", [](Cells& o, const State& s) { put(o, s.energy); }},
+      jet_field<0, 2>("N/m^2", "energy jet: E = … + sum of e_abc dx^a dy^b dz^c; where some state has one"),
+      jet_field<2, 3>("N/m^3", "its fourth degree; empty where it has none"),
+      jet_field<3, 4>("N/m^4", "its fifth degree; empty where it has none"),
       {"limit", "m", "distance to which the jet keeps the material within its limit; inf: everywhere",
-       limit_cell}};
+       [](Cells& o, const State& s) {
+         const double limit = cells_of(s.jet.get()).limit;
+         if (std::isinf(limit))
+           o.word("inf", no_word);
+         else
+           put(o, limit);
+       }}};
   return columns;
 }
 
@@ -345,7 +342,7 @@ std::vector<SitedPoint> read_sited_points_csv(const std::filesystem::path& file)
 }
 
 std::vector<Declared> declared_states() {
-  return declared(state_columns());
+  return declared<State>(state_columns());
 }
 
 void write_states_csv(const std::filesystem::path& file, std::span<const State> states) {
@@ -363,13 +360,13 @@ void write_states_csv(const std::filesystem::path& file, std::span<const State> 
                       with_jet,
                       with_jet,
                       with_jet};
-  CsvColumns<State> columns;
+  std::vector<Field<State>> columns;
   for (std::size_t i = 0; i < std::size(has); ++i)
     if (has[i]) columns.push_back(state_columns()[i]);
   CsvWriter out(file);
-  out.put(csv_header(columns));
+  out.put(header_of<State>(columns));
   for (const State& state : states)
-    if (state.usable()) out.put(csv_row(columns, state));
+    if (state.usable()) out.put(csv_row<State>(columns, state));
   out.commit();
 }
 

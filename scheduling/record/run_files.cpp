@@ -4,36 +4,19 @@
 #include <exception>
 #include <future>
 #include <string>
-#include <type_traits>
 #include <vector>
 
 #include "geometry/common/error.hpp"
+#include "geometry/common/field.hpp"
 #include "geometry/common/output_file.hpp"
-#include "geometry/common/run_columns.hpp"
 
 namespace forefeel {
 namespace {
 
 const Vec3 nowhere = Vec3::Constant(unknown);  // three empty cells
 
-// The cell of a value by its type.
-void put(Cells& o, double value) {
-  o.real(value);
-}
-void put(Cells& o, bool value) {
-  o.flag(value);
-}
-void put(Cells& o, const Vec3& value) {
-  o.vector(value);
-}
-template <class Word>
-requires std::is_enum_v<Word>
-void put(Cells& o, Word value) {
-  o.word(name(value), static_cast<std::uint8_t>(value));
-}
-
 using Frame = FrameRecord;
-constexpr RunColumn<Frame> of_frames[] = {
+constexpr Field<Frame> of_frames[] = {
     {"t", "s", "time of the frame", [](Cells& o, const Frame& f) { put(o, f.t); }},
     {"x,y,z", "m",
      "position of the tip, from its rest position; of a body touched anywhere in the axes of the mesh",
@@ -116,7 +99,7 @@ constexpr RunColumn<Frame> of_frames[] = {
      Only::viscous}};
 
 using Dispatched = DispatchRecord;
-constexpr RunColumn<Dispatched> of_solves[] = {
+constexpr Field<Dispatched> of_solves[] = {
     {"id", "", "number of the solve", [](Cells& o, const Dispatched& d) { o.whole(d.id); }},
     {"x,y,z", "m", "position of the state: displacement of the tip from rest, or from its site",
      [](Cells& o, const Dispatched& d) { put(o, d.displacement()); }, "at"},
@@ -145,7 +128,7 @@ constexpr RunColumn<Dispatched> of_solves[] = {
      [](Cells& o, const Dispatched& d) { put(o, d.choice.site); }, "site"}};
 
 using Change = SwitchRecord;
-constexpr RunColumn<Change> of_changes[] = {
+constexpr Field<Change> of_changes[] = {
     {"t", "s", "time at which the loop took the model", [](Cells& o, const Change& s) { put(o, s.t); }},
     {"model", "", "serial number of the model", [](Cells& o, const Change& s) { o.whole(s.model); }},
     {"cause", "",
@@ -202,13 +185,13 @@ void write_run_files(const std::filesystem::path& folder, const SessionResult& r
   throw InputError({.file = folder.string()}, "is incomplete: " + problems);
 }
 
-std::span<const RunColumn<FrameRecord>> frame_columns() {
+std::span<const Field<FrameRecord>> frame_columns() {
   return of_frames;
 }
-std::span<const RunColumn<DispatchRecord>> dispatch_columns() {
+std::span<const Field<DispatchRecord>> dispatch_columns() {
   return of_solves;
 }
-std::span<const RunColumn<SwitchRecord>> switch_columns() {
+std::span<const Field<SwitchRecord>> switch_columns() {
   return of_changes;
 }
 

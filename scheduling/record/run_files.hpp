@@ -22,11 +22,11 @@ void write_run_files(const std::filesystem::path& folder, const SessionResult& r
 // The columns of the three tables, with unit and meaning: those that write_run_files() writes.
 std::vector<DeclaredTable> declared_run_files();
 
-// The columns themselves (run_columns.hpp), for arrays with the same cells.
+// The columns themselves (field.hpp), for arrays with the same cells.
 template <class Record>
-struct RunColumn;
-std::span<const RunColumn<FrameRecord>> frame_columns();
-std::span<const RunColumn<DispatchRecord>> dispatch_columns();
-std::span<const RunColumn<SwitchRecord>> switch_columns();
+struct Field;
+std::span<const Field<FrameRecord>> frame_columns();
+std::span<const Field<DispatchRecord>> dispatch_columns();
+std::span<const Field<SwitchRecord>> switch_columns();
 
 }  // namespace forefeel

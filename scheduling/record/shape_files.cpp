@@ -9,8 +9,8 @@
 #include <string>
 #include <system_error>
 
-#include "geometry/common/csv_columns.hpp"
 #include "geometry/common/error.hpp"
+#include "geometry/common/field.hpp"
 #include "geometry/common/output_file.hpp"
 #include "geometry/common/quantiles.hpp"
 #include "geometry/mesh/vtu_series.hpp"
@@ -45,22 +45,21 @@ struct ShapeRow {
   const CheckedShape* checked;  // null: not compared
 };
 
-const CsvColumns<ShapeRow> shape_file_columns{
-    {"t", "s", "time of the shape", [](const ShapeRow& r) { return fmt::format("{}", r.shape.t); }},
-    {"x,y,z", "m", "position of the tip then", [](const ShapeRow& r) { return cells(r.shape.at); }},
-    {"known", "", "number of known states",
-     [](const ShapeRow& r) { return fmt::format("{}", r.shape.known); }},
+constexpr Field<ShapeRow> shape_file_columns[] = {
+    {"t", "s", "time of the shape", [](Cells& o, const ShapeRow& r) { put(o, r.shape.t); }},
+    {"x,y,z", "m", "position of the tip then", [](Cells& o, const ShapeRow& r) { put(o, r.shape.at); }},
+    {"known", "", "number of known states", [](Cells& o, const ShapeRow& r) { put(o, r.shape.known); }},
     {"states", "", "states that the shape is interpolated from, besides rest and the slope there",
-     [](const ShapeRow& r) { return fmt::format("{}", r.shape.states.size()); }},
+     [](Cells& o, const ShapeRow& r) { put(o, r.shape.states.size()); }},
     {"order", "",
      "quintic, cubic, or slope: the slope of the body at rest and the nearest state, of touches those near",
-     [](const ShapeRow& r) { return std::string(name(r.shape.order)); }},
+     [](Cells& o, const ShapeRow& r) { put(o, r.shape.order); }},
     {"largest", "m", "largest displacement of a node",
-     [](const ShapeRow& r) { return fmt::format("{}", r.shape.largest); }},
+     [](Cells& o, const ShapeRow& r) { put(o, r.shape.largest); }},
     {"error", "1",
      "largest error of a node against a tight solve, relative to the largest displacement; empty: not "
      "compared",
-     [](const ShapeRow& r) { return r.checked ? fmt::format("{}", r.checked->error) : std::string(); }}};
+     [](Cells& o, const ShapeRow& r) { put(o, r.checked ? r.checked->error : unknown); }}};
 
 // Removes the files of the series. Other files in the folder stay.
 void clear_series(const fs::path& run) {
@@ -112,11 +111,11 @@ void write_shape_series(const fs::path& run, const ShapeLog& log) {
 }
 
 void write_shape_table(const fs::path& run, const ShapeLog& log, std::span<const CheckedShape> checked) {
-  std::string table = csv_header(shape_file_columns);
+  std::string table = header_of<ShapeRow>(shape_file_columns);
   auto next = checked.begin();
   for (std::size_t k = 0; k < log.records().size(); ++k) {
     const bool compared = next != checked.end() && next->record == k;
-    table += csv_row(shape_file_columns, {log.records()[k], compared ? &*next : nullptr});
+    table += csv_row<ShapeRow>(shape_file_columns, {log.records()[k], compared ? &*next : nullptr});
     if (compared) ++next;
   }
   write_whole(run / "shape.csv", table);
@@ -125,7 +124,7 @@ void write_shape_table(const fs::path& run, const ShapeLog& log, std::span<const
 DeclaredTable declared_shape_table() {
   return {"shape.csv",
           "One row a shape, in sessions with session.shape_rate. The displacements are in shape.pvd.",
-          declared(shape_file_columns)};
+          declared<ShapeRow>(shape_file_columns)};
 }
 
 namespace {

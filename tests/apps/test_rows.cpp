@@ -1,9 +1,9 @@
 // One row declares a key: of a table of a scene (scene_rows.hpp), of a JSON document (document_keys.hpp), and a column
-// of a CSV file (geometry/common/csv_columns.hpp).
+// of a CSV file (geometry/common/field.hpp).
 
 #include "apps/console/document_keys.hpp"
 #include "apps/scene/scene_rows.hpp"
-#include "geometry/common/csv_columns.hpp"
+#include "geometry/common/field.hpp"
 #include "tests/support/test.hpp"
 
 namespace {
@@ -133,11 +133,11 @@ TEST_CASE("a row of a document is written and documented") {
 }
 
 TEST_CASE("a column of a CSV file is written and documented") {
-  const CsvColumns<Point> columns{
-      {"x,y,z", "m", "position", [](const Point& p) { return cells(p.at); }},
-      {"error", "1", "of it", [](const Point& p) { return known_cell(p.error); }}};
-  CHECK(csv_header(columns) == "x,y,z,error\n");
-  CHECK(csv_row(columns, {Vec3(1, 2, 3), unknown, {}}) == "1,2,3,\n");
-  CHECK(csv_row(columns, {Vec3(1, 2, 3), 0.5, {}}) == "1,2,3,0.5\n");
-  CHECK(declared(columns)[1].unit == "1");
+  constexpr Field<Point> columns[] = {
+      {"x,y,z", "m", "position", [](Cells& o, const Point& p) { put(o, p.at); }},
+      {"error", "1", "of it", [](Cells& o, const Point& p) { put(o, p.error); }}};
+  CHECK(header_of<Point>(columns) == "x,y,z,error\n");
+  CHECK(csv_row<Point>(columns, {Vec3(1, 2, 3), unknown, {}}) == "1,2,3,\n");
+  CHECK(csv_row<Point>(columns, {Vec3(1, 2, 3), 0.5, {}}) == "1,2,3,0.5\n");
+  CHECK(declared<Point>(columns)[1].unit == "1");
 }
