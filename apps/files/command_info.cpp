@@ -98,7 +98,9 @@ int info_scene(const Globals& globals, const std::string& file) {
 constexpr std::size_t most_shown = 255;  // labels; more are probably no labels
 
 int info_labels(const Globals& globals, const std::string& file) {
-  const LabelVolume volume = read_label_volume(file);
+  LabelVolume volume = read_label_volume(file);
+  if (!volume.unit_unknown.empty())
+    volume.warnings.push_back(fmt::format("its unit of length '{:.40}' is unknown", volume.unit_unknown));
   const Vec3 sizes = volume.axes.colwise().norm().transpose();
   std::vector<std::size_t> voxels(volume.values.size(), 0);
   for (const std::uint16_t at : volume.voxels) ++voxels[at];
@@ -118,10 +120,12 @@ int info_labels(const Globals& globals, const std::string& file) {
     document["warnings"] = volume.warnings;
     print_json(document);
   }
-  answer(globals,
-         fmt::format("{}: {} x {} x {} voxels of {:.3g} x {:.3g} x {:.3g} mm; lengths taken in {}{}", file,
-                     volume.size[0], volume.size[1], volume.size[2], 1e3 * sizes[0], 1e3 * sizes[1],
-                     1e3 * sizes[2], volume.unit, volume.unit_given ? "" : ", since the file names no unit"));
+  answer(
+      globals,
+      fmt::format("{}: {} x {} x {} voxels of {:.3g} x {:.3g} x {:.3g} mm; lengths taken in {}{}", file,
+                  volume.size[0], volume.size[1], volume.size[2], 1e3 * sizes[0], 1e3 * sizes[1],
+                  1e3 * sizes[2], volume.unit,
+                  volume.unit_given || !volume.unit_unknown.empty() ? "" : ", since the file names no unit"));
   if (!volume.directions.empty()) answer(globals, "  x, y, z: " + volume.directions);
   if (volume.values.size() > most_shown)
     warn(
@@ -241,9 +245,10 @@ int info_mesh(const Globals& globals, const std::string& file) {
 }
 
 int info_surface(const Globals& globals, const std::string& file) {
-  const SurfaceSummary sum = summarise(read_surface(file));
-  const std::vector<std::string> warnings =
-      size_warning(sum.box, "forefeel mesh --unit or --length scales it");
+  const Surface surface = read_surface(file);
+  const SurfaceSummary sum = summarise(surface);
+  std::vector<std::string> warnings = size_warning(sum.box, "forefeel mesh --unit or --length scales it");
+  warnings.insert(warnings.end(), surface.remarks.begin(), surface.remarks.end());
   for (const std::string& warning : warnings) warn(globals, file + ": " + warning);
   if (globals.json)
     print_json({{"kind", "surface"},

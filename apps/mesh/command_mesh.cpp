@@ -158,6 +158,7 @@ MadeMesh from_surface(const Surface& surface, const MeshArguments& arguments, co
   take_to_surface(surface, arguments, name, made);
   made.mesh = tetrahedralise(surface, options_of(arguments, name, made), &made.report,
                              [&](const MeshingProgress& p) { progress.show(in_words(p)); });
+  for (const std::string& remark : surface.remarks) made.warnings.push_back(name + ": " + remark);
   judge(made, surface, arguments, name);
   return made;
 }

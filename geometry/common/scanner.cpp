@@ -241,6 +241,17 @@ bool Scanner::skip_past_line(std::string_view word) {
   return false;
 }
 
+bool Scanner::skip_past_word(std::string_view word) {
+  for (std::size_t found = content_.find(word, position_); found != std::string::npos;
+       found = content_.find(word, found + 1)) {
+    const std::size_t end = found + word.size();
+    if (end < content_.size() && !is_space(content_[end])) continue;
+    position_ = end;
+    return true;
+  }
+  return false;
+}
+
 std::string_view Scanner::bytes(std::size_t n, const char* expected) {
   if (n > remaining()) fail_binary(fmt::format("the file ends where {} was expected", expected));
   const std::string_view result = std::string_view(content_).substr(position_, n);
@@ -249,8 +260,12 @@ std::string_view Scanner::bytes(std::size_t n, const char* expected) {
 }
 
 InputPlace Scanner::where() const {
-  const auto end = content_.begin() + static_cast<std::ptrdiff_t>(std::min(token_, content_.size()));
-  return {.file = name_, .line = 1 + static_cast<std::size_t>(std::count(content_.begin(), end, '\n'))};
+  const std::size_t at = std::min(token_, content_.size());
+  if (at < counted_) counted_ = 0, line_ = 1;
+  const auto place = [&](std::size_t byte) { return content_.begin() + static_cast<std::ptrdiff_t>(byte); };
+  line_ += static_cast<std::size_t>(std::count(place(counted_), place(at), '\n'));
+  counted_ = at;
+  return {.file = name_, .line = line_};
 }
 
 void Scanner::fail(const std::string& problem) const {

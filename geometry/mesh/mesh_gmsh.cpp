@@ -147,7 +147,8 @@ class GmshReader : GmshScanner {
 
   void skip_section(const std::string& section) {
     const InputPlace where = in_.where();
-    if (!in_.skip_past_line("$End" + section))
+    // Binary data need no line break before their end.
+    if (!(binary_ ? in_.skip_past_word("$End" + section) : in_.skip_past_line("$End" + section)))
       throw InputError(where, fmt::format("section ${:.40} has no end", section));
   }
 

@@ -1,5 +1,5 @@
-// Readers of surfaces: .obj .off .stl .ply, and legacy .vtk with DATASET POLYDATA. Polygons are cut into fans of
-// triangles.
+// Readers of surfaces: .obj .off .stl .ply, and legacy .vtk with DATASET POLYDATA. Polygons are cut into
+// triangles in their plane.
 //
 // CGAL's readers of polygon soups (5.5) are not used: of .obj they drop faces whose corners are separated by tabs and
 // refuse files with lines, of .ply they take indices beyond the vertices and end in a crash where coordinates are
@@ -57,7 +57,7 @@ void read_obj(Scanner& in, SurfaceBuilder& out) {
       if (word.size() < 4)
         in.fail(fmt::format("a face with {} vertices, expected at least 3", word.size() - 1));
       for (std::size_t k = 1; k < word.size(); ++k) read_obj_corner(in, out, word[k]);
-      out.end_polygon();
+      out.end_polygon(in.where().line);
     }
   }
 }
@@ -81,7 +81,7 @@ void read_off(Scanner& in, SurfaceBuilder& out) {
     const std::int64_t corners = in.integer("a number of corners", 1, most_corners);
     for (std::int64_t k = 0; k < corners; ++k)
       out.polygon.push_back(in.integer("a vertex number", 0, 0x7fffffff));
-    out.end_polygon();
+    out.end_polygon(in.where().line);
     in.line(rest);
   }
 }
@@ -126,7 +126,7 @@ void read_stl_text(Scanner& in, SurfaceBuilder& out) {
       if (next == "end") next += lower_case(in.token("loop"));
       if (next != "endloop" || end_word(in) != "endfacet") in.fail("expected 'endloop' and 'endfacet'");
       if (out.polygon.size() < 3) in.fail("a facet with fewer than 3 vertices");
-      out.end_polygon();
+      out.end_polygon(in.where().line);
     } else {
       in.fail(fmt::format("'{:.40}' stands where facet or endsolid was expected", word));
     }
@@ -193,15 +193,53 @@ void read_polydata(Scanner in, SurfaceBuilder& out) {
   for_each("triangle_strips", strip);
 }
 
-void check_surface(const Surface& surface, std::int64_t greatest, const std::string& where) {
-  if (surface.triangles.empty()) throw InputError({.file = where}, "holds no triangles, expected a surface");
-  if (greatest >= static_cast<std::int64_t>(surface.nodes.size()))
-    throw InputError({.file = where}, fmt::format("a face names vertex {} (from 0), but there are {}",
-                                                  greatest, surface.nodes.size()));
+void check_nodes(const Surface& surface, const std::string& where) {
   for (std::size_t i = 0; i < surface.nodes.size(); ++i)
     if (!surface.nodes[i].allFinite())
       throw InputError({.file = where},
                        fmt::format("vertex {} (from 0) has a coordinate that is not finite", i));
+}
+
+// Remarks on faces of one kind: how many there are, and where the first stands.
+struct FaceRemark {
+  std::string what;
+  std::size_t count = 0, first = 0;
+  void add(std::size_t face) {
+    if (count++ == 0) first = face;
+  }
+  void put(const std::vector<std::size_t>& lines, std::vector<std::string>& to) const {
+    if (count == 0) return;
+    const std::string place =
+        lines[first] > 0 ? fmt::format("line {}", lines[first]) : fmt::format("face {} (from 0)", first);
+    to.push_back(count == 1 ? fmt::format("{}: a face {}", place, what)
+                            : fmt::format("{}: a face {}, the first of {}", place, what, count));
+  }
+};
+
+void cut_polygons(SurfaceBuilder& from, const std::string& where) {
+  constexpr double most_off_plane = 0.02;  // of the size of a polygon
+  Surface& surface = from.surface;
+  const auto known = static_cast<std::int64_t>(surface.nodes.size());
+  FaceRemark crossing{"crosses itself, and its triangles are a guess"};
+  FaceRemark bent{
+      "of more than four corners, or concave, is not planar, and its triangles are one choice of several"};
+  std::vector<NodeIndex> polygon;
+  for (std::size_t face = 0, begin = 0; face < from.ends.size(); begin = from.ends[face++]) {
+    polygon.clear();
+    for (std::size_t k = begin; k < from.ends[face]; ++k) {
+      if (from.corners[k] >= known)
+        throw InputError(
+            {.file = where, .line = from.lines[face]},
+            fmt::format("a face names vertex {} (from 0), but there are {}", from.corners[k], known));
+      polygon.push_back(static_cast<NodeIndex>(from.corners[k]));
+    }
+    const PolygonCut cut = cut_polygon(surface.nodes, polygon, surface.triangles);
+    if (cut.crosses) crossing.add(face);
+    if (cut.off_plane > most_off_plane && (polygon.size() > 4 || !cut.convex)) bent.add(face);
+  }
+  if (surface.triangles.empty()) throw InputError({.file = where}, "holds no triangles, expected a surface");
+  crossing.put(from.lines, surface.remarks);
+  bent.put(from.lines, surface.remarks);
 }
 
 // Points that coincide exactly become one, the first of them: STL, and many files of VTK, give each triangle points of
@@ -266,7 +304,8 @@ Surface read_surface(const std::filesystem::path& file) {
     read_polydata(std::move(in), out);
   else
     read_ply(in, out);
-  check_surface(out.surface, out.greatest, file.string());
+  check_nodes(out.surface, file.string());
+  cut_polygons(out, file.string());
   weld(out.surface);
   return std::move(out.surface);
 }

@@ -103,6 +103,8 @@ class MetaReader {
           positive_size(spacing[d], fmt::format("ElementSpacing {} of 3", d + 1), header.warnings) *
           Vec3(turn[3 * d], turn[3 * d + 1], turn[3 * d + 2]);
     }
+    if (const std::string unit = fields_.get("DistanceUnits"); !unit.empty() && unit != "?")
+      name_unit(header, unit);
     header.directions = "left, posterior, superior (DICOM), as is usual in this format";
     header.type = type();
     const bool big = flag("BinaryDataByteOrderMSB") || flag("ElementByteOrderMSB");

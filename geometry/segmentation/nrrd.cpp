@@ -6,6 +6,7 @@
 
 #include "geometry/common/error.hpp"
 #include "geometry/common/scanner.hpp"
+#include "geometry/mesh/length_unit.hpp"
 #include "geometry/segmentation/raw_image.hpp"
 
 namespace forefeel {
@@ -98,19 +99,23 @@ class NrrdReader {
     }
   }
 
+  // "mm" "mm" "mm", one of each axis of space (or, of spacings, of the volume).
   void take_unit(ImageHeader& header) const {
-    const std::string units = lower_case(get("space units"));  // "mm" "mm" "mm"
-    if (units.empty()) return;
-    header.unit_given = true;
-    if (units.starts_with("\"mm\"")) return;
-    if (units.starts_with("\"m\""))
-      header.unit = 1, header.unit_name = "m";
-    else if (units.starts_with("\"cm\""))
-      header.unit = 1e-2, header.unit_name = "cm";
-    else if (units.starts_with("\"um\""))
-      header.unit = 1e-6, header.unit_name = "micrometres";
-    else
-      header.unit_given = false;
+    std::vector<std::string> words;
+    const std::string units = get(fields_.has("space units") ? "space units" : "units");
+    for (std::size_t at = units.find('"'); at != std::string::npos; at = units.find('"', at)) {
+      const std::size_t end = std::min(units.find('"', at + 1), units.size());
+      words.emplace_back(trimmed(std::string_view(units).substr(at + 1, end - at - 1)));
+      at = std::min(end + 1, units.size());
+    }
+    if (words.empty() && !units.empty()) words = {units};
+    std::erase_if(words, [](const std::string& word) { return word.empty() || word == "???"; });
+    if (words.empty()) return;
+    for (const std::string& word : words)
+      if (word != words[0] && unit_of(word) != unit_of(words[0]))
+        fields_.fail(
+            fmt::format("the units '{:.20}' and '{:.20}' differ, expected one for all axes", words[0], word));
+    name_unit(header, words[0]);
   }
 
   ImageHeader read_header() const {

@@ -15,6 +15,7 @@
 #include "geometry/common/error.hpp"
 #include "geometry/common/memory.hpp"
 #include "geometry/common/scanner.hpp"
+#include "geometry/mesh/length_unit.hpp"
 
 namespace forefeel {
 namespace {
@@ -32,6 +33,16 @@ void check_axes(const ImageHeader& header, const std::string& file) {
 }
 
 }  // namespace
+
+void name_unit(ImageHeader& header, std::string_view word) {
+  if (const std::optional<double> metres = unit_of(word)) {
+    header.unit = *metres;
+    header.unit_name = unit_name(*metres);
+    header.unit_given = true;
+  } else {
+    header.unit_unknown = word;
+  }
+}
 
 double positive_size(double size, const std::string& entry, std::vector<std::string>& warnings) {
   if (size < 0) warnings.push_back(fmt::format("{} is {:g}, taken as {:g}", entry, size, -size));
@@ -64,6 +75,7 @@ LabelCollector::LabelCollector(const ImageHeader& header, std::size_t voxels, co
   volume_.unit = header.unit_name;
   volume_.metres = header.unit;
   volume_.unit_given = header.unit_given;
+  volume_.unit_unknown = header.unit_unknown;
   volume_.directions = header.directions;
   volume_.warnings = header.warnings;
   volume_.voxels.resize(voxels);

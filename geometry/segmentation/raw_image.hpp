@@ -24,12 +24,16 @@ struct ImageHeader {
   double unit = 1e-3;  // of the file [m]
   std::string unit_name = "mm";
   bool unit_given = false;
+  std::string unit_unknown = {};
   Scalar type = Scalar::uint8;
   bool swap = false;                // the byte order is not that of this machine
   double slope = 1, intercept = 0;  // value = slope * stored + intercept
   std::string directions = {};      // of x, y and z
   std::vector<std::string> warnings = {};
 };
+
+// Takes the file's word for its unit of length.
+void name_unit(ImageHeader& header, std::string_view word);
 
 // |size|. A warning names the entry of the header that is negative.
 double positive_size(double size, const std::string& entry, std::vector<std::string>& warnings);
