@@ -27,6 +27,7 @@
 #include "geometry/mesh/tet_mesh.hpp"
 #include "geometry/meshing/surface.hpp"
 #include "geometry/segmentation/label_volume.hpp"
+#include "geometry/states/misleading.hpp"
 #include "geometry/states/state_file.hpp"
 #include "geometry/states/state_summary.hpp"
 #include "solver/body/fine_jet.hpp"
@@ -174,6 +175,9 @@ int info_states(const Globals& globals, const std::string& file) {
   const StateSetSummary sum = summarise(loaded.states);
   if (sum.at_one_position.contradicting > 0)
     warn(globals, contradictions_in_words(file, sum.at_one_position));
+  if (loaded.header.identity.empty())
+    for (const std::string& line : misleading(loaded.states, loaded.header.spacing))
+      warn(globals, file + ": " + line);
   if (globals.json) print_json(states_json(sum, loaded.header, file));
   answer(globals,
          fmt::format(
