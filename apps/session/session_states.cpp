@@ -16,6 +16,7 @@
 #include "apps/scene/scene_session.hpp"
 #include "geometry/common/error.hpp"
 #include "geometry/common/output_file.hpp"
+#include "geometry/states/heaps.hpp"
 #include "geometry/states/state_file.hpp"
 #include "scheduling/session/session_setup.hpp"
 
@@ -91,6 +92,7 @@ SessionPlan take_states(const Scene& scene, const SessionArguments& given, const
     if (std::ranges::any_of(given_forces, &State::has_stiffness))
       return with_foreign(std::move(plan), std::move(given_forces));
     plan = with_foreign(std::move(plan), {});  // refused before the work
+    given_forces = join_heaps(std::move(given_forces)).states;
     std::vector<State> field = field_of_measured(scene, given_forces, given.states.file, globals);
     if (field.empty()) return with_known(std::move(plan), std::move(given_forces));
     plan = with_known(std::move(plan), std::move(field));
