@@ -286,7 +286,8 @@ int run_info(const Globals& globals, const std::string& file) {
   throw InputError(
       file,
       "unknown kind of file, expected a scene (.toml), states (.states .csv), a mesh (.msh .vtk .vtu "
-      ".mesh), a surface (.obj .off .stl .ply .vtk) or a label volume (.nii .mha .nrrd .vti)");
+      ".mesh), a surface (.obj .off .stl .ply .vtk) or a label volume (.nii .mha .nrrd .vti)" +
+          converter_for(file));
 }
 
 }  // namespace

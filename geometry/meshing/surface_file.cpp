@@ -48,8 +48,15 @@ Vec3 read_obj_vertex(Scanner& in, const std::vector<std::string_view>& word) {
 
 void read_obj(Scanner& in, SurfaceBuilder& out) {
   std::string_view line;
+  std::string joined;
   while (in.line(line)) {
-    const std::vector<std::string_view> word = words_of(line.substr(0, line.find('#')));
+    for (joined.clear(); trimmed(line).ends_with('\\');) {  // goes on in the next line
+      joined += trimmed(line).substr(0, trimmed(line).size() - 1);
+      joined += ' ';
+      if (!in.line(line)) break;
+    }
+    joined += line;
+    const std::vector<std::string_view> word = words_of(std::string_view(joined).substr(0, joined.find('#')));
     if (word.empty()) continue;
     if (word[0] == "v") {
       out.surface.nodes.push_back(read_obj_vertex(in, word));
@@ -64,13 +71,20 @@ void read_obj(Scanner& in, SurfaceBuilder& out) {
 
 void read_off(Scanner& in, SurfaceBuilder& out) {
   in.comment('#');
-  const std::string kind(in.token("OFF"));
-  if (kind != "OFF" && kind != "COFF" && kind != "NOFF" && kind != "CNOFF")
-    in.fail("is not an OFF file, expected OFF in the first line");
+  // The keyword may be missing. ST, C and N: texture, colour and normal follow the position of a vertex.
+  std::int64_t number = 0;
+  if (const std::string first(in.peek()); !parse_integer(first, number)) {
+    std::string kind = lower_case(in.token("OFF"));
+    for (const std::string_view before : {"st", "c", "n"})
+      if (kind.starts_with(before)) kind.erase(0, before.size());
+    if (kind != "off")
+      in.fail(
+          "is not an OFF file of positions in space, expected OFF, COFF, NOFF or STOFF in the first line");
+    if (lower_case(in.peek()) == "binary") in.fail("is a binary OFF file, expected one of text");
+  }
   const std::size_t nodes = in.count("a number of vertices", 6), faces = in.count("a number of faces", 2);
-  in.integer("a number of edges");
   std::string_view rest;
-  in.line(rest);
+  in.line(rest);  // the number of edges, which some leave out
   out.surface.nodes.reserve(nodes);
   for (std::size_t i = 0; i < nodes; ++i) {
     const double x = in.real("x"), y = in.real("y"), z = in.real("z");
@@ -138,10 +152,11 @@ void read_stl(Scanner& in, SurfaceBuilder& out) {
   std::uint32_t n = 0;
   if (in.content().size() >= 84) std::memcpy(&n, in.content().data() + 80, 4);
   if (std::endian::native == std::endian::big) n = byte_swapped(n);
-  // Binary files may begin with "solid", too; the length of the file decides.
-  const bool binary =
-      in.content().size() >= 84 && in.content().size() == 84 + 50 * static_cast<std::size_t>(n);
-  if (!binary && lower_case(in.content().substr(0, 5)) == "solid") return read_stl_text(in, out);
+  // Binary files may begin with "solid", too: the length of the file decides, else whether it is text.
+  const std::size_t bytes = 84 + 50 * static_cast<std::size_t>(n);
+  const std::string start = lower_case(trimmed(in.content().substr(0, 1024)));
+  if (in.content().size() != bytes && start.starts_with("solid") && start.find('\0') == std::string::npos)
+    return read_stl_text(in, out);
   in.swap_bytes(std::endian::native == std::endian::big);
   in.bytes(84, "a header of 84 bytes");
   in.check_count(n, 50, "triangles");
@@ -154,6 +169,12 @@ void read_stl(Scanner& in, SurfaceBuilder& out) {
     in.bytes(2, "an attribute");
     out.end_polygon();
   }
+  if (in.remaining() >= 50)
+    in.fail_binary(fmt::format("{} triangles are announced, and {} bytes follow them, expected none", n,
+                               in.remaining()));
+  if (in.remaining() > 0)
+    out.surface.remarks.push_back(
+        fmt::format("{} bytes behind the last triangle are left out", in.remaining()));
 }
 
 // Polygons and triangle strips of alternating orientation; points and lines are passed over.

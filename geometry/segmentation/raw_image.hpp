@@ -68,6 +68,9 @@ LabelVolume labels_of(const ImageHeader& header, std::string_view data, const st
 LabelVolume labels_in(const ImageHeader& header, std::string_view content, bool compressed,
                       const std::string& file);
 
+// The same of numbers in text, one a voxel.
+LabelVolume labels_in_text(const ImageHeader& header, std::string_view text, const std::string& file);
+
 // Decompresses the data of images: gzip or zlib streams.
 bool is_compressed(std::string_view data);  // begins with the two bytes that mark gzip
 // Returns the first `bytes` of the content, or fewer if the stream is shorter. InputError, with the name of the file,
