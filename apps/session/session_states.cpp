@@ -56,8 +56,11 @@ std::vector<State> field_of_measured(const Scene& scene, std::span<const State> 
   }
   if (!field) return {};
   say(globals, fmt::format("{}: forces without stiffness: their field (Gaussian process, noise {:.2g} N) is "
-                           "rendered, with its stiffness at {} of {} places",
-                           file, field->law.noise, field->states.size(), usable.size()));
+                           "rendered, with its stiffness at {} of {} places{}",
+                           file, field->law.noise, field->states.size(), usable.size(),
+                           field->states.size() < usable.size()
+                               ? ", a quarter of the spacing apart: between closer ones noise would be slope"
+                               : ""));
   return std::move(field->states);
 }
 
