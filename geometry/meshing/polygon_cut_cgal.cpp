@@ -80,15 +80,17 @@ PolygonCut cut_polygon(std::span<const Vec3> nodes, std::span<const NodeIndex> p
   const std::size_t n = polygon.size();
   const Vec3 origin = n > 0 ? nodes[polygon[0]] : Vec3::Zero();
   Vec3 normal = Vec3::Zero(), mean = Vec3::Zero();
-  double size = 0;
+  double size = 0, swept = 0;
   for (std::size_t i = 0; i < n; ++i) {
     const Vec3 a = nodes[polygon[i]] - origin, b = nodes[polygon[(i + 1) % n]] - origin;
     normal += 0.5 * a.cross(b);
+    swept += 0.5 * a.cross(b).norm();
     mean += a / static_cast<double>(n);
     size = std::max(size, a.norm());
   }
   const double area = normal.norm();
   if (n < 4 || !(area > 1e-12 * size * size)) {
+    cut.crosses = n > 3 && swept > 1e-9 * size * size;  // parts that cancel
     add_fan(polygon, to);
     return cut;
   }

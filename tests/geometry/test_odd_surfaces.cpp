@@ -97,7 +97,8 @@ TEST_CASE("concave polygons are triangulated in their plane, in every format, wh
     Prism prism = l_prism();
     const double scale = std::pow(10, number(random));
     const Eigen::Quaterniond turn(number(random), number(random), number(random), number(random));
-    for (Vec3& x : prism.nodes) x = scale * (turn.normalized() * x) + Vec3(number(random), 0.2, 0);
+    const Vec3 shift(number(random), 0.2, 0);
+    for (Vec3& x : prism.nodes) x = scale * (turn.normalized() * x) + shift;
     for (auto& face : prism.faces)  // any corner may be the first
       std::ranges::rotate(face, face.begin() + variant % static_cast<int>(face.size()));
     std::ranges::shuffle(prism.faces, random);
@@ -148,7 +149,7 @@ TEST_CASE("faces that are not planar, or cross themselves, are said with their l
   REQUIRE(bent.remarks.size() == 1);
   CHECK_THAT(bent.remarks[0], Contains("line 6: a face", "is not planar"));
   const Surface crossed =
-      read_surface(folder.write("bow.obj", "v 0 0 0\nv 2 2 0\nv 2.5 0 0\nv 0 2 0\nf 1 2 3 4\n"));
+      read_surface(folder.write("bow.obj", "v 0 0 0\nv 2 2 0\nv 2.5 0 0\nv 0 1 0\nf 1 2 3 4\n"));
   REQUIRE(crossed.remarks.size() == 1);
   CHECK_THAT(crossed.remarks[0], Contains("line 5: a face crosses itself"));
   // A quadrilateral has two triangulations, equally right.
