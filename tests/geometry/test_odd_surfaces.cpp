@@ -186,6 +186,30 @@ TEST_CASE("what the formats allow is read: CR alone, lines that go on, missing k
   volume("a.off", replaced("OFF\n" + off, "12 8 0", "12 8"));
 }
 
+TEST_CASE("PLY: properties before the corners, and lists longer than a byte counts") {
+  const TemporaryFolder folder;
+  const std::string ascii =
+      "ply\nformat ascii 1.0\nelement vertex 4\nproperty float x\nproperty float y\nproperty float z\n"
+      "element face 4\nproperty uchar material\nproperty list uchar int vertex_indices\nend_header\n"
+      "0 0 0\n1 0 0\n0 1 0\n0 0 1\n7 3 0 2 1\n7 3 0 1 3\n7 3 1 2 3\n7 3 0 3 2\n";
+  CHECK(summarise(read_surface(folder.write("a.ply", ascii))).volume == Approx(1.0 / 6));
+  std::string binary =
+      "ply\nformat binary_little_endian 1.0\nelement vertex 4\nproperty float x\nproperty float y\n"
+      "property float z\nproperty list ushort float descriptor\nelement face 4\n"
+      "property list uchar int vertex_indices\nend_header\n";
+  const auto put = [&](auto value) { binary.append(reinterpret_cast<const char*>(&value), sizeof value); };
+  for (int i = 0; i < 4; ++i) {
+    for (int axis = 0; axis < 3; ++axis) put(i == axis + 1 ? 1.0F : 0.0F);
+    put(std::uint16_t{300});
+    binary.append(1200, '\3');
+  }
+  for (const std::array<std::int32_t, 3>& face : {std::array{0, 2, 1}, {0, 1, 3}, {1, 2, 3}, {0, 3, 2}}) {
+    put(std::uint8_t{3});
+    for (const std::int32_t corner : face) put(corner);
+  }
+  CHECK(summarise(read_surface(folder.write("b.ply", binary))).volume == Approx(1.0 / 6));
+}
+
 TEST_CASE("STL: what follows the last triangle is said or refused, and text is told from binary data") {
   const TemporaryFolder folder;
   const auto stl = [](std::uint32_t announced, std::size_t bytes, const char* head) {
