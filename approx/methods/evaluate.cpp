@@ -17,6 +17,7 @@
 #include "geometry/common/error.hpp"
 #include "geometry/common/quantiles.hpp"
 #include "geometry/coverage/state_space.hpp"
+#include "geometry/states/heaps.hpp"
 
 namespace forefeel {
 namespace {
@@ -302,7 +303,12 @@ Evaluation evaluate(std::span<const State> states, std::span<const Vec3> points,
       std::ranges::none_of(usable, [](const State& s) { return s.jet != nullptr; }))
     throw InputError("states", "no state has an energy jet, expected columns e300 to e005, or other --data");
   const std::size_t rows = usable.size();
-  if (!stiffness) join_near(usable);
+  if (!stiffness) {
+    join_near(usable);
+    JoinedHeaps joined = join_heaps(std::move(usable));
+    usable = std::move(joined.states);
+    result.heaped = joined.rows;
+  }
   AveragedStates mean = averaged(std::move(usable));
   result.repeated = mean.found;
   const double spacing = options.spacing > 0 ? options.spacing : estimate_spacing(mean.states);

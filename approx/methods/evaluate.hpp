@@ -75,6 +75,7 @@ struct Evaluation {
   Method method = Method::rbf;
   MethodOptions options = {};              // as used; .model of rbf and offline_rbf
   std::size_t states = 0;                  // known positions
+  std::size_t heaped = 0;                  // rows of heaps (geometry/states/heaps.hpp)
   RepeatedStates repeated = {};            // states that contradict each other are averaged
   std::optional<AutoModel> chosen = {};    // where the model was chosen
   std::optional<FieldOptions> field = {};  // of measured states: their law and noise

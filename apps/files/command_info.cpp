@@ -27,6 +27,7 @@
 #include "geometry/mesh/tet_mesh.hpp"
 #include "geometry/meshing/surface.hpp"
 #include "geometry/segmentation/label_volume.hpp"
+#include "geometry/states/misleading.hpp"
 #include "geometry/states/state_file.hpp"
 #include "geometry/states/state_summary.hpp"
 #include "solver/body/fine_jet.hpp"
@@ -98,7 +99,9 @@ int info_scene(const Globals& globals, const std::string& file) {
 constexpr std::size_t most_shown = 255;  // labels; more are probably no labels
 
 int info_labels(const Globals& globals, const std::string& file) {
-  const LabelVolume volume = read_label_volume(file);
+  LabelVolume volume = read_label_volume(file);
+  if (!volume.unit_unknown.empty())
+    volume.warnings.push_back(fmt::format("its unit of length '{:.40}' is unknown", volume.unit_unknown));
   const Vec3 sizes = volume.axes.colwise().norm().transpose();
   std::vector<std::size_t> voxels(volume.values.size(), 0);
   for (const std::uint16_t at : volume.voxels) ++voxels[at];
@@ -118,10 +121,12 @@ int info_labels(const Globals& globals, const std::string& file) {
     document["warnings"] = volume.warnings;
     print_json(document);
   }
-  answer(globals,
-         fmt::format("{}: {} x {} x {} voxels of {:.3g} x {:.3g} x {:.3g} mm; lengths taken in {}{}", file,
-                     volume.size[0], volume.size[1], volume.size[2], 1e3 * sizes[0], 1e3 * sizes[1],
-                     1e3 * sizes[2], volume.unit, volume.unit_given ? "" : ", since the file names no unit"));
+  answer(
+      globals,
+      fmt::format("{}: {} x {} x {} voxels of {:.3g} x {:.3g} x {:.3g} mm; lengths taken in {}{}", file,
+                  volume.size[0], volume.size[1], volume.size[2], 1e3 * sizes[0], 1e3 * sizes[1],
+                  1e3 * sizes[2], volume.unit,
+                  volume.unit_given || !volume.unit_unknown.empty() ? "" : ", since the file names no unit"));
   if (!volume.directions.empty()) answer(globals, "  x, y, z: " + volume.directions);
   if (volume.values.size() > most_shown)
     warn(
@@ -170,6 +175,9 @@ int info_states(const Globals& globals, const std::string& file) {
   const StateSetSummary sum = summarise(loaded.states);
   if (sum.at_one_position.contradicting > 0)
     warn(globals, contradictions_in_words(file, sum.at_one_position));
+  if (loaded.header.identity.empty())
+    for (const std::string& line : misleading(loaded.states, loaded.header.spacing))
+      warn(globals, file + ": " + line);
   if (globals.json) print_json(states_json(sum, loaded.header, file));
   answer(globals,
          fmt::format(
@@ -241,9 +249,10 @@ int info_mesh(const Globals& globals, const std::string& file) {
 }
 
 int info_surface(const Globals& globals, const std::string& file) {
-  const SurfaceSummary sum = summarise(read_surface(file));
-  const std::vector<std::string> warnings =
-      size_warning(sum.box, "forefeel mesh --unit or --length scales it");
+  const Surface surface = read_surface(file);
+  const SurfaceSummary sum = summarise(surface);
+  std::vector<std::string> warnings = size_warning(sum.box, "forefeel mesh --unit or --length scales it");
+  warnings.insert(warnings.end(), surface.remarks.begin(), surface.remarks.end());
   for (const std::string& warning : warnings) warn(globals, file + ": " + warning);
   if (globals.json)
     print_json({{"kind", "surface"},
@@ -277,7 +286,8 @@ int run_info(const Globals& globals, const std::string& file) {
   throw InputError(
       file,
       "unknown kind of file, expected a scene (.toml), states (.states .csv), a mesh (.msh .vtk .vtu "
-      ".mesh), a surface (.obj .off .stl .ply .vtk) or a label volume (.nii .mha .nrrd .vti)");
+      ".mesh), a surface (.obj .off .stl .ply .vtk) or a label volume (.nii .mha .nrrd .vti)" +
+          converter_for(file));
 }
 
 }  // namespace

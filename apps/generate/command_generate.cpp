@@ -268,6 +268,8 @@ int run_generate(const Globals& globals, const GenerateArguments& arguments, Ran
 
   if (ranks) ranks->begin(rank_identity(scene.source.hash), pack_spacing(scene.space.spacing));
   const GenerateResult result = fill_lattice(globals, scene, std::move(file), known, arguments.output, ranks);
+  if (!result.interrupted && is_database(arguments.output))
+    StateFile::open_or_create(arguments.output, header_of(scene)).order_outward();
   if (globals.json) print_json(document_of(generate_keys(), Generated{result, scene}));
   tell(globals, result, arguments.output);
   if (is_gone(globals, arguments.output)) return 1;

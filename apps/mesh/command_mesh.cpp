@@ -64,7 +64,10 @@ void check_arguments(const MeshArguments& arguments) {
   if (arguments.length && !(*arguments.length > 0 && std::isfinite(*arguments.length)))
     throw InputError("--length", fmt::format("{} m, expected a positive number", *arguments.length));
   if (!arguments.unit.empty() && !unit_of(arguments.unit))
-    throw InputError("--unit", fmt::format("'{:.40}', expected {}", arguments.unit, unit_names));
+    throw InputError("--unit", fmt::format("'{:.40}', expected {}{}", arguments.unit, unit_names,
+                                           arguments.unit.starts_with("in")
+                                               ? "; of a body in inches, admesh --scale=25.4 makes one in mm"
+                                               : ""));
   if (!arguments.unit.empty() && (arguments.length || !arguments.phantom.empty()))
     throw InputError("--unit", arguments.length ? "has no effect with --length, expected one of them"
                                                 : "a phantom has its size in m, expected --length");
@@ -158,6 +161,7 @@ MadeMesh from_surface(const Surface& surface, const MeshArguments& arguments, co
   take_to_surface(surface, arguments, name, made);
   made.mesh = tetrahedralise(surface, options_of(arguments, name, made), &made.report,
                              [&](const MeshingProgress& p) { progress.show(in_words(p)); });
+  for (const std::string& remark : surface.remarks) made.warnings.push_back(name + ": " + remark);
   judge(made, surface, arguments, name);
   return made;
 }
@@ -201,7 +205,8 @@ MadeMesh make(const Globals& globals, const MeshArguments& arguments) {
   if (!is_mesh_file(arguments.input) && std::filesystem::exists(arguments.input))
     throw InputError(arguments.input,
                      "unknown kind of file, expected a surface (.obj .off .stl .ply .vtk), a mesh "
-                     "(.msh .vtk .vtu .mesh) or a label volume (.nii .nii.gz .mha .nrrd .vti)");
+                     "(.msh .vtk .vtu .mesh) or a label volume (.nii .nii.gz .mha .nrrd .vti)" +
+                         converter_for(arguments.input));
   TetMesh mesh = read_mesh(arguments.input);
   for (Vec3& node : mesh.nodes) node *= unit_in(arguments);
   MeshCheck check = check_and_orient(mesh, arguments.input);

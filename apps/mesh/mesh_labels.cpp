@@ -62,7 +62,12 @@ std::map<std::int64_t, std::string> parse_labels(const std::string& text) {
 LabelBody body_of_labels(const std::string& file, LabelMeshOptions options, const std::string& unit,
                          Progress& progress) {
   LabelVolume volume = read_label_volume(file);
-  if (const std::optional<double> metres = unit_of(unit)) take_in(volume, unit, *metres);
+  if (const std::optional<double> metres = unit_of(unit))
+    take_in(volume, unit, *metres);
+  else if (!volume.unit_unknown.empty())
+    throw InputError({.file = file},
+                     fmt::format("its unit of length '{:.40}' is unknown, expected {}, or --unit",
+                                 volume.unit_unknown, unit_names));
   options.name = file;
   LabelBody body{.mesh = {}, .report = {}, .unit = volume.metres, .taken = taken_in_words(volume)};
   body.mesh = mesh_labels(volume, options, body.report,

@@ -15,7 +15,7 @@
 #include "apps/python/bindings.hpp"
 #include "apps/python/scene_object.hpp"
 #include "geometry/common/error.hpp"
-#include "scheduling/placement/placement_estimate.hpp"
+#include "scheduling/placement/candidate_errors.hpp"
 
 namespace forefeel::python {
 namespace {
@@ -315,20 +315,35 @@ void bind_models(py::module_& module) {
       },
       py::arg("positions"), py::arg("forces"), py::arg("points"), py::arg("stiffness") = py::none());
 
-  module.def(
-      "estimated_errors",
-      [](const PySpace& space, const Doubles& points, double floor) {
-        const std::vector<Vec3> at = points_of(points, "points");
-        py::array_t<double> out(static_cast<py::ssize_t>(at.size()));
-        double* to = out.mutable_data();
-        const py::gil_scoped_release released;
-        EstimateOptions options;
-        options.floor = floor;
-        ErrorEstimator estimate(*space.space, options);
-        for (std::size_t i = 0; i < at.size(); ++i) to[i] = estimate(at[i]);
-        return out;
-      },
-      py::arg("space"), py::arg("points"), py::arg("floor") = EstimateOptions{}.floor);
+  py::class_<CandidateErrors>(module, "CandidateErrors")
+      .def(py::init([](const Doubles& candidates, double spacing, double floor) {
+             EstimateOptions options;
+             options.floor = floor;
+             std::vector<Vec3> at = points_of(candidates, "candidates");
+             StateSpaceOptions space{.spacing = spacing, .box = {at.front(), at.front()}};
+             for (const Vec3& x : at) {
+               space.box.low = space.box.low.cwiseMin(x);
+               space.box.high = space.box.high.cwiseMax(x);
+             }
+             return std::make_unique<CandidateErrors>(std::move(at), space, options);
+           }),
+           py::arg("candidates"), py::arg("spacing"), py::arg("floor"))
+      .def(
+          "tell",
+          [](CandidateErrors& errors, const Doubles& at, const Doubles& force, const Doubles& stiffness) {
+            for (const State& state : states_of(at, force, stiffness)) errors.tell(state);
+          },
+          py::arg("at"), py::arg("force"), py::arg("stiffness"))
+      .def(
+          "worst",
+          [](CandidateErrors& errors, const Doubles& weights) -> std::optional<std::size_t> {
+            const std::span<const double> all(weights.data(), static_cast<std::size_t>(weights.size()));
+            const py::gil_scoped_release released;
+            const auto worst = errors.worst(all);
+            return worst ? std::optional(worst->index) : std::nullopt;
+          },
+          py::arg("weights"))
+      .def_property_readonly("judged", &CandidateErrors::judged);
 
   module.def(
       "evaluate_in",

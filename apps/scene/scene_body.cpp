@@ -125,7 +125,8 @@ Pressed before_scaling(Pressed pressed, double scale) {
 }
 
 TetMesh read_volume_or_surface(const SceneTable& body, const BodyKeys& keys, const fs::path& folder,
-                               const Pressed& pressed, const std::optional<LowEnd>& rim) {
+                               const Pressed& pressed, const std::optional<LowEnd>& rim,
+                               std::vector<std::string>& warnings) {
   const fs::path file = folder / keys.mesh;
   if (!fs::is_regular_file(file))
     throw InputError(body.where("mesh"),
@@ -138,6 +139,7 @@ TetMesh read_volume_or_surface(const SceneTable& body, const BodyKeys& keys, con
   if (!keys.elements)
     throw InputError(body.where("elements"), "missing, expected a tetrahedron count, for mesh is a surface");
   const Surface surface = read_surface(file);
+  for (const std::string& remark : surface.remarks) warnings.push_back(file.string() + ": " + remark);
   TetrahedraliseOptions options{.elements = *keys.elements, .length = {}, .name = file.string()};
   if (pressed && !keys.uniform) {
     options.toward = before_scaling(pressed, scale_of(keys, surface));
@@ -202,8 +204,9 @@ Body assemble(const BodyInput& in, const BodyKeys& keys, std::vector<std::string
   body.element = keys.element;
   const Pressed pressed = pressed_of(in.sections, keys, in.is_phantom);
   const std::optional<LowEnd> rim = rim_of(in.sections.clamp);
-  body.mesh = in.is_phantom ? make_phantom(in.sections.body, keys, pressed, rim)
-                            : read_volume_or_surface(in.sections.body, keys, in.folder, pressed, rim);
+  body.mesh = in.is_phantom
+                  ? make_phantom(in.sections.body, keys, pressed, rim)
+                  : read_volume_or_surface(in.sections.body, keys, in.folder, pressed, rim, warnings);
   const std::string mesh_where =
       in.is_phantom ? in.file + ": body.phantom" : (in.folder / keys.mesh).string();
   const MeshCheck mesh_check = check_and_orient(body.mesh, mesh_where);

@@ -5,6 +5,7 @@
 #include <cmath>
 #include <iterator>
 #include <limits>
+#include <numeric>
 #include <span>
 #include <vector>
 
@@ -57,6 +58,23 @@ double median_bar(const std::vector<Bar>& bars) {
   return std::isfinite(width) ? width : unknown;
 }
 
+// The label of the widest bars. widths: of frame `of[k]` each, the 95 % bar.
+void find_worst(const std::vector<FrameRecord>& frames, std::span<const std::size_t> of,
+                std::span<const double> widths, SessionSummary::AwayFromStates& away) {
+  ByLabel<std::vector<double>> by_label;
+  ByLabel<std::size_t> count{};
+  for (const FrameRecord& frame : frames) ++count[frame.label];
+  for (std::size_t k = 0; k < of.size(); ++k) by_label[frames[of[k]].label].push_back(widths[k]);
+  for (const Label label : all_labels) {
+    const double width = quantile_of(by_label[label], 0.95);
+    if (std::isnan(width)) continue;
+    if (!std::isnan(away.worst_share) && !(width > away.worst_bar)) continue;
+    away.worst = label;
+    away.worst_share = static_cast<double>(count[label]) / static_cast<double>(frames.size());
+    away.worst_bar = width;
+  }
+}
+
 // bars: of the frames `of`; a frame between two of them has the wider one.
 void take_bars(std::vector<FrameRecord>& frames, const std::vector<std::size_t>& of,
                const std::vector<Bar>& bars) {
@@ -88,7 +106,7 @@ SessionSummary::AwayFromStates away_from_states(SessionResult& result, const Ses
   away.farthest = *std::ranges::max_element(distances);
   away.median = median(std::move(distances));
   const std::vector<std::size_t> picked = evenly(result.frames.size());
-  std::vector<Bar> bars;
+  std::vector<Bar> bars, modelled_bars;
   try {
     if (states.size() <= most_known) {
       std::vector<Vec3> hand, modelled, rendered, known;
@@ -99,13 +117,26 @@ SessionSummary::AwayFromStates away_from_states(SessionResult& result, const Ses
       }
       for (const std::size_t i : evenly(states.size())) known.push_back(states[i].at);
       const Told told = told_at(states, hand);
-      away.bar = median_bar(told.about(modelled));
+      modelled_bars = told.about(modelled);
+      away.bar = median_bar(modelled_bars);
       away.bar_at_states = median_bar(told_at(states, known).bars);
       bars = told.about(rendered);
     }
   } catch (const InputError&) {  // states that no model takes
   }
   if (measured) take_bars(result.frames, picked, bars);
+  if (modelled_bars.empty()) return away;
+  // Of measured states, all frames have a bar, as frames.csv has them; of others, the picked ones.
+  std::vector<std::size_t> of = picked;
+  std::vector<double> widths;
+  if (measured) {
+    of.resize(result.frames.size());
+    std::iota(of.begin(), of.end(), std::size_t{0});
+    for (const FrameRecord& frame : result.frames) widths.push_back(frame.bar.half_width[level]);
+  } else {
+    for (const Bar& bar : modelled_bars) widths.push_back(bar[level]);
+  }
+  find_worst(result.frames, of, widths, away);
   return away;
 }
 

@@ -94,7 +94,9 @@ std::string tiles(const SessionSummary& s) {
   html += tile(percent(s.time_in[Label::safe]),
                fmt::format("of {} frames in safe regions (densely known)", s.run.frames),
                small_is_good(1 - s.time_in[Label::safe], 0.5, 0.9));
-  html += tile(shown(s.states.solved), "states solved; " + shown(s.states.used) + " used by a model");
+  html += s.states.foreign
+              ? tile(shown(s.states.start), "states of another body are rendered; none was solved")
+              : tile(shown(s.states.solved), "states solved; " + shown(s.states.used) + " used by a model");
   html += tile(shown(s.load),
                "load: states that the motion needs over states that are solved; above 1 workers lag",
                small_is_good(s.load, 1, 3));
@@ -364,18 +366,24 @@ ReportPictures begin_pictures(const SessionResult& result, Picture slices, const
 
 void write_report(const std::filesystem::path& run_folder, const SessionSummary& s, const Json& document,
                   const Scene& scene, const ReportPictures& drawings) {
-  std::string html = fmt::format(
-      "<h1>{}</h1>\n{}<p class=\"sub\">{} s, {} clock, policy {}, switch {}, {} workers, neighbours by {}, "
-      "seed {}; {} tetrahedra, {}</p>\n",
-      html_escaped(scene.source.file.stem().string()), attention_box(s), shown(s.run.seconds),
-      s.settings.clock == Clock::real ? "real" : "virtual", html_escaped(s.settings.policy),
-      name(s.switching.rule), s.settings.workers, name(s.settings.select), s.settings.seed,
-      scene.body->mesh.tets.size(), name(scene.body->material.law));
+  const std::string of_scene = html_escaped(scene.source.file.stem().string());
+  const std::string how =
+      s.states.foreign ? fmt::format("box and motion of {}", of_scene)
+                       : fmt::format("policy {}, {} workers, seed {}; {} tetrahedra, {}",
+                                     html_escaped(s.settings.policy), s.settings.workers, s.settings.seed,
+                                     scene.body->mesh.tets.size(), name(scene.body->material.law));
+  std::string html =
+      fmt::format("<h1>{}</h1>\n{}<p class=\"sub\">{} s, {} clock, switch {}, neighbours by {}; {}</p>\n",
+                  s.states.foreign ? "States of another body" : of_scene, attention_box(s),
+                  shown(s.run.seconds), s.settings.clock == Clock::real ? "real" : "virtual",
+                  name(s.switching.rule), name(s.settings.select), how);
   html += tiles(s) + touch_words(s) + pictures(s, drawings);
   if (drawings.shape.valid()) html += drawings.shape.get();
   html += by_label_table(s) + notes(s, scene) + all_numbers(document) + provenance_section(document);
   write_whole(run_folder / "report.html",
-              html_page("Forefeel: " + scene.source.file.filename().string(), html));
+              html_page(s.states.foreign ? "Forefeel: states of another body"
+                                         : "Forefeel: " + scene.source.file.filename().string(),
+                        html));
 }
 
 }  // namespace forefeel

@@ -67,14 +67,16 @@ std::string in_words(const SessionSummary::Mesh& mesh) {
 void tell_session(const Globals& globals, const SessionSummary& s, const std::optional<std::string>& shapes,
                   const fs::path& run) {
   for (const std::string& line : attention(s)) say(globals, "attention: " + line);
-  say(globals,
-      fmt::format(
-          "{:.3g} s rendered: {} frames ({} clock), {} missed deadlines; {} states known at the start, {} "
-          "solved{}, {} used",
-          s.run.seconds, s.run.frames, s.settings.clock == Clock::real ? "real" : "virtual",
-          s.deadline.missed, s.states.start, s.states.solved,
-          s.states.inverted > 0 ? fmt::format(", {} with inverted elements", s.states.inverted) : "",
-          s.states.used));
+  const std::string states =
+      s.states.foreign
+          ? fmt::format("of {} states of another body; none was solved", s.states.start)
+          : fmt::format(
+                "{} states known at the start, {} solved{}, {} used", s.states.start, s.states.solved,
+                s.states.inverted > 0 ? fmt::format(", {} with inverted elements", s.states.inverted) : "",
+                s.states.used);
+  say(globals, fmt::format("{:.3g} s rendered: {} frames ({} clock), {} missed deadlines; {}", s.run.seconds,
+                           s.run.frames, s.settings.clock == Clock::real ? "real" : "virtual",
+                           s.deadline.missed, states));
   tell_figures(globals, s);
   say(globals, in_words(s.error.mesh));
   if (shapes) say(globals, *shapes);

@@ -16,6 +16,7 @@
 #include "apps/scene/scene_session.hpp"
 #include "geometry/common/error.hpp"
 #include "geometry/common/output_file.hpp"
+#include "geometry/states/heaps.hpp"
 #include "geometry/states/state_file.hpp"
 #include "scheduling/session/session_setup.hpp"
 
@@ -55,8 +56,11 @@ std::vector<State> field_of_measured(const Scene& scene, std::span<const State> 
   }
   if (!field) return {};
   say(globals, fmt::format("{}: forces without stiffness: their field (Gaussian process, noise {:.2g} N) is "
-                           "rendered, with its stiffness at {} of {} places",
-                           file, field->law.noise, field->states.size(), usable.size()));
+                           "rendered, with its stiffness at {} of {} places{}",
+                           file, field->law.noise, field->states.size(), usable.size(),
+                           field->states.size() < usable.size()
+                               ? ", a quarter of the spacing apart: between closer ones noise would be slope"
+                               : ""));
   return std::move(field->states);
 }
 
@@ -91,6 +95,7 @@ SessionPlan take_states(const Scene& scene, const SessionArguments& given, const
     if (std::ranges::any_of(given_forces, &State::has_stiffness))
       return with_foreign(std::move(plan), std::move(given_forces));
     plan = with_foreign(std::move(plan), {});  // refused before the work
+    given_forces = join_heaps(std::move(given_forces)).states;
     std::vector<State> field = field_of_measured(scene, given_forces, given.states.file, globals);
     if (field.empty()) return with_known(std::move(plan), std::move(given_forces));
     plan = with_known(std::move(plan), std::move(field));

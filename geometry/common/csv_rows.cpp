@@ -21,7 +21,15 @@ std::string_view without_quotes(std::string_view cell) {
 void split(std::string_view line, std::vector<std::string_view>& cells) {
   cells.clear();
   for (;;) {
-    const std::size_t comma = line.find(',');
+    // A cell that begins with a quote ends behind the next one: a doubled quote inside goes on at once.
+    std::size_t comma = line.find(',');
+    const std::size_t first = line.find_first_not_of(" \t");
+    if (first < comma && line[first] == '"') {
+      std::size_t quote = first;
+      do quote = line.find('"', quote + 1);
+      while (quote < line.size() && quote + 1 < line.size() && line[quote + 1] == '"' && ++quote);
+      if (quote != std::string_view::npos) comma = line.find(',', quote);
+    }
     cells.push_back(without_quotes(trimmed(line.substr(0, comma))));
     if (comma == std::string_view::npos) return;
     line.remove_prefix(comma + 1);

@@ -1,7 +1,7 @@
 #pragma once
 // Splits a CSV file into rows, and each row into cells of text. All readers of CSV files use it.
 //   Cells are separated by commas. White space around a cell is dropped, and so are quotes around a whole
-//   cell. Commas and line breaks inside quotes are not supported.
+//   cell, inside which commas may stand, but no line breaks.
 //   Blank lines, lines that begin with # and a byte order mark are skipped.
 // CsvTable reads columns of numbers, CsvText columns of text.
 

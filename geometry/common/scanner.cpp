@@ -31,7 +31,7 @@ class LineCheck {
   explicit LineCheck(const std::filesystem::path& file) : file_(file) {}
   void take(std::string_view block) {
     for (;;) {
-      const std::size_t end = block.find('\n');
+      const std::size_t end = block.find_first_of("\r\n");
       length_ += std::min(end, block.size());
       if (length_ > longest_line)
         throw InputError({.file = file_.string(), .line = line_},
@@ -55,6 +55,15 @@ void check_size(const std::filesystem::path& file, std::uintmax_t bytes) {
     throw InputError({.file = file.string()},
                      fmt::format("is {} large, but {} of memory are left, expected a smaller file",
                                  bytes_in_words(static_cast<double>(bytes)), bytes_in_words(left)));
+}
+
+// A text without its byte order mark; one whose lines end in CR alone gets line feeds.
+void as_lines(std::string& content) {
+  constexpr std::string_view byte_order_mark = "\xef\xbb\xbf";
+  if (content.starts_with(byte_order_mark)) content.erase(0, byte_order_mark.size());
+  if (content.find('\r') != std::string::npos && content.find('\n') == std::string::npos &&
+      content.find('\0') == std::string::npos)
+    std::ranges::replace(content, '\r', '\n');
 }
 
 std::string read_blocks(const std::filesystem::path& file, std::size_t bytes, LineCheck* lines) {
@@ -81,6 +90,7 @@ std::string read_blocks(const std::filesystem::path& file, std::size_t bytes, Li
   if (std::ferror(stream.get()))
     throw InputError({.file = file.string()}, fmt::format("cannot be read: {}", std::strerror(errno)));
   if (content.empty()) throw InputError({.file = file.string()}, "is empty");
+  as_lines(content);
   return content;
 }
 
@@ -241,6 +251,17 @@ bool Scanner::skip_past_line(std::string_view word) {
   return false;
 }
 
+bool Scanner::skip_past_word(std::string_view word) {
+  for (std::size_t found = content_.find(word, position_); found != std::string::npos;
+       found = content_.find(word, found + 1)) {
+    const std::size_t end = found + word.size();
+    if (end < content_.size() && !is_space(content_[end])) continue;
+    position_ = end;
+    return true;
+  }
+  return false;
+}
+
 std::string_view Scanner::bytes(std::size_t n, const char* expected) {
   if (n > remaining()) fail_binary(fmt::format("the file ends where {} was expected", expected));
   const std::string_view result = std::string_view(content_).substr(position_, n);
@@ -249,8 +270,12 @@ std::string_view Scanner::bytes(std::size_t n, const char* expected) {
 }
 
 InputPlace Scanner::where() const {
-  const auto end = content_.begin() + static_cast<std::ptrdiff_t>(std::min(token_, content_.size()));
-  return {.file = name_, .line = 1 + static_cast<std::size_t>(std::count(content_.begin(), end, '\n'))};
+  const std::size_t at = std::min(token_, content_.size());
+  if (at < counted_) counted_ = 0, line_ = 1;
+  const auto place = [&](std::size_t byte) { return content_.begin() + static_cast<std::ptrdiff_t>(byte); };
+  line_ += static_cast<std::size_t>(std::count(place(counted_), place(at), '\n'));
+  counted_ = at;
+  return {.file = name_, .line = line_};
 }
 
 void Scanner::fail(const std::string& problem) const {

@@ -55,6 +55,7 @@ class Scanner {
   bool line(std::string_view& out);  // rest of this line without its end; false at the end
   // Past the next occurrence of word at the beginning of a line; false if there is none.
   bool skip_past_line(std::string_view word);
+  bool skip_past_word(std::string_view word);  // wherever it stands, before white space or the end
 
   // Binary values begin at the byte after what was read last.
   void swap_bytes(bool on) { swap_ = on; }
@@ -82,6 +83,8 @@ class Scanner {
 
   std::string content_, name_;
   std::size_t position_ = 0, token_ = 0;  // token_: start of the token read last
+  mutable std::size_t counted_ = 0,
+                      line_ = 1;  // bytes whose lines are counted; where() is asked for each face
   char comment_ = 0;
   bool swap_ = false;
 };

@@ -85,11 +85,24 @@ bool is_mesh_file(const std::filesystem::path& file) {
   return extension == ".msh" || extension == ".vtk" || extension == ".vtu" || extension == ".mesh";
 }
 
+std::string converter_for(const std::filesystem::path& file) {
+  const std::string extension = lower_case(file.extension().string());
+  const std::string name = file.string();
+  if (extension == ".feb") return "; FEBio Studio exports it as .vtk";
+  if (extension == ".step" || extension == ".stp" || extension == ".iges" || extension == ".brep")
+    return fmt::format("; gmsh -3 {} -o MESH.msh fills it", name);
+  for (const std::string_view other :
+       {".inp", ".bdf", ".nas", ".med", ".xdmf", ".e", ".exo", ".f3grid", ".avs", ".node", ".ele"})
+    if (extension == other) return fmt::format("; meshio convert {} MESH.vtk converts it", name);
+  return "";
+}
+
 TetMesh read_mesh(const std::filesystem::path& file) {
   const std::string extension = lower_case(file.extension().string());
   if (!is_mesh_file(file))
     throw InputError({.file = file.string()},
-                     fmt::format("unknown kind of mesh '{}', expected .msh, .vtk, .vtu or .mesh", extension));
+                     fmt::format("unknown kind of mesh '{}', expected .msh, .vtk, .vtu or .mesh{}", extension,
+                                 converter_for(file)));
   Scanner in(read_file(file), file.string());
   TetMesh mesh = extension == ".msh"   ? read_gmsh(std::move(in))
                  : extension == ".vtk" ? read_vtk_legacy(std::move(in))

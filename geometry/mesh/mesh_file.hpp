@@ -9,6 +9,8 @@
 
 namespace forefeel {
 
+// "; meshio convert FILE.inp MESH.vtk converts it", for an error about a format of another program; else empty.
+std::string converter_for(const std::filesystem::path& file);
 bool is_mesh_file(const std::filesystem::path& file);  // by extension: .msh .vtk .vtu .mesh
 
 // The extension decides the format. Does not check whether the mesh can be solved; check_and_orient() does.

@@ -115,7 +115,10 @@ class GmshReader : GmshScanner {
     const std::string version(in_.token("a format version"));
     four_ = version == "4.1";
     if (!four_ && version != "2.2" && version != "2" && version != "2.1" && version != "2.0")
-      in_.fail(fmt::format("Gmsh format {:.20} is not read, expected 1, 2.2 or 4.1", version));
+      in_.fail(fmt::format(
+          "Gmsh format {:.20} is not read, expected 1, 2.2 or 4.1; gmsh {} -save -o NEW.msh writes "
+          "it again",
+          version, in_.name()));
     binary_ = in_.integer("0 (ASCII) or 1 (binary)", 0, 1) == 1;
     const auto size = in_.integer("the size of a number", 1, 16);
     if (size != 8) in_.fail(fmt::format("numbers of {} bytes, expected 8", size));
@@ -147,7 +150,8 @@ class GmshReader : GmshScanner {
 
   void skip_section(const std::string& section) {
     const InputPlace where = in_.where();
-    if (!in_.skip_past_line("$End" + section))
+    // Binary data need no line break before their end.
+    if (!(binary_ ? in_.skip_past_word("$End" + section) : in_.skip_past_line("$End" + section)))
       throw InputError(where, fmt::format("section ${:.40} has no end", section));
   }
 

@@ -3,6 +3,7 @@
 
 #include <cstddef>
 #include <filesystem>
+#include <string>
 #include <vector>
 
 #include "geometry/mesh/tet_mesh.hpp"
@@ -12,6 +13,7 @@ namespace forefeel {
 struct Surface {
   std::vector<Vec3> nodes;  // [m]
   std::vector<Triangle> triangles;
+  std::vector<std::string> remarks = {};  // on faces of its file, with their lines
 };
 
 inline constexpr const char* surface_extensions = ".obj .off .stl .ply, or .vtk with DATASET POLYDATA";

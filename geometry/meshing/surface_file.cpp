@@ -1,5 +1,5 @@
-// Readers of surfaces: .obj .off .stl .ply, and legacy .vtk with DATASET POLYDATA. Polygons are cut into fans of
-// triangles.
+// Readers of surfaces: .obj .off .stl .ply, and legacy .vtk with DATASET POLYDATA. Polygons are cut into
+// triangles in their plane.
 //
 // CGAL's readers of polygon soups (5.5) are not used: of .obj they drop faces whose corners are separated by tabs and
 // refuse files with lines, of .ply they take indices beyond the vertices and end in a crash where coordinates are
@@ -48,8 +48,15 @@ Vec3 read_obj_vertex(Scanner& in, const std::vector<std::string_view>& word) {
 
 void read_obj(Scanner& in, SurfaceBuilder& out) {
   std::string_view line;
+  std::string joined;
   while (in.line(line)) {
-    const std::vector<std::string_view> word = words_of(line.substr(0, line.find('#')));
+    for (joined.clear(); trimmed(line).ends_with('\\');) {  // goes on in the next line
+      joined += trimmed(line).substr(0, trimmed(line).size() - 1);
+      joined += ' ';
+      if (!in.line(line)) break;
+    }
+    joined += line;
+    const std::vector<std::string_view> word = words_of(std::string_view(joined).substr(0, joined.find('#')));
     if (word.empty()) continue;
     if (word[0] == "v") {
       out.surface.nodes.push_back(read_obj_vertex(in, word));
@@ -57,20 +64,27 @@ void read_obj(Scanner& in, SurfaceBuilder& out) {
       if (word.size() < 4)
         in.fail(fmt::format("a face with {} vertices, expected at least 3", word.size() - 1));
       for (std::size_t k = 1; k < word.size(); ++k) read_obj_corner(in, out, word[k]);
-      out.end_polygon();
+      out.end_polygon(in.where().line);
     }
   }
 }
 
 void read_off(Scanner& in, SurfaceBuilder& out) {
   in.comment('#');
-  const std::string kind(in.token("OFF"));
-  if (kind != "OFF" && kind != "COFF" && kind != "NOFF" && kind != "CNOFF")
-    in.fail("is not an OFF file, expected OFF in the first line");
+  // The keyword may be missing. ST, C and N: texture, colour and normal follow the position of a vertex.
+  std::int64_t number = 0;
+  if (const std::string first(in.peek()); !parse_integer(first, number)) {
+    std::string kind = lower_case(in.token("OFF"));
+    for (const std::string_view before : {"st", "c", "n"})
+      if (kind.starts_with(before)) kind.erase(0, before.size());
+    if (kind != "off")
+      in.fail(
+          "is not an OFF file of positions in space, expected OFF, COFF, NOFF or STOFF in the first line");
+    if (lower_case(in.peek()) == "binary") in.fail("is a binary OFF file, expected one of text");
+  }
   const std::size_t nodes = in.count("a number of vertices", 6), faces = in.count("a number of faces", 2);
-  in.integer("a number of edges");
   std::string_view rest;
-  in.line(rest);
+  in.line(rest);  // the number of edges, which some leave out
   out.surface.nodes.reserve(nodes);
   for (std::size_t i = 0; i < nodes; ++i) {
     const double x = in.real("x"), y = in.real("y"), z = in.real("z");
@@ -81,7 +95,7 @@ void read_off(Scanner& in, SurfaceBuilder& out) {
     const std::int64_t corners = in.integer("a number of corners", 1, most_corners);
     for (std::int64_t k = 0; k < corners; ++k)
       out.polygon.push_back(in.integer("a vertex number", 0, 0x7fffffff));
-    out.end_polygon();
+    out.end_polygon(in.where().line);
     in.line(rest);
   }
 }
@@ -126,7 +140,7 @@ void read_stl_text(Scanner& in, SurfaceBuilder& out) {
       if (next == "end") next += lower_case(in.token("loop"));
       if (next != "endloop" || end_word(in) != "endfacet") in.fail("expected 'endloop' and 'endfacet'");
       if (out.polygon.size() < 3) in.fail("a facet with fewer than 3 vertices");
-      out.end_polygon();
+      out.end_polygon(in.where().line);
     } else {
       in.fail(fmt::format("'{:.40}' stands where facet or endsolid was expected", word));
     }
@@ -138,10 +152,11 @@ void read_stl(Scanner& in, SurfaceBuilder& out) {
   std::uint32_t n = 0;
   if (in.content().size() >= 84) std::memcpy(&n, in.content().data() + 80, 4);
   if (std::endian::native == std::endian::big) n = byte_swapped(n);
-  // Binary files may begin with "solid", too; the length of the file decides.
-  const bool binary =
-      in.content().size() >= 84 && in.content().size() == 84 + 50 * static_cast<std::size_t>(n);
-  if (!binary && lower_case(in.content().substr(0, 5)) == "solid") return read_stl_text(in, out);
+  // Binary files may begin with "solid", too: the length of the file decides, else whether it is text.
+  const std::size_t bytes = 84 + 50 * static_cast<std::size_t>(n);
+  const std::string start = lower_case(trimmed(in.content().substr(0, 1024)));
+  if (in.content().size() != bytes && start.starts_with("solid") && start.find('\0') == std::string::npos)
+    return read_stl_text(in, out);
   in.swap_bytes(std::endian::native == std::endian::big);
   in.bytes(84, "a header of 84 bytes");
   in.check_count(n, 50, "triangles");
@@ -154,6 +169,12 @@ void read_stl(Scanner& in, SurfaceBuilder& out) {
     in.bytes(2, "an attribute");
     out.end_polygon();
   }
+  if (in.remaining() >= 50)
+    in.fail_binary(fmt::format("{} triangles are announced, and {} bytes follow them, expected none", n,
+                               in.remaining()));
+  if (in.remaining() > 0)
+    out.surface.remarks.push_back(
+        fmt::format("{} bytes behind the last triangle are left out", in.remaining()));
 }
 
 // Polygons and triangle strips of alternating orientation; points and lines are passed over.
@@ -193,15 +214,53 @@ void read_polydata(Scanner in, SurfaceBuilder& out) {
   for_each("triangle_strips", strip);
 }
 
-void check_surface(const Surface& surface, std::int64_t greatest, const std::string& where) {
-  if (surface.triangles.empty()) throw InputError({.file = where}, "holds no triangles, expected a surface");
-  if (greatest >= static_cast<std::int64_t>(surface.nodes.size()))
-    throw InputError({.file = where}, fmt::format("a face names vertex {} (from 0), but there are {}",
-                                                  greatest, surface.nodes.size()));
+void check_nodes(const Surface& surface, const std::string& where) {
   for (std::size_t i = 0; i < surface.nodes.size(); ++i)
     if (!surface.nodes[i].allFinite())
       throw InputError({.file = where},
                        fmt::format("vertex {} (from 0) has a coordinate that is not finite", i));
+}
+
+// Remarks on faces of one kind: how many there are, and where the first stands.
+struct FaceRemark {
+  std::string what;
+  std::size_t count = 0, first = 0;
+  void add(std::size_t face) {
+    if (count++ == 0) first = face;
+  }
+  void put(const std::vector<std::size_t>& lines, std::vector<std::string>& to) const {
+    if (count == 0) return;
+    const std::string place =
+        lines[first] > 0 ? fmt::format("line {}", lines[first]) : fmt::format("face {} (from 0)", first);
+    to.push_back(count == 1 ? fmt::format("{}: a face {}", place, what)
+                            : fmt::format("{}: a face {}, the first of {}", place, what, count));
+  }
+};
+
+void cut_polygons(SurfaceBuilder& from, const std::string& where) {
+  constexpr double most_off_plane = 0.02;  // of the size of a polygon
+  Surface& surface = from.surface;
+  const auto known = static_cast<std::int64_t>(surface.nodes.size());
+  FaceRemark crossing{"crosses itself, and its triangles are a guess"};
+  FaceRemark bent{
+      "of more than four corners, or concave, is not planar, and its triangles are one choice of several"};
+  std::vector<NodeIndex> polygon;
+  for (std::size_t face = 0, begin = 0; face < from.ends.size(); begin = from.ends[face++]) {
+    polygon.clear();
+    for (std::size_t k = begin; k < from.ends[face]; ++k) {
+      if (from.corners[k] >= known)
+        throw InputError(
+            {.file = where, .line = from.lines[face]},
+            fmt::format("a face names vertex {} (from 0), but there are {}", from.corners[k], known));
+      polygon.push_back(static_cast<NodeIndex>(from.corners[k]));
+    }
+    const PolygonCut cut = cut_polygon(surface.nodes, polygon, surface.triangles);
+    if (cut.crosses) crossing.add(face);
+    if (cut.off_plane > most_off_plane && (polygon.size() > 4 || !cut.convex)) bent.add(face);
+  }
+  if (surface.triangles.empty()) throw InputError({.file = where}, "holds no triangles, expected a surface");
+  crossing.put(from.lines, surface.remarks);
+  bent.put(from.lines, surface.remarks);
 }
 
 // Points that coincide exactly become one, the first of them: STL, and many files of VTK, give each triangle points of
@@ -266,7 +325,8 @@ Surface read_surface(const std::filesystem::path& file) {
     read_polydata(std::move(in), out);
   else
     read_ply(in, out);
-  check_surface(out.surface, out.greatest, file.string());
+  check_nodes(out.surface, file.string());
+  cut_polygons(out, file.string());
   weld(out.surface);
   return std::move(out.surface);
 }

@@ -143,7 +143,7 @@ class PlyReader {
       }
     }
     if (is_vertex) out_.surface.nodes.push_back(node);
-    if (is_face) out_.end_polygon();
+    if (is_face) out_.end_polygon(binary_ ? 0 : in_.where().line);
   }
 
   std::int64_t vertex(double index) {

@@ -1,8 +1,8 @@
 #pragma once
 // What readers of surfaces collect (surface_file.cpp), and that of .ply. Private to this room.
 
-#include <algorithm>
 #include <cstdint>
+#include <span>
 #include <vector>
 
 #include "geometry/common/scanner.hpp"
@@ -12,17 +12,26 @@ namespace forefeel {
 
 inline constexpr std::int64_t most_corners = 10'000;  // of one polygon
 
-// Collects corners of one polygon after another; indices are checked at the end, when all nodes are known.
+// How a polygon was cut into triangles (polygon_cut_cgal.cpp).
+struct PolygonCut {
+  bool convex = true, crosses = false;
+  double off_plane = 0;  // largest distance of a corner from the mean plane, over the polygon's size [1]
+};
+PolygonCut cut_polygon(std::span<const Vec3> nodes, std::span<const NodeIndex> polygon,
+                       std::vector<Triangle>& to);
+
+// Collects corners of one polygon after another. They are cut at the end, when all nodes are known.
 struct SurfaceBuilder {
   Surface surface;
-  std::vector<std::int64_t> polygon;
-  std::int64_t greatest = -1;
+  std::vector<std::int64_t> polygon;  // being read
+  std::vector<std::int64_t> corners;  // of all that are read
+  std::vector<std::size_t> ends;      // of each, in `corners`
+  std::vector<std::size_t> lines;     // of each, from 1; 0: in binary data
 
-  void end_polygon() {
-    for (const std::int64_t node : polygon) greatest = std::max(greatest, node);
-    for (std::size_t k = 1; k + 1 < polygon.size(); ++k)
-      surface.triangles.push_back({static_cast<NodeIndex>(polygon[0]), static_cast<NodeIndex>(polygon[k]),
-                                   static_cast<NodeIndex>(polygon[k + 1])});
+  void end_polygon(std::size_t line = 0) {
+    corners.insert(corners.end(), polygon.begin(), polygon.end());
+    ends.push_back(corners.size());
+    lines.push_back(line);
     polygon.clear();
   }
 };

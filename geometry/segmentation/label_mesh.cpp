@@ -185,10 +185,9 @@ void check_count(std::size_t made, const LabelMeshOptions& options) {
   if (!(std::abs(ratio - 1) <= 0.05))
     throw InputError(
         options.name,
-        fmt::format("{} elements cannot be met within 5 %, the nearest is {}{}", options.elements, made,
-                    ratio > 1 ? ": expected more, since sheets and rods need elements "
-                                "about as small as they are thick"
-                              : ""));
+        fmt::format(
+            "{} elements cannot be met within 5 %, the nearest is {}{}", options.elements, made,
+            ratio > 1 ? ": expected at least that many, fewer are larger than its thinnest parts" : ""));
 }
 
 void measure(const TetMesh& mesh, const LabelledTets& made, const LabelVolume& volume,

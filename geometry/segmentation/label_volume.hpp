@@ -30,6 +30,7 @@ struct LabelVolume {
   std::string unit = "mm";                 // of the file's lengths, as they were taken
   double metres = 1e-3;                    // of that unit [m]
   bool unit_given = false;                 // the file names it; otherwise mm are assumed
+  std::string unit_unknown = {};           // what the file names, where that is no known unit
   std::string directions = {};             // where x, y and z point, as far as the file says
   std::vector<std::string> warnings = {};  // contradictions of the header
 

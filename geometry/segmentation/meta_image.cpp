@@ -34,6 +34,7 @@ class MetaReader {
     } else {
       data.remove_prefix(static_cast<std::size_t>(skip));
     }
+    if (fields_.has("BinaryData") && !flag("BinaryData")) return labels_in_text(header, data, fields_.file);
     return labels_in(header, data, compressed, fields_.file);
   }
 
@@ -88,8 +89,6 @@ class MetaReader {
       fields_.fail(fmt::format("NDims = {:.20}, expected 3", fields_.get("NDims")));
     if (first_of({"ElementNumberOfChannels"}, {1})[0] != 1)
       fields_.fail("has several values in a voxel, expected one label");
-    if (fields_.has("BinaryData") && !flag("BinaryData"))
-      fields_.fail("its data are text, expected BinaryData = True");
     ImageHeader header;
     if (fields_.has("DimSize")) header.size = fields_.voxels("DimSize");
     const std::vector<double> spacing = first_of({"ElementSpacing", "ElementSize"}, {1, 1, 1});
@@ -103,6 +102,8 @@ class MetaReader {
           positive_size(spacing[d], fmt::format("ElementSpacing {} of 3", d + 1), header.warnings) *
           Vec3(turn[3 * d], turn[3 * d + 1], turn[3 * d + 2]);
     }
+    if (const std::string unit = fields_.get("DistanceUnits"); !unit.empty() && unit != "?")
+      name_unit(header, unit);
     header.directions = "left, posterior, superior (DICOM), as is usual in this format";
     header.type = type();
     const bool big = flag("BinaryDataByteOrderMSB") || flag("ElementByteOrderMSB");

@@ -148,18 +148,18 @@ ImageHeader header_of(const nifti_image& image, const Vec3& sizes, bool swap, co
   place(image, sizes, header, file);
   header.type = *scalar_of(image.datatype);  // known, by check()
   header.swap = swap;
-  header.unit_given = true;
   switch (image.xyz_units) {
     case NIFTI_UNITS_METER:
-      header.unit = 1, header.unit_name = "m";
+      name_unit(header, "m");
       break;
     case NIFTI_UNITS_MICRON:
-      header.unit = 1e-6, header.unit_name = "micrometres";
+      name_unit(header, "um");
       break;
     case NIFTI_UNITS_MM:
+      name_unit(header, "mm");
       break;
     default:
-      header.unit_given = false;
+      break;
   }
   if (image.scl_slope != 0 && std::isfinite(image.scl_slope) && std::isfinite(image.scl_inter))
     header.slope = image.scl_slope, header.intercept = image.scl_inter;

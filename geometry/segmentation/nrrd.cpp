@@ -3,9 +3,11 @@
 #include <fmt/format.h>
 
 #include <bit>
+#include <charconv>
 
 #include "geometry/common/error.hpp"
 #include "geometry/common/scanner.hpp"
+#include "geometry/mesh/length_unit.hpp"
 #include "geometry/segmentation/raw_image.hpp"
 
 namespace forefeel {
@@ -23,13 +25,22 @@ class NrrdReader {
     const std::string source = get("data file").empty() ? get("datafile") : get("data file");
     const std::string other = source.empty() ? std::string() : read_beside(path_, source);
     std::string_view data = source.empty() ? content_.substr(data_) : std::string_view(other);
-    for (const char* skip : {"line skip", "lineskip", "byte skip", "byteskip"})
-      if (!get(skip).empty() && get(skip) != "0")
-        fields_.fail(fmt::format("{} is not read, expected data without it", skip));
     const std::string encoding = lower_case(get("encoding"));
-    if (encoding == "ascii" || encoding == "text" || encoding == "txt") return from_text(header, data);
-    if (encoding != "raw" && encoding != "gzip" && encoding != "gz")
-      fields_.fail(fmt::format("encoding '{:.40}' is not read, expected raw, gzip or ascii", encoding));
+    const bool plain = encoding == "raw", packed = encoding == "gzip" || encoding == "gz";
+    for (std::int64_t lines = skipped("line skip", "lineskip"); lines > 0; --lines)
+      data.remove_prefix(std::min(data.find('\n'), data.size() - 1) + 1);
+    const std::int64_t skip = skipped("byte skip", "byteskip");
+    if (skip < -1 || skip > static_cast<std::int64_t>(data.size()) || (skip != 0 && packed))
+      fields_.fail(fmt::format("byte skip {} lies outside the data, or in packed data, expected less", skip));
+    if (skip >= 0) data.remove_prefix(static_cast<std::size_t>(skip));
+    if (encoding == "ascii" || encoding == "text" || encoding == "txt")
+      return labels_in_text(header, data, fields_.file);
+    if (encoding == "hex") return labels_in(header, from_hex(data), false, fields_.file);
+    if (!plain && !packed)
+      fields_.fail(fmt::format("encoding '{:.40}' is not read, expected raw, gzip, hex or ascii", encoding));
+    if (const std::size_t bytes = bytes_of(header.type) * checked_voxels(header, fields_.file, 0);
+        skip == -1 && bytes < data.size())
+      data.remove_prefix(data.size() - bytes);  // the data are at the end
     return labels_in(header, data, encoding != "raw", fields_.file);
   }
 
@@ -55,6 +66,30 @@ class NrrdReader {
   }
 
   std::string get(const std::string& key) const { return fields_.get(key); }
+
+  std::int64_t skipped(const std::string& key, const std::string& other) const {
+    const std::string text = fields_.has(key) ? get(key) : get(other);
+    std::int64_t skip = 0;
+    if (!text.empty() && !parse_integer(text, skip))
+      fields_.fail(fmt::format("{} '{:.40}' is no whole number", key, text));
+    return skip;
+  }
+
+  std::string from_hex(std::string_view text) const {
+    std::string bytes;
+    std::string digits;
+    for (const char c : text) {
+      if (trimmed(std::string_view(&c, 1)).empty()) continue;
+      digits += c;
+      if (digits.size() < 2) continue;
+      unsigned byte = 0;
+      if (std::from_chars(digits.data(), digits.data() + 2, byte, 16).ptr != digits.data() + 2)
+        fields_.fail(fmt::format("'{}' is no hexadecimal number", digits));
+      bytes += static_cast<char>(byte);
+      digits.clear();
+    }
+    return bytes;
+  }
 
   Scalar type() const {
     return fields_.type("type", lower_case(get("type")),
@@ -98,40 +133,35 @@ class NrrdReader {
     }
   }
 
+  // "mm" "mm" "mm", one of each axis of space (or, of spacings, of the volume).
   void take_unit(ImageHeader& header) const {
-    const std::string units = lower_case(get("space units"));  // "mm" "mm" "mm"
-    if (units.empty()) return;
-    header.unit_given = true;
-    if (units.starts_with("\"mm\"")) return;
-    if (units.starts_with("\"m\""))
-      header.unit = 1, header.unit_name = "m";
-    else if (units.starts_with("\"cm\""))
-      header.unit = 1e-2, header.unit_name = "cm";
-    else if (units.starts_with("\"um\""))
-      header.unit = 1e-6, header.unit_name = "micrometres";
-    else
-      header.unit_given = false;
+    std::vector<std::string> words;
+    const std::string units = get(fields_.has("space units") ? "space units" : "units");
+    for (std::size_t at = units.find('"'); at != std::string::npos; at = units.find('"', at)) {
+      const std::size_t end = std::min(units.find('"', at + 1), units.size());
+      words.emplace_back(trimmed(std::string_view(units).substr(at + 1, end - at - 1)));
+      at = std::min(end + 1, units.size());
+    }
+    if (words.empty() && !units.empty()) words = {units};
+    std::erase_if(words, [](const std::string& word) { return word.empty() || word == "???"; });
+    if (words.empty()) return;
+    for (const std::string& word : words)
+      if (word != words[0] && unit_of(word) != unit_of(words[0]))
+        fields_.fail(
+            fmt::format("the units '{:.20}' and '{:.20}' differ, expected one for all axes", words[0], word));
+    name_unit(header, words[0]);
   }
 
   ImageHeader read_header() const {
     ImageHeader header;
     if (get("dimension") != "3")
-      fields_.fail(fmt::format("dimension '{:.20}', expected 3", get("dimension")));
+      fields_.fail(fmt::format("dimension '{:.20}', expected 3: one label in each voxel", get("dimension")));
     header.size = fields_.voxels("sizes");
     place(header);
     take_unit(header);
     header.type = type();
     header.swap = (lower_case(get("endian")) == "big") != (std::endian::native == std::endian::big);
     return header;
-  }
-
-  LabelVolume from_text(const ImageHeader& header, std::string_view data) const {
-    const std::size_t voxels = checked_voxels(header, fields_.file, 0);
-    if (voxels > data.size()) fields_.fail("the text holds fewer numbers than voxels, the file is cut short");
-    Scanner in(std::string(data), fields_.file);
-    LabelCollector to(header, voxels, fields_.file);
-    for (std::size_t v = 0; v < voxels; ++v) to.put(v, in.real("the label of a voxel"));
-    return to.take();
   }
 
   std::string_view content_;

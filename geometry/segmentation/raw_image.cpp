@@ -15,6 +15,7 @@
 #include "geometry/common/error.hpp"
 #include "geometry/common/memory.hpp"
 #include "geometry/common/scanner.hpp"
+#include "geometry/mesh/length_unit.hpp"
 
 namespace forefeel {
 namespace {
@@ -32,6 +33,16 @@ void check_axes(const ImageHeader& header, const std::string& file) {
 }
 
 }  // namespace
+
+void name_unit(ImageHeader& header, std::string_view word) {
+  if (const std::optional<double> metres = unit_of(word)) {
+    header.unit = *metres;
+    header.unit_name = unit_name(*metres);
+    header.unit_given = true;
+  } else {
+    header.unit_unknown = word;
+  }
+}
 
 double positive_size(double size, const std::string& entry, std::vector<std::string>& warnings) {
   if (size < 0) warnings.push_back(fmt::format("{} is {:g}, taken as {:g}", entry, size, -size));
@@ -64,6 +75,7 @@ LabelCollector::LabelCollector(const ImageHeader& header, std::size_t voxels, co
   volume_.unit = header.unit_name;
   volume_.metres = header.unit;
   volume_.unit_given = header.unit_given;
+  volume_.unit_unknown = header.unit_unknown;
   volume_.directions = header.directions;
   volume_.warnings = header.warnings;
   volume_.voxels.resize(voxels);
@@ -132,6 +144,16 @@ LabelVolume labels_in(const ImageHeader& header, std::string_view content, bool 
   return labels_of(header, data.substr(0, bytes), file);
 }
 
+LabelVolume labels_in_text(const ImageHeader& header, std::string_view text, const std::string& file) {
+  const std::size_t voxels = checked_voxels(header, file, 0);
+  if (voxels > text.size())
+    throw InputError({.file = file}, "the text holds fewer numbers than voxels, the file is cut short");
+  Scanner in(std::string(text), file);
+  LabelCollector to(header, voxels, file);
+  for (std::size_t v = 0; v < voxels; ++v) to.put(v, in.real("the label of a voxel"));
+  return to.take();
+}
+
 std::string HeaderFields::get(const std::string& key) const {
   const auto found = values.find(key);
   return found == values.end() ? std::string() : found->second;
@@ -170,7 +192,7 @@ Scalar HeaderFields::type(const std::string& key, const std::string& word, const
 }
 
 std::string read_beside(const std::filesystem::path& header, const std::string& name) {
-  const std::filesystem::path file = name;
+  const std::filesystem::path file = name.starts_with("./") ? name.substr(2) : name;
   if (name.empty() || file.has_parent_path() || file == "..")
     throw InputError({.file = header.string()},
                      fmt::format("names its data '{:.60}', expected a file in the same folder", name));

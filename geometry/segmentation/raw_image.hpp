@@ -24,12 +24,16 @@ struct ImageHeader {
   double unit = 1e-3;  // of the file [m]
   std::string unit_name = "mm";
   bool unit_given = false;
+  std::string unit_unknown = {};
   Scalar type = Scalar::uint8;
   bool swap = false;                // the byte order is not that of this machine
   double slope = 1, intercept = 0;  // value = slope * stored + intercept
   std::string directions = {};      // of x, y and z
   std::vector<std::string> warnings = {};
 };
+
+// Takes the file's word for its unit of length.
+void name_unit(ImageHeader& header, std::string_view word);
 
 // |size|. A warning names the entry of the header that is negative.
 double positive_size(double size, const std::string& entry, std::vector<std::string>& warnings);
@@ -63,6 +67,9 @@ LabelVolume labels_of(const ImageHeader& header, std::string_view data, const st
 // The voxels of a file whose data begin at `content`, plain or compressed; InputError if the data are cut short.
 LabelVolume labels_in(const ImageHeader& header, std::string_view content, bool compressed,
                       const std::string& file);
+
+// The same of numbers in text, one a voxel.
+LabelVolume labels_in_text(const ImageHeader& header, std::string_view text, const std::string& file);
 
 // Decompresses the data of images: gzip or zlib streams.
 bool is_compressed(std::string_view data);  // begins with the two bytes that mark gzip

@@ -7,6 +7,7 @@
 #include <optional>
 #include <utility>
 
+#include "geometry/states/force_trend.hpp"
 #include "geometry/states/state_summary.hpp"
 #include "geometry/states/stiffness_agreement.hpp"
 
@@ -16,6 +17,8 @@ namespace {
 constexpr double most_spacings = 20;           // between neighbours, in metres
 constexpr double widest_reach = 3;             // of states that a hand touches [m]
 constexpr std::size_t beside = 12;             // states that tell of a force
+constexpr double one_place = 0.2;              // of the distance: less between two of them is one place
+constexpr std::size_t most_near = 1000;        // rows among which these are sought
 constexpr double far_off = 8;                  // from them, in their largest difference
 constexpr std::size_t most_lone_share = 100;   // one of so many
 constexpr std::size_t most_compared = 20'000;  // states
@@ -29,6 +32,15 @@ std::string unlikely_unit(std::span<const State> states, double spacing) {
   const double side = box ? box->size().maxCoeff() : 0, apart = typical_distance(states);
   if (!std::isfinite(apart) || (!(apart > most_spacings * spacing) && !(side > widest_reach))) return {};
   const std::string of = spacing > 0 ? fmt::format(", with a spacing of {:g} mm", 1e3 * spacing) : "";
+  Vec3 sides = box->size();
+  Eigen::Index longest = 0;
+  sides.maxCoeff(&longest);
+  sides[longest] = 0;
+  if (side > widest_reach && sides.maxCoeff() < 0.02 * side)
+    return fmt::format(
+        "the states span {:.3g} m along {} and at most {:.3g} m along the others; expected metres in each "
+        "column",
+        side, "xyz"[longest], sides.maxCoeff());
   return fmt::format(
       "the states span {:.3g} m and are {:.3g} m apart{}; expected metres, or --unit cm, mm or um of import",
       side, apart, of);
@@ -40,9 +52,22 @@ double alone_by(std::span<const State* const> states, const State& one) {
   near.reserve(states.size());
   for (const State* other : states)
     if (const double d = (other->at - one.at).squaredNorm(); d > 0) near.emplace_back(d, other);
-  if (near.size() < beside) return 0;
-  std::ranges::nth_element(near, near.begin() + beside - 1);
-  near.resize(beside);
+  // Many rows about one place, a dwell, are one neighbour.
+  if (near.size() > most_near) {
+    std::ranges::nth_element(near, near.begin() + most_near - 1);
+    near.resize(most_near);
+  }
+  std::ranges::sort(near);
+  std::vector<std::pair<double, const State*>> places;
+  for (const auto& [d, other] : near) {
+    const auto same = [&](const auto& place) {
+      return (place.second->at - other->at).squaredNorm() < one_place * one_place * d;
+    };
+    if (std::ranges::none_of(places, same)) places.emplace_back(d, other);
+    if (places.size() == beside) break;
+  }
+  if (places.size() < beside) return 0;
+  near = std::move(places);
   double range = 0, off = (near.front().second->force - one.force).norm();
   for (std::size_t i = 0; i < near.size(); ++i) {
     off = std::min(off, (near[i].second->force - one.force).norm());
@@ -74,8 +99,10 @@ std::string lone_forces(std::span<const State> states) {
 }  // namespace
 
 std::vector<std::string> misleading(std::span<const State> states, double spacing) {
-  std::vector<std::string> lines{disagreement_in_words(stiffness_agreement(states)),
-                                 unlikely_unit(states, spacing), lone_forces(states)};
+  std::vector<std::string> lines = contrary_forces(states);
+  lines.insert(lines.begin(),
+               {disagreement_in_words(stiffness_agreement(states)), unlikely_unit(states, spacing)});
+  lines.push_back(lone_forces(states));
   std::erase(lines, "");
   return lines;
 }

@@ -1,9 +1,9 @@
 #pragma once
 // What of given states misleads whoever uses them, in words: a stiffness that does not fit the forces
-// (stiffness_agreement.hpp), another unit, a force that is alone.
+// (stiffness_agreement.hpp), another unit, forces that pull (force_trend.hpp), a force that is alone.
 //
 // unit    neighbouring states are over 20 h apart, or all of them span over 3 m, more than a hand reaches
-// alone   a force F_i whose 12 nearest others, of which no two differ by more than R > 0, are all farther than 8 R from
+// alone   a force F_i whose 12 nearest other places (rows about one place count once), of which no two differ by more than R > 0, are all farther than 8 R from
 //         it. A step or a kink is not alone: its neighbours lie on both sides. Said of at most 1 % of the states.
 
 #include <span>

@@ -275,6 +275,17 @@ void StateFile::drop_damaged() {
   impl_->damaged.clear();
 }
 
+void StateFile::order_outward() {
+  sqlite3* database = impl_->database.get();
+  transact(database, impl_->where, [&] {
+    execute(database, impl_->where,
+            "CREATE TEMP TABLE place AS SELECT id, row_number() OVER (ORDER BY x*x + y*y + z*z, x, y, z, id) AS n "
+            "FROM states; CREATE UNIQUE INDEX temp.place_of ON place (id); "
+            "UPDATE states SET id = -(SELECT n FROM place WHERE place.id = states.id); "
+            "UPDATE states SET id = -id; DROP TABLE place");
+  });
+}
+
 void StateFile::replace(const StateFileHeader& header, std::span<const State> states) {
   if (!impl_->lock)
     throw InputError({.file = impl_->where}, "was opened for reading, expected a file opened for appending");

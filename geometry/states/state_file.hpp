@@ -61,6 +61,8 @@ class StateFile {
   void drop_damaged();          // deletes these rows
   std::size_t size() const;
   void append(std::span<const State> states);  // one transaction, durable on return
+  // Orders the states by their distance from rest, then by x, y, z: workers add them as they are solved.
+  void order_outward();
   // Replaces header and states in one transaction.
   void replace(const StateFileHeader& header, std::span<const State> states);
 

@@ -20,16 +20,18 @@ std::string starts_pressed_in(const SessionSummary::Motion& motion) {
       motion.start_reference, motion.start_rendered, end);
 }
 
-// "4.2 mm (median; 11 mm at most)"
+// The worst part of the time first: a median says nothing of it.
 std::string far_from_states(const SessionSummary::AwayFromStates& away) {
-  std::string line =
-      fmt::format("the hand was {:.2g} mm (median; {:.2g} mm at most) from the nearest known place",
-                  1e3 * away.median, 1e3 * away.farthest);
-  if (!std::isfinite(away.bar)) return line + "; too few states for an error bar";
-  line += fmt::format("; the states tell the force there within {:.2g} N (95 %)", away.bar);
-  if (away.bar_at_states > 0)
-    line += fmt::format(", {:.3g} times the error bar at known places", away.bar / away.bar_at_states);
-  return line;
+  const std::string way = fmt::format("{:.2g} mm (median; {:.2g} mm at most) from the nearest known place",
+                                      1e3 * away.median, 1e3 * away.farthest);
+  if (std::isnan(away.worst_share)) return "the hand was " + way + "; too few states for an error bar";
+  std::string line = fmt::format("the hand was in {} for {:.2g} % of the time, where the states tell ",
+                                 name(away.worst), 100 * away.worst_share);
+  line += std::isfinite(away.worst_bar) ? fmt::format("the force within {:.2g} N (95 %)", away.worst_bar)
+                                        : std::string("no bound of the force");
+  if (std::isfinite(away.worst_bar) && away.bar_at_states > 0)
+    line += fmt::format(", {:.3g} times the error bar at known places", away.worst_bar / away.bar_at_states);
+  return line + "; it was " + way;
 }
 
 std::string clamped(const SessionSummary::Safety& safety) {

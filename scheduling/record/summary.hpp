@@ -125,10 +125,13 @@ struct SessionSummary {
     double force_limit = unknown;
   };
   // Of a session whose states are of another body: how far the hand was from them, and the median 95 % error bars of
-  // the force that they tell there and at the states themselves. The caller measures it.
+  // the force that they tell there and at the states themselves. Then the label under which they tell least: its share
+  // of the frames, and the 95th percentile of the bars there (infinite: none can be given). The caller measures it.
   struct AwayFromStates {
     double median = unknown, farthest = unknown;    // [m]
     double bar = unknown, bar_at_states = unknown;  // [N]
+    Label worst = Label::blank;
+    double worst_share = unknown, worst_bar = unknown;  // [1], [N]
   };
   // The motion. start_…: force of a tight solve at the first frame, force rendered there, and time of the first sample
   // whose error is below the just noticeable difference [s] (unknown: there is none).

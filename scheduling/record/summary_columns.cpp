@@ -292,7 +292,12 @@ std::vector<Column> later_columns(const SessionSummary& summary) {
               "median distance of the tip from the nearest state; of states of another body")
       .number("max", away.farthest, "m", "largest distance")
       .number("error_bar", away.bar, "N", "median 95 % error bar of the force that the states tell there")
-      .number("error_bar_at_states", away.bar_at_states, "N", "that at the states themselves");
+      .number("error_bar_at_states", away.bar_at_states, "N", "that at the states themselves")
+      .text("worst_label", std::isnan(away.worst_share) ? std::string_view() : name(away.worst),
+            "label under which the states tell the force worst")
+      .number("worst_share", away.worst_share, "1", "share of the frames with that label")
+      .number("worst_error_bar", away.worst_bar, "N",
+              "95th percentile of the 95 % error bars in these frames");
   add_stability(columns, summary);
   add_error_bars(columns, summary.error.bars);
   add_trust(columns, summary.error);

@@ -58,11 +58,11 @@ std::size_t FramePacer::begin(std::int64_t woke) noexcept {
     if (due(newest + 1) <= woke) ++newest;
     const std::size_t last = std::max(next_, frames_ > 0 ? frames_ - 1 : 0);
     k = std::clamp(newest, next_, next_ < frames_ ? last : std::max(next_, newest));
-    const double pause = static_cast<double>(woke - woke_) / 1e9;
-    if (pause > longest_pause_) {
-      longest_pause_ = pause;
-      paused_at_ = static_cast<double>(woke_) / 1e9;
-    }
+  }
+  // Before the first wake-up, since the start.
+  if (const double pause = static_cast<double>(woke - woke_) / 1e9; pause > longest_pause_) {
+    longest_pause_ = pause;
+    paused_at_ = static_cast<double>(woke_) / 1e9;
   }
   if (next_ < frames_) skipped_ += k - next_;
   next_ = k + 1;

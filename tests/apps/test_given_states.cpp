@@ -4,6 +4,7 @@
 #include <fmt/format.h>
 
 #include "apps/picture/plot.hpp"
+#include "geometry/common/csv_rows.hpp"
 #include "geometry/common/quantiles.hpp"
 #include "geometry/common/types.hpp"
 #include "tests/support/executable.hpp"
@@ -223,7 +224,7 @@ TEST_CASE("a session on measured forces renders their field, and its bars are th
 TEST_CASE("the report of a session on a measured stroke begins with the distance of the hand and its cost",
           "[states]" SLOW("fits fields of hundreds of rows")) {
   const BeamShop shop;
-  std::string rows = "pos_x,pos_y,pos_z,force_x,force_y,force_z\n", on = "t,x,y,z\n", beside = on;
+  std::string rows = "pos_x,pos_y,pos_z,force_x,force_y,force_z\n", on = "t,x,y,z\n", beside = on, left = on;
   for (int i = 0; i < 200; ++i) {
     const double x = -10 + 20 * i / 199.0;  // [mm]
     const double noise = 0.01 * std::sin(7.7 * i * i);
@@ -232,10 +233,12 @@ TEST_CASE("the report of a session on a measured stroke begins with the distance
   for (int i = 0; i <= 10; ++i) {
     on += fmt::format("{},{},0,0\n", 0.1 * i, -0.008 + 0.0016 * i);
     beside += fmt::format("{},{},0.005,0\n", 0.1 * i, -0.008 + 0.0016 * i);
+    left += fmt::format("{},{},{},0\n", 0.1 * i, -0.008 + 0.0016 * i, i < 6 ? 0 : 0.004 * (i - 5));
   }
   shop.write("stroke.csv", rows);
   shop.write("on.csv", on);
   shop.write("beside.csv", beside);
+  shop.write("left.csv", left);
   shop.run(
       "import stroke.csv -o stroke.states --unit mm --spacing 0.002 --quiet "
       "--columns pos_x,pos_y,pos_z,force_x,force_y,force_z");
@@ -247,13 +250,29 @@ TEST_CASE("the report of a session on a measured stroke begins with the distance
         motion + ".csv -o run-" + motion);
     CHECK_THAT(summary["attention"][0].get<std::string>(),
                Catch::StartsWith("the hand was ") &&
-                   Contains("from the nearest known place", "the states tell the force there within",
-                            "times the error bar at known places"));
+                   Contains("% of the time, where the states tell the force within",
+                            "from the nearest known place", "times the error bar at known places"));
     const std::string page = shop.read("run-" + motion + "/report.html");
     CHECK(page.find("the hand was ") < page.find("class=\"tiles\""));
     return summary["away_from_states"];
   };
-  const json along = away("on"), off = away("beside");
+  const json along = away("on"), off = away("beside"), half = away("left");
+  // The first line speaks of the worst part of the time, as the rows of frames.csv have it.
+  const CsvText frames = CsvText::read(shop.path() / "run-left/frames.csv", "frames");
+  std::map<std::string, std::vector<double>> bars;
+  for (std::size_t row = 0; row < frames.rows(); ++row)
+    bars[std::string(frames.text(row, "label"))].push_back(frames.number(row, "bar95"));
+  std::string worst;
+  double widest = 0;
+  for (auto& [label, widths] : bars) {
+    std::ranges::sort(widths);
+    const double p95 = widths[static_cast<std::size_t>(std::lround(0.95 * double(widths.size() - 1)))];
+    if (p95 > widest) worst = label, widest = p95;
+  }
+  CHECK(half["worst_label"] == worst);
+  CHECK(half["worst_error_bar"] == Approx(widest));
+  CHECK(half["worst_share"] == Approx(double(bars[worst].size()) / double(frames.rows())));
+  CHECK(half["worst_error_bar"].get<double>() > 3 * half["error_bar"].get<double>());
   CHECK(along["max"].get<double>() < 1e-4);
   CHECK(along["error_bar"].get<double>() < 0.05);
   CHECK(off["p50"] == Approx(0.005).epsilon(0.02));

@@ -1,5 +1,6 @@
 // State files: values bit for bit, damage, foreign files, one writer.
 
+#include <fmt/format.h>
 #include <sqlite3.h>
 #include <sys/stat.h>
 
@@ -28,6 +29,28 @@ TEST_CASE("states come back bit for bit, in order, with header") {
   const std::vector<State> again = file.read_all();
   REQUIRE(again.size() == all.size());
   for (std::size_t i = 0; i < all.size(); ++i) CHECK(same(again[i], all[i]));
+}
+
+TEST_CASE("states in any order are put into one: outward from rest, each unchanged") {
+  const TemporaryFolder folder;
+  std::vector<State> all = states(50), first;
+  for (unsigned seed = 0; seed < 3; ++seed) {
+    std::ranges::shuffle(all, std::mt19937(seed));
+    const fs::path name = folder / fmt::format("{}.states", seed);
+    StateFile file = StateFile::open_or_create(name, header());
+    file.append(all);
+    file.order_outward();
+    const std::vector<State> ordered = file.read_all();
+    REQUIRE(ordered.size() == all.size());
+    if (seed == 0) first = ordered;
+    for (std::size_t i = 0; i < all.size(); ++i) {
+      CHECK(same(ordered[i], first[i]));
+      if (i > 0) CHECK(ordered[i].at.norm() >= ordered[i - 1].at.norm() * (1 - 1e-12));
+    }
+    CHECK(file.damaged() == 0);
+    file.append(std::vector{state(77)});  // goes on behind them
+    CHECK(file.size() == 51);
+  }
 }
 
 TEST_CASE("the columns are plain, unknown values are NULL") {

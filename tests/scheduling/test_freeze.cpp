@@ -89,6 +89,8 @@ TEST_CASE("a loop that wakes late renders the newest frame and counts those that
   CHECK(pacer.due() == 0);
   CHECK(pacer.begin(30 * ms) == 0);  // the first frame is never skipped
   CHECK(pacer.skipped() == 0);
+  CHECK(pacer.longest_pause() == Approx(0.03));  // from the start of the session
+  CHECK(pacer.paused_at() == 0);
   CHECK(pacer.begin(30 * ms + 10) == 30);
   CHECK(pacer.skipped() == 29);
   CHECK(pacer.due() == 31 * ms);

@@ -1,5 +1,6 @@
 // Placement by estimated error, on a beam of a few tetrahedra made by code; truth by tight solves.
 
+#include "scheduling/placement/candidate_errors.hpp"
 #include "scheduling/placement/placement.hpp"
 
 #include <Eigen/LU>
@@ -252,6 +253,53 @@ TEST_CASE("the next position on-line is the worst of the candidates by weight", 
   // Solving there makes the estimate there vanish.
   space.insert(solver.reference(candidates[worst->index], 0.006).state);
   CHECK(estimator(candidates[worst->index]) < 0.01 * worst->estimate);
+}
+
+TEST_CASE("the worst candidate is found without judging those that cannot win", "[placement]") {
+  // A field that stiffens, with a lump of 6 mm beside its middle.
+  const Vec3 lump(0.008, 0.004, -0.006);
+  const auto state_at = [&](const Vec3& x) {
+    constexpr double width2 = 36e-6, depth = 0.02;
+    const Vec3 d = x - lump, k(250, 250, 420);
+    const double e = depth * std::exp(-0.5 * d.squaredNorm() / width2);
+    State state;
+    state.at = x;
+    state.force = -k.cwiseProduct(x) + e / width2 * d;
+    state.stiffness =
+        Mat3(k.asDiagonal()) - e * (Mat3::Identity() / width2 - d * d.transpose() / (width2 * width2));
+    return state;
+  };
+  const StateSpaceOptions space{.spacing = 0.005, .box = {Vec3::Constant(-0.02), Vec3::Constant(0.02)}};
+  std::vector<Vec3> candidates;
+  for (int i = 0; i < 729; ++i) candidates.push_back(0.005 * Vec3(i % 9 - 4, i / 9 % 9 - 4, i / 81 - 4));
+  CandidateErrors lazy(candidates, space, {});
+  StateSpace known(space);
+  std::vector<double> weights(candidates.size(), 1);
+  const auto tell = [&](std::size_t i) {
+    weights[i] = 0;
+    lazy.tell(state_at(candidates[i]));
+    known.insert(state_at(candidates[i]));
+  };
+  for (const std::size_t i : {364, 0, 8, 72, 80, 648, 656, 720, 728}) tell(i);
+  double share = 0;
+  constexpr int asked = 60;
+  for (int k = 0; k < asked; ++k) {
+    const auto found = lazy.worst(weights);
+    REQUIRE(found);
+    REQUIRE(weights[found->index] > 0);
+    if (k % 6 == 5) {  // beside one that judges all
+      ErrorEstimator all(known, {});
+      double most = 0;
+      for (std::size_t i = 0; i < candidates.size(); ++i)
+        most = std::max(most, weights[i] * all(candidates[i]));
+      share += all(candidates[found->index]) / most;
+      CHECK(found->estimate == Approx(all(candidates[found->index])));
+    }
+    tell(found->index);
+  }
+  CHECK(share > 0.7 * asked / 6);
+  CHECK(lazy.judged() < 729 * 4);
+  CHECK_FALSE(lazy.worst(std::vector<double>(candidates.size(), 0)));
 }
 
 TEST_CASE("a stop ends placement within a solve that takes many steps, and its state is not kept") {

@@ -47,6 +47,8 @@ class Placement:
             raise _core.InputError("Placement: the box holds no position of the lattice, expected a smaller spacing")
         self._at, self._force, self._stiffness = [], [], []
         self._open = []  # asked, not told yet
+        self._gaps = np.full(len(self.candidates), np.inf)  # to the nearest state or asked position [m]
+        self._errors = _core.CandidateErrors(self.candidates, self.spacing, self.floor)
 
     def __len__(self) -> int:
         return len(self._at)
@@ -67,39 +69,44 @@ class Placement:
         self._at.append(at)
         self._force.append(force)
         self._stiffness.append(None if stiffness is None else numbers(stiffness, "stiffness").reshape(3, 3))
+        if stiffness is not None:
+            self._errors.tell(at[None], force[None], self._stiffness[-1][None])
         self._open = [x for x in self._open if not np.array_equal(x, at)]
+        self._near(at)
 
     def ask(self, n: int = 1) -> NDArray[np.float64]:
         """The next n positions (n, 3) [m]; fewer if the lattice is full. Positions that were asked and not told yet
         are not asked again."""
         chosen = []
+        doubt = self._doubt()
         for _ in range(n):
-            x = self._next()
+            x = self._next(doubt)
             if x is None:
                 break
             chosen.append(x)
             self._open.append(x)
+            self._near(x)
         return np.array(chosen).reshape(-1, 3)
 
-    def _next(self):
-        taken = np.array(self._at + self._open).reshape(-1, 3)
-        if len(taken) == 0:
-            gaps = np.full(len(self.candidates), np.inf)
-        else:
-            from_each = self.candidates[:, None, :] - taken[None, :, :]
-            gaps = np.sqrt((from_each ** 2).sum(axis=-1)).min(axis=1)
-        if gaps.max() <= 1e-9 * self.spacing:
+    def _near(self, at):
+        np.minimum(self._gaps, np.linalg.norm(self.candidates - at, axis=1), out=self._gaps)
+
+    def _next(self, doubt):
+        if self._gaps.max() <= 1e-9 * self.spacing:
             return None
+        taken = np.array(self._at + self._open).reshape(-1, 3)
         for start in self._starts():
             if len(taken) == 0 or np.linalg.norm(taken - start, axis=1).min() > 1e-9 * self.spacing:
                 return start
-        doubt = self._doubt() * (gaps > 1e-9 * self.spacing)
+        weights = (self._gaps > 1e-9 * self.spacing).astype(float)
         # An asked position will be known soon: its surroundings need less.
         if self._open:
-            near = np.linalg.norm(self.candidates[:, None] - np.array(self._open)[None], axis=-1).min(axis=1)
-            doubt = doubt * np.minimum(1, near / (2 * self.spacing))
+            near = np.min([np.linalg.norm(self.candidates - x, axis=1) for x in self._open], axis=0)
+            weights *= np.minimum(1, near / (2 * self.spacing))
+        if doubt is None:
+            return self.candidates[self._errors.worst(weights)].copy()
         # gaps break ties, and decide where the models agree to rounding
-        return self.candidates[np.lexsort((-gaps, -doubt))[0]].copy()
+        return self.candidates[np.lexsort((-self._gaps, -doubt * weights))[0]].copy()
 
     def _starts(self):
         middle, half = (self.low + self.high) / 2, (self.high - self.low) / 2
@@ -110,6 +117,7 @@ class Placement:
         return [self.candidates[((self.candidates - w) ** 2).sum(axis=1).argmin()] for w in wanted]
 
     def _doubt(self):
+        """How much each candidate is worth; None: the errors that states with stiffness tell."""
         states = self.states
         if self.rule is not None:
             doubt = np.asarray(self.rule.doubt(states, self.candidates), float)
@@ -119,9 +127,9 @@ class Placement:
             return np.maximum(doubt, 0)
         if len(states) == 0:
             return np.ones(len(self.candidates))
-        space = _core.StateSpace(states, self.spacing)
         if all(k is not None for k in self._stiffness):
-            return np.minimum(_core.estimated_errors(space, self.candidates, self.floor), 1e9)
+            return None
+        space = _core.StateSpace(states, self.spacing)
         n = max(4, min(len(states), 24))
         fine = _core.evaluate_in(space, self.candidates, method="rbf", neighbours=n, select="nearest")[0]
         coarse = _core.evaluate_in(space, self.candidates, method="rbf", neighbours=max(2, n // 2),
