@@ -33,6 +33,7 @@
 // least E away: those of the next line of a raster, or of another turn of a curve. Then x itself is used in place of
 // the foot, and its error is at least the lesser of S E and the deviation halfway to the nearest of these rows.
 
+#include <cmath>
 #include <memory>
 #include <optional>
 #include <span>
@@ -52,6 +53,8 @@ class ForceField {
     double own_deviation = 0;   // by the likeliest law alone, to tell places that are alike: sqrt(3 v) [N]
     Vec3 foot = Vec3::Zero();   // x itself where all directions are known [m]
     double least_error = 0;     // S E [N]
+    // s of a model with this force: the deviation, and how far the model is from it [N].
+    double scale_of(const Vec3& model) const { return std::hypot(deviation, (force - model).norm()); }
   };
   // The space must outlive this. At least one state.
   ForceField(const StateSpace& known, const FieldOptions& options);

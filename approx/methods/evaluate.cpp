@@ -7,9 +7,9 @@
 #include <cmath>
 #include <limits>
 
+#include "approx/error/error_bar.hpp"
 #include "approx/error/leave_one_out.hpp"
 #include "approx/error/left_out.hpp"
-#include "approx/error/offline_bar.hpp"
 #include "approx/error/place_models.hpp"
 #include "approx/methods/rbf_network.hpp"
 #include "approx/model/model_options.hpp"
@@ -242,7 +242,7 @@ EvaluatedBars bars_of(const StateSpace& space, std::span<const State> states, st
   std::vector<double> scales;
   if (options.judge)
     for (std::size_t i = 0; i < judged.at.size(); ++i)
-      scales.push_back(judged_scale(judged.at[i], made.forces[i]));
+      scales.push_back(judged.at[i].scale_of(made.forces[i]));
   options.scales = scales;
   const auto checked = [&](const Vec3& x) { return given.checks.box.contains(x); };
   OfflineBars measured = checked_bars(space, given.checks.states, options), left_out;
@@ -257,18 +257,17 @@ EvaluatedBars bars_of(const StateSpace& space, std::span<const State> states, st
   for (const BarSample& s : own.samples()) held.push_back(s.seen);
   for (std::size_t i = 0; i < points.size(); ++i) {
     if (measured.checked() && checked(points[i])) {
-      bars.at.push_back(measured.at(made.labels[i], false, checked_scale(made.forces[i])));
+      bars.at.push_back(measured.at({.label = made.labels[i], .scale = checked_scale(made.forces[i])}));
       continue;
     }
     const SeenPlace& seen = options.wanted[i];
     unchecked.push_back(seen);
     bars.outside += seen.outside ? 1 : 0;
-    if (!judged.at.empty() && options.judge) {
-      bars.at.push_back(own.at(points[i], scales[i], judged.at[i].least_error));
-      continue;
-    }
-    bars.at.push_back(own.at(made.labels[i], seen.outside, scale_at(space, points[i], made.forces[i])));
-    if (!judged.at.empty()) widen(bars.at.back(), judged.at[i].least_error);
+    bars.at.push_back(own.at({.x = points[i],
+                              .label = made.labels[i],
+                              .outside = seen.outside,
+                              .scale = options.judge ? scales[i] : scale_at(space, points[i], made.forces[i]),
+                              .across = judged.at.empty() ? 0 : judged.at[i].least_error}));
   }
   if (!judged.at.empty() && options.judge && !measured.checked()) {
     for (std::size_t i = 0; i < unchecked.size(); ++i) {

@@ -6,7 +6,7 @@
 #include <string>
 #include <vector>
 
-#include "approx/error/known_within.hpp"
+#include "approx/error/error_bar.hpp"
 #include "approx/methods/evaluate.hpp"
 #include "apps/console/document_keys.hpp"
 #include "geometry/common/csv_columns.hpp"
