@@ -318,7 +318,8 @@ Evaluation evaluate(std::span<const State> states, std::span<const Vec3> points,
   if (const auto off = options.noise.position; off && !(*off < extent_of(mean.states)))
     throw InputError("--position-noise",
                      fmt::format("is {:g} m, as large as all the states, expected less", *off));
-  if (moving && !stiffness) result.field = field_of(mean.states, options.noise);
+  const bool open = moving && is_chosen(options, stiffness);
+  if (moving && !stiffness && (open || options.bars)) result.field = field_of(mean.states, options.noise);
   if (result.field) {
     result.shared = shared_error(states, result.repeated, result.field->law.noise);
     result.field->stated = options.stiffest.has_value();
@@ -326,7 +327,7 @@ Evaluation evaluate(std::span<const State> states, std::span<const Vec3> points,
   }
   const JudgedPoints judged = judge(space, points, result.field);
   for (std::size_t i = 0; i < judged.at.size(); ++i) wanted[i].doubt = judged.at[i].own_deviation;
-  if (moving && is_chosen(options, stiffness)) {
+  if (open) {
     result.chosen = choose_model(mean.states,
                                  {.field = result.field,
                                   .model = options.model,
@@ -340,7 +341,7 @@ Evaluation evaluate(std::span<const State> states, std::span<const Vec3> points,
     check_memory(model, space.size());
   model.neighbours = std::min(model.neighbours, space.size());
   if (options.choose_ridge) model.ridge = forefeel::choose_ridge(space, model).ridge;
-  const std::vector<Vec3> places = feet(points, judged);
+  const std::vector<Vec3> places = feet(points, open ? judged : JudgedPoints{});
   if (result.method == Method::rbf_network)
     result.options.centres = RbfNetwork::centres_of(rows, options.model.neighbours.value_or(0));
   const std::optional<FieldOptions> process = result.chosen ? result.chosen->field : std::nullopt;

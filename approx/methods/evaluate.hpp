@@ -73,13 +73,14 @@ struct EvaluatedBars {
 struct Evaluation {
   EvaluatedPoints made = {};
   Method method = Method::rbf;
-  MethodOptions options = {};              // as used; .model of rbf and offline_rbf
-  std::size_t states = 0;                  // known positions
-  RepeatedStates repeated = {};            // states that contradict each other are averaged
-  std::optional<AutoModel> chosen = {};    // where the model was chosen
-  std::optional<FieldOptions> field = {};  // of measured states: their law and noise
-  SharedError shared = {};                 // of measured states; part of bars and of the expected error
-  std::optional<EvaluatedBars> bars = {};  // if requested and the method has them
+  MethodOptions options = {};            // as used; .model of rbf and offline_rbf
+  std::size_t states = 0;                // known positions
+  RepeatedStates repeated = {};          // states that contradict each other are averaged
+  std::optional<AutoModel> chosen = {};  // where the model was chosen
+  std::optional<FieldOptions> field =
+      {};                   // of measured states, if bars or a choice ask for it: law and noise
+  SharedError shared = {};  // of measured states; part of bars and of the expected error
+  std::optional<EvaluatedBars> bars = {};          // if requested and the method has them
   double fit_us = unknown, evaluate_ns = unknown;  // medians
 };
 
