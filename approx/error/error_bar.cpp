@@ -294,11 +294,8 @@ OfflineBars measure_bars(std::span<const State> states, const OfflineBarOptions&
     parts[t] = samples_of(trials.each[t], static_cast<std::uint32_t>(t), options, stride);
   std::vector<BarSample> samples;
   for (const std::vector<BarSample>& part : parts) samples.insert(samples.end(), part.begin(), part.end());
-  if (options.judge) {
-    const double shrinkage = OfflineBars::shrinkage_of(samples, options);
-    return {std::move(samples),
-            {.noise = options.judge->law.noise, .groups = trials.groups, .shrinkage = shrinkage}};
-  }
+  if (options.judge)
+    return {std::move(samples), {.noise = options.judge->law.noise, .groups = trials.groups}};
   return OfflineBars(std::move(samples));
 }
 

@@ -125,11 +125,10 @@ struct BarPlace {
 };
 
 // A process of measured forces that judges them. noise: sigma of a component [N]; groups: independent ones, held out in
-// turn; shrinkage: r of judged_bar.cpp.
+// turn.
 struct JudgedBy {
   double noise = 0;
   std::size_t groups = 0;
-  double shrinkage = 1;
 };
 
 struct OfflineBarOptions;
@@ -149,7 +148,6 @@ class OfflineBars {
   BarCover cover_outside() const;                         // of those outside the others
 
  private:
-  friend OfflineBars measure_bars(std::span<const State>, const OfflineBarOptions&);
   friend OfflineBars checked_bars(const StateSpace&, std::span<const State>, const OfflineBarOptions&);
   // What judged bars are made of.
   struct Judge {
@@ -159,7 +157,6 @@ class OfflineBars {
     std::vector<double> misses;   // y_i^2
     BarFactors quantiles{};       // q_p
   };
-  static double shrinkage_of(std::span<const BarSample> samples, const OfflineBarOptions& options);
   void find_locality(double each);
   double local(const Vec3& x, std::optional<std::uint32_t> but) const;  // t^2, without one part
   double variance(double scale, double trust, double local) const;      // v [N^2]
@@ -181,7 +178,6 @@ struct OfflineBarOptions {
   std::optional<FieldOptions> judge = {};  // of measured states: s and sigma from the process
   double spacing = 0.006;                  // h [m]
   std::span<const SeenPlace> wanted = {};  // where the bars are wanted; empty: not known
-  std::span<const double> scales = {};     // s(x) of each [N], with a judge; empty: not known
 };
 
 // states: usable ones, one at each position. Fewer than 8 states or 3 groups give no samples.

@@ -47,13 +47,10 @@ BarFactors quantiles_of_norm(double n) {
 }
 
 // g, by which s is widened: its own deviation counts as nu groups, of n held out in turn, and K = n mean(w):
-//   g^2 = max(1, (nu + n mean(w y^2)) / (nu + K) max(1, r^(2 n / (n + nu))))
-// each: groups that a sample counts as. shrinkage: r.
-double trust_of(const Misfit& of, double each, double shrinkage = 1) {
-  const double groups = each * of.samples;
-  const double squared = (prior_groups + each * of.missed) / (prior_groups + each * of.share);
-  const double believed = std::pow(shrinkage, groups / (groups + prior_groups));
-  return std::max({1.0, std::sqrt(squared), std::sqrt(squared) * believed});
+//   g^2 = max(1, (nu + n mean(w y^2)) / (nu + K))
+// each: groups that a sample counts as.
+double trust_of(const Misfit& of, double each) {
+  return std::max(1.0, std::sqrt((prior_groups + each * of.missed) / (prior_groups + each * of.share)));
 }
 
 // The law was found from n groups, so s is known with few degrees of freedom: the quantiles of sqrt(F(3, n + 1))
@@ -76,30 +73,6 @@ BarFactors judged_factors(std::vector<double> scores, double each, double share)
 }
 
 }  // namespace
-
-// Wanted places are often nearer to the states than held-out ones. By a smooth law the error then falls with a high
-// power of the distance, which nothing measured has shown. It is believed to fall with the square. With rms s and
-// median distance d of the held-out positions (h) and of the wanted places (w) inside the states:
-//   r = max(1, (s_h / s_w) / max(1, d_h / d_w)^2)
-double OfflineBars::shrinkage_of(std::span<const BarSample> samples, const OfflineBarOptions& options) {
-  double held_squared = 0, wanted_squared = 0;
-  std::vector<double> held_away, wanted_away;
-  for (const BarSample& s : samples) {
-    if (s.seen.outside) continue;
-    held_squared += square(s.scale);
-    held_away.push_back(s.seen.away);
-  }
-  for (std::size_t i = 0; i < options.scales.size(); ++i) {
-    if (options.wanted[i].outside || !std::isfinite(options.scales[i])) continue;
-    wanted_squared += square(options.scales[i]);
-    wanted_away.push_back(options.wanted[i].away);
-  }
-  if (held_away.empty() || !(wanted_squared > 0)) return 1;
-  const double held = std::sqrt(held_squared / static_cast<double>(held_away.size()));
-  const double here = std::sqrt(wanted_squared / static_cast<double>(wanted_away.size()));
-  const double farther = median(std::move(held_away)), nearer = median(std::move(wanted_away));
-  return nearer > 0 ? std::max(1.0, held / here / square(std::max(1.0, farther / nearer))) : 1;
-}
 
 void widen(BarWidths& widths, double across) {
   for (std::size_t level = 0; level < widths.size(); ++level) widths[level] += steeper[level] * across;
@@ -148,7 +121,7 @@ OfflineBars::OfflineBars(std::vector<BarSample> samples, const JudgedBy& by) : s
       widen(s.bar, s.across);
     }
   }
-  judge.trust = trust_of(every, each, by.shrinkage);
+  judge.trust = trust_of(every, each);
   judge.quantiles = judged_factors(std::move(scores), each, every.share);
 }
 

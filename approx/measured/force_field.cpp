@@ -20,13 +20,11 @@ constexpr std::size_t least_around = 12;
 constexpr double least_across =
     0.05;  // in distances of the nearest row: less is the sag of a curve between rows
 constexpr double known_share = 0.25;  // a direction is known up to the deviation of the rows divided by this
-constexpr double thin = 0.2;  // deviation of a thin direction, in the largest of the rows about a place
-constexpr double thin_share = 0.67;  // its share of the distance across, below which the error grows
-constexpr double surely_off = 2;     // standard errors of where rows lie, within which a place is among them
-constexpr double cone = 0.5;  // cosine of the angle to the direction across, within which rows tell of it
+constexpr double thin = 0.2;      // deviation of a thin direction, in the largest of the rows about a place
+constexpr double surely_off = 2;  // standard errors of where rows lie, within which a place is among them
+constexpr double cone = 0.5;      // cosine of the angle to the direction across, within which rows tell of it
 constexpr double most_across =
     10;  // distances across, within which rows beyond tell of the direction at any l
-constexpr double spline_share = 0.7;  // of the spline's deviation, in its weight
 constexpr double most_overshoot = 2;  // no force is larger than this many times the largest known one
 
 double median_spacing(const std::vector<Vec3>& at) {
@@ -123,8 +121,7 @@ ForceField::Prediction ForceField::predicted(const Vec3& x) const {
   double rough = 0;
   if (of.spline) {
     const GaussianProcess::Prediction plain = of.spline->at(x);
-    const double ratio =
-        spline_share * plain.deviation / std::max(likeliest.deviation, std::numeric_limits<double>::min());
+    const double ratio = plain.deviation / std::max(likeliest.deviation, std::numeric_limits<double>::min());
     made.force += (plain.force - likeliest.force) / (1 + std::pow(ratio, 4));
     if (options_.law.smoothness != Smoothness::gaussian) rough = std::sqrt(3.0) * plain.deviation;
   }
@@ -169,8 +166,6 @@ MeasuredRows ForceField::rows_about(const Vec3& x) const {
 // mean. An eigenvector u of M is unknown at x if |u.(x - c)| exceeds four times the deviation of the rows along u. A
 // direction is thin if the rows deviate in it by less than a fifth of their largest deviation. There c and the deviation
 // are those of a parabola along the rows. The foot is x without its components along unknown directions, about c.
-// Components in thin directions beyond 1.5 deviations (a line with noise in its positions) count in E, but do not move
-// the foot.
 ForceField::Foot ForceField::foot_of(const Vec3& x) const {
   std::vector<StateId> ids;
   known_->nearest(x, 1, ids);
@@ -192,31 +187,18 @@ ForceField::Foot ForceField::foot_of(const Vec3& x) const {
   for (std::size_t i = 0; i < ids.size(); i += stride)
     near.push_back(axes.vectors.transpose() * ((*known_)[ids[i]].at - x));
   const double widest = std::sqrt(std::max(0.0, axes.values[2]));
-  Vec3 across = Vec3::Zero(), doubtful = Vec3::Zero();
+  Vec3 across = Vec3::Zero();
   for (int k = 0; k < 3; ++k) {
     const Vec3 u = axes.vectors.col(k);
     const double own = std::sqrt(std::max(0.0, axes.values[k]));
     const Lie lie = own < thin * widest ? lie_of(near, k) : Lie{.off = u.dot(middle), .deviation = own};
     const double off = std::abs(lie.off) - surely_off * lie.doubt;
-    if (known_share * off > lie.deviation)
-      across -= lie.off * u;
-    else if (lie.deviation < thin * widest && thin_share * off > lie.deviation)
-      doubtful -= lie.off * u;
+    if (known_share * off > lie.deviation) across -= lie.off * u;
   }
-  const double least = least_across * nearest;
+  if (across.norm() <= least_across * nearest) return {.at = x};
   const Vec3 foot = x - across;
-  std::optional<Vec3> told;  // the nearest row that tells of the direction across
-  if (across.norm() > least) {
-    told = row_across(x, foot);
-    if (!told) return {.at = foot, .across = (across + doubtful).norm()};
-  }
-  if (doubtful.norm() > least) {
-    const Vec3 thinnest = x - doubtful;
-    told = row_across(x, thinnest);
-    if (!told) return {.at = x, .across = doubtful.norm()};
-    return {.at = x, .across = doubtful.norm(), .between = 0.5 * (x + *told)};
-  }
-  if (!told) return {.at = x};
+  const std::optional<Vec3> told = row_across(x, foot);  // the nearest row that tells of the direction across
+  if (!told) return {.at = foot, .across = across.norm()};
   return {.at = x, .across = across.norm(), .between = 0.5 * (x + *told)};
 }
 

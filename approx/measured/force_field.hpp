@@ -10,7 +10,7 @@
 //
 // With f~, v of the likeliest law and f~_d, v_d of a second law that is no longer than the extent of the rows
 // (gaussian_process.hpp), and f~_s, v_s of the spline (thin_plate.hpp):
-//   f(x) = (f~ / v^2 + f~_s / (0.7^2 v_s)^2) / (1 / v^2 + 1 / (0.7^2 v_s)^2)
+//   f(x) = (f~ / v^2 + f~_s / v_s^2) / (1 / v^2 + 1 / v_s^2)
 //   s(x)^2 = 3 v_d + |f~_d - f|^2
 // Rows of a line, a curve or a surface determine nothing across it. There f is that of the foot, the place among the
 // rows nearest to x, and its error at least S E: E = |x - foot| [m], S the largest stiffness between rows [N/m].

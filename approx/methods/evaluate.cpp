@@ -237,13 +237,8 @@ void bound_bars(EvaluatedBars& bars, std::span<const Vec3> forces, double shared
 }
 
 EvaluatedBars bars_of(const StateSpace& space, std::span<const State> states, std::span<const Vec3> points,
-                      const EvaluatedPoints& made, const JudgedPoints& judged, OfflineBarOptions options,
-                      const EvaluateOptions& given) {
-  std::vector<double> scales;
-  if (options.judge)
-    for (std::size_t i = 0; i < judged.at.size(); ++i)
-      scales.push_back(judged.at[i].scale_of(made.forces[i]));
-  options.scales = scales;
+                      const EvaluatedPoints& made, const JudgedPoints& judged,
+                      const OfflineBarOptions& options, const EvaluateOptions& given) {
   const auto checked = [&](const Vec3& x) { return given.checks.box.contains(x); };
   OfflineBars measured = checked_bars(space, given.checks.states, options), left_out;
   if (!measured.checked())
@@ -266,7 +261,8 @@ EvaluatedBars bars_of(const StateSpace& space, std::span<const State> states, st
     bars.at.push_back(own.at({.x = points[i],
                               .label = made.labels[i],
                               .outside = seen.outside,
-                              .scale = options.judge ? scales[i] : scale_at(space, points[i], made.forces[i]),
+                              .scale = options.judge ? judged.at[i].scale_of(made.forces[i])
+                                                     : scale_at(space, points[i], made.forces[i]),
                               .across = judged.at.empty() ? 0 : judged.at[i].least_error}));
   }
   if (!judged.at.empty() && options.judge && !measured.checked()) {

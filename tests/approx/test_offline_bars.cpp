@@ -305,24 +305,3 @@ TEST_CASE("bars of measured states have the tails of the held-out errors", "[off
   CHECK(std::abs(inside / count - 0.95) < 0.015);
   CHECK(plain / count < 0.935);
 }
-
-TEST_CASE("bars of measured states do not shrink faster than the distance without evidence",
-          "[offline_bars]") {
-  const auto bar = [](double shrinkage, std::size_t groups) {
-    std::mt19937 random(1);
-    std::normal_distribution<double> normal;
-    std::vector<BarSample> samples;
-    for (std::uint32_t i = 0; i < 240; ++i) {
-      const Vec3 e = 0.01 / std::sqrt(3.0) * Vec3(normal(random), normal(random), normal(random));
-      samples.push_back({.at = 0.01 * Vec3(normal(random), normal(random), normal(random)),
-                         .scale = 0.01,
-                         .error = e.norm(),
-                         .part = i % 8});
-    }
-    return OfflineBars(std::move(samples), {.groups = groups, .shrinkage = shrinkage})
-        .at({.scale = 0.002})[1];
-  };
-  // s is 5 times less at x; at half the distance the error is believed to be half, 2.5 times what s says.
-  CHECK(bar(2.5, 240) / bar(1, 240) == Approx(std::pow(2.5, 240.0 / 246)).epsilon(0.05));
-  CHECK(bar(2.5, 6) / bar(1, 6) == Approx(std::sqrt(2.5)).epsilon(0.1));
-}
