@@ -244,9 +244,10 @@ void ConformalFactors::update(Label label) {
 BarFactors touch_bar_factors(const std::vector<double>& scores) {
   std::vector<double> all(std::begin(touch_prior), std::end(touch_prior));
   all.insert(all.end(), scores.begin(), scores.end());
+  const double largest = std::ranges::max(all);
   BarFactors factors{};
   for (std::size_t i = 0; i < factors.size(); ++i)
-    factors[i] = std::min(conformal_quantile(all, bar_levels[i]), *std::ranges::max_element(all));
+    factors[i] = std::min(conformal_quantile(all, bar_levels[i]), largest);
   return factors;
 }
 

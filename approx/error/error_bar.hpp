@@ -99,20 +99,19 @@ struct BarSample {
   Vec3 at = Vec3::Zero();           // [m]
   double force = 0, predicted = 0;  // |f|, |f~| [N]
   Label label = Label::blank;       // of its position, with its part held out
-  double spread = unknown;      // of its position, with its part held out [m]; infinite: not between states
-  SeenPlace seen = {};          // from the remaining states
-  double scale = 0, error = 0;  // s, |f~ - f| [N]
-  double across = 0;            // least error across the states, of measured ones [N]
-  std::uint32_t part = 0;       // forces of one part are held out together
-  BarWidths bar{};              // from the scores of the other parts
+  double spread = unknown;          // likewise [m]; infinite: not between states
+  SeenPlace seen = {};              // from the remaining states
+  double scale = 0, error = 0;      // s, |f~ - f| [N]
+  double across = 0;                // least error across the states, of measured ones [N]
+  std::uint32_t part = 0;           // forces of one part are held out together
+  BarWidths bar{};                  // from the scores of the other parts
 };
 
 // How well bars from the other parts cover the samples.
 struct BarCover {
   std::size_t samples = 0;
-  std::array<double, bar_levels.size()> inside{unknown, unknown,
-                                               unknown};  // share, of those with a bar; NaN: none
-  double width_p50 = unknown;                             // median half-width of 95 % [N]
+  BarFactors inside{unknown, unknown, unknown};  // share inside, of those with a bar [1]; NaN: none
+  double width_p50 = unknown;                    // median half-width of 95 % [N]
 };
 
 // A place where a bar is wanted. across: least error across the states, of measured ones [N].
@@ -124,11 +123,10 @@ struct BarPlace {
   double across = 0;
 };
 
-// A process of measured forces that judges them. noise: sigma of a component [N]; groups: independent ones, held out in
-// turn.
+// A process of measured forces that judges them.
 struct JudgedBy {
-  double noise = 0;
-  std::size_t groups = 0;
+  double noise = 0;        // sigma of a component [N]
+  std::size_t groups = 0;  // independent ones, held out in turn
 };
 
 struct OfflineBarOptions;

@@ -14,7 +14,6 @@ namespace {
 
 constexpr double prior_groups = 6;  // nu: groups that the process's own deviation counts as
 constexpr std::size_t level_of_95 = 1, local_samples = 30;
-constexpr double calm_share = 0.1;  // of the samples, in whose neighbourhoods errors are noise alone
 constexpr BarFactors steeper{2, across_of_95, 4};  // m_p
 
 double square(double x) {
@@ -130,8 +129,7 @@ OfflineBars::OfflineBars(std::vector<BarSample> samples, const JudgedBy& by) : s
 // y^2 over the 30 held-out positions nearest to x, over the mean of all:
 //   t(x)^2 = 1 + B (L(x) - 1),   B = max(0, 1 - var_0 / var(L)),   var_0 = 2 / (3 max(1, groups among the 30))
 // B shrinks L as far as its differences are those of chance (James and Stein 1961); var_0 is the variance of L if all
-// errors were normal with one deviation. c: 10 % quantile of t^2 over the held-out positions; there all misses are
-// noise.
+// errors were normal with one deviation. c: least t^2 at the held-out positions; there all misses are noise.
 void OfflineBars::find_locality(double each) {
   Judge& judge = judge_;
   for (const double y : judge.misses) judge.mean += y / static_cast<double>(judge.misses.size());
@@ -146,8 +144,7 @@ void OfflineBars::find_locality(double each) {
   const double count = static_cast<double>(std::min(local_samples, samples_.size()));
   const double by_chance = 2 / (3 * std::max(1.0, count * std::min(1.0, each)));
   judge.locality = spread > by_chance ? 1 - by_chance / spread : 0;
-  const double calm = quantile_of(ratios, calm_share);
-  judge.calm = judge.mean * (1 + judge.locality * (calm - 1));
+  judge.calm = judge.mean * (1 + judge.locality * (*std::ranges::min_element(ratios) - 1));
 }
 
 double OfflineBars::local(const Vec3& x, std::optional<std::uint32_t> but) const {

@@ -17,8 +17,6 @@ constexpr std::size_t most_tried = 40;     // of the rows nearest to a place, in
 constexpr int local_steps = 15;            // of the search for the law of a place
 constexpr std::size_t most_around = 2000;  // rows that show which directions are known
 constexpr std::size_t least_around = 12;
-constexpr double least_across =
-    0.05;  // in distances of the nearest row: less is the sag of a curve between rows
 constexpr double known_share = 0.25;  // a direction is known up to the deviation of the rows divided by this
 constexpr double thin = 0.2;      // deviation of a thin direction, in the largest of the rows about a place
 constexpr double surely_off = 2;  // standard errors of where rows lie, within which a place is among them
@@ -195,7 +193,7 @@ ForceField::Foot ForceField::foot_of(const Vec3& x) const {
     const double off = std::abs(lie.off) - surely_off * lie.doubt;
     if (known_share * off > lie.deviation) across -= lie.off * u;
   }
-  if (across.norm() <= least_across * nearest) return {.at = x};
+  if (!(across.norm() > 0)) return {.at = x};
   const Vec3 foot = x - across;
   const std::optional<Vec3> told = row_across(x, foot);  // the nearest row that tells of the direction across
   if (!told) return {.at = foot, .across = across.norm()};
