@@ -21,7 +21,7 @@
 //   geometry/index/adaptive_lattice.hpp      StateSpaceOptions::lattice
 //   geometry/index/delaunay_index.hpp        StateSpace::delaunay()
 //   geometry/index/path_walk.hpp             faster labels along a path
-//   approx/error/offline_bar.hpp             EvaluatedBars::measured
+//   approx/error/error_bar.hpp               EvaluatedBars::measured
 //   scheduling/placement/placement.hpp       few states at the best places
 //   scheduling/record/run_files.hpp          the files of a run
 //   scheduling/study/study_ranking.hpp       many sessions compared, from study_run.hpp

@@ -3,6 +3,7 @@
 #include <Eigen/Cholesky>
 #include <algorithm>
 #include <cmath>
+#include <limits>
 
 #include "approx/model/polynomial.hpp"
 #include "geometry/common/dense.hpp"
@@ -181,6 +182,43 @@ RidgeChoice choose_ridge(const StateSpace& space, const ModelOptions& options) {
   if (count == 0) return {};
   const auto best = static_cast<std::size_t>(std::ranges::min_element(missed) - missed.begin());
   return {ridges[best], std::sqrt(missed[best] / count), std::sqrt(missed[0] / count)};
+}
+
+double power_function(std::span<const State> states, const ModelOptions& options, const Vec3& x) {
+  const int k = detail::power_of(options.kernel), degree = k == 5 ? 2 : 1;
+  const int terms = k == 5 ? 10 : 4, per_state = options.data == Data::force_and_stiffness ? 4 : 1;
+  const auto n = static_cast<Index>(states.size()), rows = n * per_state;
+  if (n == 0) return std::numeric_limits<double>::infinity();
+  Vec3 centre = Vec3::Zero();
+  double scale = 0;
+  for (const State& s : states) centre += s.at / static_cast<double>(n);
+  for (const State& s : states) scale = std::max(scale, (s.at - centre).norm());
+  if (scale == 0) return std::numeric_limits<double>::infinity();
+  const auto row_at = [&](const Vec3& at, Index row) {
+    return Row{(at - centre) / scale, static_cast<int>(row % per_state) - 1, row / per_state};
+  };
+  const auto row_of = [&](Index row) {
+    return row_at(states[static_cast<std::size_t>(row / per_state)].at, row);
+  };
+
+  MatrixXd system = MatrixXd::Zero(rows + terms, rows + terms);
+  VectorXd right(rows + terms);
+  const Row value = row_at(x, 0);
+  for (Index i = 0; i < rows; ++i) {
+    for (Index j = 0; j < rows; ++j) system(i, j) = kernel(row_of(i), row_of(j), k);
+    system.row(i).tail(terms) = monomials(row_of(i), degree);
+    right[i] = kernel(row_of(i), value, k);
+  }
+  system.bottomLeftCorner(terms, rows) = system.topRightCorner(rows, terms).transpose();
+  right.tail(terms) = monomials(value, degree).transpose();
+  if (rank_of(system.topRightCorner(rows, terms)) < terms) return std::numeric_limits<double>::infinity();
+  const VectorXd solution = solved(system, right);
+  const auto u = solution.head(rows);
+  // By the first block row A u = k - Q v, so that u^T A u = u . k - q . v.
+  const double squared = -(u.dot(right.head(rows)) + solution.tail(terms).dot(right.tail(terms)));
+  const double sign = k == 3 ? 1 : -1;
+  if (!std::isfinite(squared)) return std::numeric_limits<double>::infinity();
+  return std::sqrt(std::max(0.0, sign * squared)) * std::pow(scale, 0.5 * k);
 }
 
 }  // namespace forefeel

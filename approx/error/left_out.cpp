@@ -7,7 +7,6 @@
 #include <numeric>
 #include <utility>
 
-#include "approx/error/division.hpp"
 #include "approx/measured/position_groups.hpp"
 #include "geometry/common/cube_directions.hpp"
 #include "geometry/common/quantiles.hpp"

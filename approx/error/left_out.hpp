@@ -2,7 +2,7 @@
 // Chooses which known forces to hold out, so that their errors are those to expect at other places.
 //
 // Positions are held out in groups that lie as far from the rest, in distance and direction, as the wanted places from
-// the states (division.hpp).
+// the states (measured/position_groups.hpp).
 //
 // An eighth of the groups, far from each other, is held out at a time. With more than 1500 states, one state
 // of each box of neighbouring states is compared, and natural groups are held out if any fit; else groups of boxes; or,

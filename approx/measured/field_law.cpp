@@ -8,7 +8,7 @@
 #include <vector>
 
 #include "approx/measured/position_groups.hpp"
-#include "approx/measured/stretch.hpp"
+#include "geometry/common/dense.hpp"
 
 namespace forefeel {
 namespace {
@@ -27,6 +27,10 @@ constexpr double longest_doubt = 1.8;      // length, in extents of the rows (ro
 constexpr double least_apart = 0.1;        // of boxes for a secant, in lengths and radii
 constexpr double surely = 2.8;  // 95 % of |e| lie within 2.8 deviations of a component (chi, 3 degrees)
 constexpr std::size_t fewest_of_places = 4;  // rows, in those of a place, for a law of each place
+constexpr double fewest_deviations = 0.05;   // of a direction that tells, in the largest deviation
+constexpr int stretch_steps = 8;             // of the search for l, a and sigma at one A
+constexpr double a_gain = 0.5;               // of the log likelihood, by a step
+constexpr double sure_gain = 6;              // by all: two lengths more are worth 2 by chance (Akaike 1974)
 
 std::vector<Vec3> positions_of(std::span<const State> states) {
   std::vector<Vec3> at;
@@ -143,6 +147,49 @@ ChosenLaw chosen_law(const MeasuredRows& some, const MeasuredRows& more, const M
   return {laws[*best], rough};
 }
 
+// Lengths that differ by direction. A body pressed from above changes its force quicker with depth than along it, and a
+// law of one length, which rows along many lines determine, is then sure of what lies between two depths. With A
+// symmetric, of determinant 1, in the principal directions of the rows:
+//   cov(g_c(x), g_c(x')) = a^2 r(|A (x - x')| / l)
+// A is found by steps of a factor in one direction at a time, as long as they raise the likelihood.
+// Returns A; the identity if it is not surely likelier. A direction in which the rows deviate by less than a twentieth of their
+// largest deviation tells nothing and keeps its length. Some thirty searches of improved_law().
+Mat3 likely_stretch(const MeasuredRows& rows, const FieldLaw& law, std::optional<double> noise) {
+  const auto count = static_cast<double>(rows.size());
+  Vec3 middle = Vec3::Zero();
+  for (const Vec3& x : rows.at) middle += x / count;
+  Mat3 spread = Mat3::Zero();
+  for (const Vec3& x : rows.at) spread += (x - middle) * (x - middle).transpose() / count;
+  const Modes3 axes = axes_of(spread);
+  const Mat3& directions = axes.vectors;
+  const auto stretch_of = [&](const Vec3& by) -> Mat3 {
+    return directions * (by / std::cbrt(by.prod())).asDiagonal() * directions.transpose();
+  };
+  const auto unlikely = [&](const Vec3& by) {
+    const auto found =
+        improved_law(stretched(rows, stretch_of(by)), law, {.steps = stretch_steps, .noise = noise});
+    return found ? found->minus_log_likelihood : std::numeric_limits<double>::infinity();
+  };
+  Vec3 best = Vec3::Ones();
+  double least = unlikely(best);
+  const double alike = least;
+  for (const double step : {2.0, 2.0, 2.0, 1.4}) {
+    for (int axis = 0; axis < 3; ++axis) {
+      if (!(axes.values[axis] > fewest_deviations * fewest_deviations * axes.values[2])) continue;
+      for (const double factor : {step, 1 / step}) {
+        Vec3 tried = best;
+        tried[axis] *= factor;
+        if (const double value = unlikely(tried); value < least - a_gain) {
+          least = value;
+          best = tried;
+          break;
+        }
+      }
+    }
+  }
+  return alike - least > sure_gain ? stretch_of(best) : Mat3::Identity();
+}
+
 double radius_of(const MeasuredRows& rows) {
   Vec3 middle = Vec3::Zero();
   for (const Vec3& x : rows.at) middle += x / double(rows.size());
@@ -152,6 +199,11 @@ double radius_of(const MeasuredRows& rows) {
 }
 
 }  // namespace
+
+MeasuredRows stretched(MeasuredRows rows, const Mat3& by) {
+  for (Vec3& x : rows.at) x = by * x;
+  return rows;
+}
 
 MeasuredRows averaged_boxes(std::span<const State> states, std::size_t size) {
   MeasuredRows rows;

@@ -8,6 +8,14 @@
 // better, and that one to another that surely predicts groups of rows better. A Gaussian law with noise is often the
 // likeliest of a force with a kink; it is then wrong at the kink, and sure.
 //
+// Where there are many rows, the mean of a box of neighbouring rows stands for them: its noise is less by the square
+// root of their number, and lines that are dense along themselves weigh no more than their length. Boxes are made only
+// where the field bends less within a box than the noise of its mean; else the rows nearest to a place serve, thinned
+// where they lie on lines or in heaps, so that they are of several of these.
+//
+// S [N/m]: the largest secant |F_i - F_j| / |x_i - x_j| of neighbouring boxes, or the largest force over half the extent
+// of the rows, if that is more.
+//
 // A law is one for all places, but a force may be rough in some of them. local_field() seeks the law of Matern's kind
 // with 3/2 anew among the rows nearest to each place. What it costs is a few milliseconds a place.
 
@@ -35,5 +43,8 @@ std::optional<FieldOptions> local_field(const FieldOptions& field, std::size_t r
 
 // Means of boxes of at most `size` neighbouring states.
 MeasuredRows averaged_boxes(std::span<const State> states, std::size_t size);
+
+// The rows at A x (FieldOptions::stretch).
+MeasuredRows stretched(MeasuredRows rows, const Mat3& by);
 
 }  // namespace forefeel

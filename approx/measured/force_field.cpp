@@ -5,7 +5,6 @@
 #include <limits>
 #include <vector>
 
-#include "approx/measured/stretch.hpp"
 #include "geometry/common/dense.hpp"
 #include "geometry/common/quantiles.hpp"
 
@@ -18,16 +17,12 @@ constexpr std::size_t most_tried = 40;     // of the rows nearest to a place, in
 constexpr int local_steps = 15;            // of the search for the law of a place
 constexpr std::size_t most_around = 2000;  // rows that show which directions are known
 constexpr std::size_t least_around = 12;
-constexpr double least_across =
-    0.05;  // in distances of the nearest row: less is the sag of a curve between rows
 constexpr double known_share = 0.25;  // a direction is known up to the deviation of the rows divided by this
-constexpr double thin = 0.2;  // deviation of a thin direction, in the largest of the rows about a place
-constexpr double thin_share = 0.67;  // its share of the distance across, below which the error grows
-constexpr double surely_off = 2;     // standard errors of where rows lie, within which a place is among them
-constexpr double cone = 0.5;  // cosine of the angle to the direction across, within which rows tell of it
+constexpr double thin = 0.2;      // deviation of a thin direction, in the largest of the rows about a place
+constexpr double surely_off = 2;  // standard errors of where rows lie, within which a place is among them
+constexpr double cone = 0.5;      // cosine of the angle to the direction across, within which rows tell of it
 constexpr double most_across =
     10;  // distances across, within which rows beyond tell of the direction at any l
-constexpr double spline_share = 0.7;  // of the spline's deviation, in its weight
 constexpr double most_overshoot = 2;  // no force is larger than this many times the largest known one
 
 double median_spacing(const std::vector<Vec3>& at) {
@@ -105,6 +100,11 @@ ForceField::Processes ForceField::processes_of(const MeasuredRows& rows) const {
   return made;
 }
 
+// The likeliest law of a smooth field may be much longer than the extent of the rows: the field is then a polynomial of
+// low degree, and the process is sure of it between the rows, where nothing was measured. So the deviation comes from
+// `doubt`. Where the process is unsure, as between two presses far apart, the spline is often nearer; where it knows the
+// field, it has nearly all weight. Where the likeliest law is a rough one (Matern's), the field may have a kink between
+// the rows as it has one elsewhere: s is then at least the deviation of the spline.
 ForceField::Prediction ForceField::predicted(const Vec3& x) const {
   Processes of = all_;
   if (!of.own) {
@@ -119,8 +119,7 @@ ForceField::Prediction ForceField::predicted(const Vec3& x) const {
   double rough = 0;
   if (of.spline) {
     const GaussianProcess::Prediction plain = of.spline->at(x);
-    const double ratio =
-        spline_share * plain.deviation / std::max(likeliest.deviation, std::numeric_limits<double>::min());
+    const double ratio = plain.deviation / std::max(likeliest.deviation, std::numeric_limits<double>::min());
     made.force += (plain.force - likeliest.force) / (1 + std::pow(ratio, 4));
     if (options_.law.smoothness != Smoothness::gaussian) rough = std::sqrt(3.0) * plain.deviation;
   }
@@ -161,6 +160,10 @@ MeasuredRows ForceField::rows_about(const Vec3& x) const {
   return rows;
 }
 
+// Let M be the covariance of the positions within 4 d of x (d: distance of the nearest row; at least 12 rows) and c their
+// mean. An eigenvector u of M is unknown at x if |u.(x - c)| exceeds four times the deviation of the rows along u. A
+// direction is thin if the rows deviate in it by less than a fifth of their largest deviation. There c and the deviation
+// are those of a parabola along the rows. The foot is x without its components along unknown directions, about c.
 ForceField::Foot ForceField::foot_of(const Vec3& x) const {
   std::vector<StateId> ids;
   known_->nearest(x, 1, ids);
@@ -182,34 +185,24 @@ ForceField::Foot ForceField::foot_of(const Vec3& x) const {
   for (std::size_t i = 0; i < ids.size(); i += stride)
     near.push_back(axes.vectors.transpose() * ((*known_)[ids[i]].at - x));
   const double widest = std::sqrt(std::max(0.0, axes.values[2]));
-  Vec3 across = Vec3::Zero(), doubtful = Vec3::Zero();
+  Vec3 across = Vec3::Zero();
   for (int k = 0; k < 3; ++k) {
     const Vec3 u = axes.vectors.col(k);
     const double own = std::sqrt(std::max(0.0, axes.values[k]));
     const Lie lie = own < thin * widest ? lie_of(near, k) : Lie{.off = u.dot(middle), .deviation = own};
     const double off = std::abs(lie.off) - surely_off * lie.doubt;
-    if (known_share * off > lie.deviation)
-      across -= lie.off * u;
-    else if (lie.deviation < thin * widest && thin_share * off > lie.deviation)
-      doubtful -= lie.off * u;
+    if (known_share * off > lie.deviation) across -= lie.off * u;
   }
-  const double least = least_across * nearest;
+  if (!(across.norm() > 0)) return {.at = x};
   const Vec3 foot = x - across;
-  std::optional<Vec3> told;  // the nearest row that tells of the direction across
-  if (across.norm() > least) {
-    told = row_across(x, foot);
-    if (!told) return {.at = foot, .across = (across + doubtful).norm()};
-  }
-  if (doubtful.norm() > least) {
-    const Vec3 thinnest = x - doubtful;
-    told = row_across(x, thinnest);
-    if (!told) return {.at = x, .across = doubtful.norm()};
-    return {.at = x, .across = doubtful.norm(), .between = 0.5 * (x + *told)};
-  }
-  if (!told) return {.at = x};
+  const std::optional<Vec3> told = row_across(x, foot);  // the nearest row that tells of the direction across
+  if (!told) return {.at = foot, .across = across.norm()};
   return {.at = x, .across = across.norm(), .between = 0.5 * (x + *told)};
 }
 
+// Rows within l may lie beyond x, or on the far side of the foot, within 60 degrees of the direction across and at least
+// E away: those of the next line of a raster, or of another turn of a curve. Then x itself is used in place of the foot,
+// and its error is at least the lesser of S E and the deviation halfway to the nearest of these rows.
 std::optional<Vec3> ForceField::row_across(const Vec3& x, const Vec3& foot) const {
   const double across = (x - foot).norm();
   const Vec3 u = (x - foot) / across;

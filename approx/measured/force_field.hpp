@@ -1,38 +1,21 @@
 #pragma once
-// The field of measured forces: a Gaussian process (gaussian_process.hpp) of all rows, or of the rows nearest to a
-// place. Where there are many rows, the mean of a box of neighbouring rows stands for them: its noise is less by the
-// square root of their number, and lines that are dense along themselves weigh no more than their length. Boxes are
-// made only where the field bends less within a box than the noise of its mean; else the rows nearest to a place serve,
-// thinned where they lie on lines or in heaps, so that they are of several of these.
+// The field of measured forces, for states without stiffness: noisy, and often on lines, levels or presses. A Gaussian
+// process of all rows, or of the rows nearest to a place, blended with a thin plate spline of them. Use it in place of a
+// model through single rows, which takes their noise for slope, and to judge any other model of such states:
 //
-// The likeliest law of a smooth field may be much longer than the extent of the rows: the field is then a polynomial of
-// low degree, and the process is sure of it between the rows, where nothing was measured. So the deviation comes from a
-// second law, `doubt`, the likeliest of those no longer than the extent, with lengths that differ by direction
-// (stretch.hpp):
-//   s^2 = 3 v_doubt(x) + |f~_doubt(x) - f~(x)|^2
+//   const std::optional<FieldOptions> law = field_of(states);   // field_law.hpp
+//   const ForceField field(space, *law);
+//   const ForceField::Prediction made = field.at(x);
+//   made.force;  made.deviation;  made.least_error;             // [N]
 //
-// A process is as good as its law. Where it is unsure, as between two presses far apart, a thin plate spline of the
-// rows (thin_plate.hpp) is often nearer. So the force is the mean of both with weights 1 / v^2; the deviation of the
-// spline counts as 0.7 of what it is, for it is seldom far off. Where the process knows the field, it has nearly all
-// weight. Where the likeliest law is a rough one (Matern's), the field may have a kink between the rows as it has one
-// elsewhere: s is then at least the deviation of the spline.
-//
-// Directions that the rows do not know. Rows of a line, a curve or a surface determine nothing across it. Let M be the
-// covariance of the positions within 4 d of x (d: distance of the nearest row; at least 12 rows) and c their mean. An
-// eigenvector u of M is unknown at x if |u.(x - c)| exceeds four times the deviation of the rows along u. A direction
-// is thin if the rows deviate in it by less than a fifth of their largest deviation. There the rows bend, as those of a
-// curve do, so c and the deviation are those of a parabola along the rows. Then
-//   foot     x without its components along unknown directions, about c: the place on the line that is nearest to x
-//   across   E = |x - foot| [m]; unless S is stated, S E is at most twice the largest force known
-// The components of x in thin directions beyond 1.5 deviations (a line with noise in its positions) count in E, but do
-// not move the foot. At the foot's force the error is at least S E. S [N/m]: the largest secant
-// |F_i - F_j| / |x_i - x_j| of neighbouring boxes, or the largest force over half the extent of the rows, if that is
-// more.
-//
-// Rows within l may lie beyond x, or on the far side of the foot, within 60 degrees of the direction across and at
-// least E away: those of the next line of a raster, or of another turn of a curve. Then x itself is used in place of
-// the foot, and its error is at least the lesser of S E and the deviation halfway to the nearest of these rows.
+// With f~, v of the likeliest law and f~_d, v_d of a second law that is no longer than the extent of the rows
+// (gaussian_process.hpp), and f~_s, v_s of the spline (thin_plate.hpp):
+//   f(x) = (f~ / v^2 + f~_s / v_s^2) / (1 / v^2 + 1 / v_s^2)
+//   s(x)^2 = 3 v_d + |f~_d - f|^2
+// Rows of a line, a curve or a surface determine nothing across it. There f is that of the foot, the place among the
+// rows nearest to x, and its error at least S E: E = |x - foot| [m], S the largest stiffness between rows [N/m].
 
+#include <cmath>
 #include <memory>
 #include <optional>
 #include <span>
@@ -52,6 +35,8 @@ class ForceField {
     double own_deviation = 0;   // by the likeliest law alone, to tell places that are alike: sqrt(3 v) [N]
     Vec3 foot = Vec3::Zero();   // x itself where all directions are known [m]
     double least_error = 0;     // S E [N]
+    // s of a model with this force: the deviation, and how far the model is from it [N].
+    double scale_of(const Vec3& model) const { return std::hypot(deviation, (force - model).norm()); }
   };
   // The space must outlive this. At least one state.
   ForceField(const StateSpace& known, const FieldOptions& options);

@@ -23,7 +23,6 @@ constexpr std::size_t most_for_all = 1000;  // states for a model of all
 constexpr std::size_t first_positions = 60, most_positions = 300;
 constexpr std::size_t first_trials = 3;
 constexpr std::size_t finalists = 3;
-constexpr std::size_t enough_groups_to_choose = 20;  // that tell a process from its blend with a spline
 constexpr double ridge_gain = 1.02;  // a ridge is used if the error without it is larger by this factor
 
 struct Candidate {
@@ -297,23 +296,16 @@ double likely_score(const Misses& misses) {
 }
 
 // The candidate with the least score; one without a ridge if it is about as good. A process, which the likelihood of
-// all states chose, gives way only to what is surely better. Few groups show little: then it is the one with a spline.
+// all states chose, gives way only to what is surely better.
 std::size_t best_of(const std::vector<Candidate>& candidates, const std::vector<Misses>& errors,
-                    const std::vector<SeenPlace>& seen, const std::vector<std::size_t>& trial, double outside,
-                    std::size_t groups) {
+                    const std::vector<SeenPlace>& seen, const std::vector<std::size_t>& trial,
+                    double outside) {
   std::vector<double> scores;
   for (const Misses& of : errors) scores.push_back(score(of, seen, outside));
   const auto best = static_cast<std::size_t>(std::ranges::min_element(scores) - scores.begin());
-  const auto safer = [&](std::size_t c) {
-    return groups < enough_groups_to_choose && candidates[c].field->spline.amplitude > 0;
-  };
   std::size_t process = candidates.size();
-  for (std::size_t c = 0; c < candidates.size(); ++c) {
-    if (!candidates[c].judge) continue;
-    if (process == candidates.size() || safer(c) > safer(process) ||
-        (safer(c) == safer(process) && scores[c] < scores[process]))
-      process = c;
-  }
+  for (std::size_t c = 0; c < candidates.size(); ++c)
+    if (candidates[c].judge && (process == candidates.size() || scores[c] < scores[process])) process = c;
   for (std::size_t c = 0; c < candidates.size(); ++c)
     if (candidates[c].field && candidates[c].field->local && process < candidates.size() &&
         (candidates[process].field->law.smoothness == Smoothness::matern32 ||
@@ -377,7 +369,7 @@ AutoModel choose_model(std::span<const State> states, const AutoModelOptions& op
   const Sampling all = sampling(trials, trials.each.size(), most_positions);
   const std::vector<Misses> errors = misses(trials, judged, candidates, all, stage(0.7, 1));
   const std::vector<SeenPlace> seen = positions(trials, judged, all);
-  const std::size_t best = best_of(candidates, errors, seen, trials_of(trials, all), outside, trials.groups);
+  const std::size_t best = best_of(candidates, errors, seen, trials_of(trials, all), outside);
   chosen.model = candidates[best].model;
   chosen.model.neighbours = std::min(chosen.model.neighbours, states.size());
   chosen.all = candidates[best].all;

@@ -7,9 +7,9 @@
 #include <cmath>
 #include <limits>
 
+#include "approx/error/error_bar.hpp"
 #include "approx/error/leave_one_out.hpp"
 #include "approx/error/left_out.hpp"
-#include "approx/error/offline_bar.hpp"
 #include "approx/error/place_models.hpp"
 #include "approx/methods/rbf_network.hpp"
 #include "approx/model/model_options.hpp"
@@ -238,13 +238,8 @@ void bound_bars(EvaluatedBars& bars, std::span<const Vec3> forces, double shared
 }
 
 EvaluatedBars bars_of(const StateSpace& space, std::span<const State> states, std::span<const Vec3> points,
-                      const EvaluatedPoints& made, const JudgedPoints& judged, OfflineBarOptions options,
-                      const EvaluateOptions& given) {
-  std::vector<double> scales;
-  if (options.judge)
-    for (std::size_t i = 0; i < judged.at.size(); ++i)
-      scales.push_back(judged_scale(judged.at[i], made.forces[i]));
-  options.scales = scales;
+                      const EvaluatedPoints& made, const JudgedPoints& judged,
+                      const OfflineBarOptions& options, const EvaluateOptions& given) {
   const auto checked = [&](const Vec3& x) { return given.checks.box.contains(x); };
   OfflineBars measured = checked_bars(space, given.checks.states, options), left_out;
   if (!measured.checked())
@@ -258,18 +253,18 @@ EvaluatedBars bars_of(const StateSpace& space, std::span<const State> states, st
   for (const BarSample& s : own.samples()) held.push_back(s.seen);
   for (std::size_t i = 0; i < points.size(); ++i) {
     if (measured.checked() && checked(points[i])) {
-      bars.at.push_back(measured.at(made.labels[i], false, checked_scale(made.forces[i])));
+      bars.at.push_back(measured.at({.label = made.labels[i], .scale = checked_scale(made.forces[i])}));
       continue;
     }
     const SeenPlace& seen = options.wanted[i];
     unchecked.push_back(seen);
     bars.outside += seen.outside ? 1 : 0;
-    if (!judged.at.empty() && options.judge) {
-      bars.at.push_back(own.at(points[i], scales[i], judged.at[i].least_error));
-      continue;
-    }
-    bars.at.push_back(own.at(made.labels[i], seen.outside, scale_at(space, points[i], made.forces[i])));
-    if (!judged.at.empty()) widen(bars.at.back(), judged.at[i].least_error);
+    bars.at.push_back(own.at({.x = points[i],
+                              .label = made.labels[i],
+                              .outside = seen.outside,
+                              .scale = options.judge ? judged.at[i].scale_of(made.forces[i])
+                                                     : scale_at(space, points[i], made.forces[i]),
+                              .across = judged.at.empty() ? 0 : judged.at[i].least_error}));
   }
   if (!judged.at.empty() && options.judge && !measured.checked()) {
     for (std::size_t i = 0; i < unchecked.size(); ++i) {
@@ -325,7 +320,8 @@ Evaluation evaluate(std::span<const State> states, std::span<const Vec3> points,
   if (const auto off = options.noise.position; off && !(*off < extent_of(mean.states)))
     throw InputError("--position-noise",
                      fmt::format("is {:g} m, as large as all the states, expected less", *off));
-  if (moving && !stiffness) result.field = field_of(mean.states, options.noise);
+  const bool open = moving && is_chosen(options, stiffness);
+  if (moving && !stiffness && (open || options.bars)) result.field = field_of(mean.states, options.noise);
   if (result.field) {
     result.shared = shared_error(states, result.repeated, result.field->law.noise);
     result.field->stated = options.stiffest.has_value();
@@ -333,7 +329,7 @@ Evaluation evaluate(std::span<const State> states, std::span<const Vec3> points,
   }
   const JudgedPoints judged = judge(space, points, result.field);
   for (std::size_t i = 0; i < judged.at.size(); ++i) wanted[i].doubt = judged.at[i].own_deviation;
-  if (moving && is_chosen(options, stiffness)) {
+  if (open) {
     result.chosen = choose_model(mean.states,
                                  {.field = result.field,
                                   .model = options.model,
@@ -347,7 +343,7 @@ Evaluation evaluate(std::span<const State> states, std::span<const Vec3> points,
     check_memory(model, space.size());
   model.neighbours = std::min(model.neighbours, space.size());
   if (options.choose_ridge) model.ridge = forefeel::choose_ridge(space, model).ridge;
-  const std::vector<Vec3> places = feet(points, judged);
+  const std::vector<Vec3> places = feet(points, open ? judged : JudgedPoints{});
   if (result.method == Method::rbf_network)
     result.options.centres = RbfNetwork::centres_of(rows, options.model.neighbours.value_or(0));
   const std::optional<FieldOptions> process = result.chosen ? result.chosen->field : std::nullopt;

@@ -32,7 +32,7 @@ struct EvaluateOptions {
   std::optional<Method> method = {};  // rbf if not given
   ModelWishes model = {};             // its neighbours, of rbf_network: the number of centres
   bool choose_ridge = false;          // by leaving out single states (leave_one_out.hpp)
-  bool bars = false;                  // error bars of each point, for method rbf only (offline_bar.hpp)
+  bool bars = false;                  // error bars of each point, for method rbf only (error_bar.hpp)
   double spacing = unknown;           // h [m]; unknown: the median distance of the states
   KnownNoise noise = {};              // of measured states; else it is estimated
   std::optional<double> stiffest =
@@ -65,7 +65,7 @@ struct EvaluatedPoints {
 // than any held-out force; inside and outside are compared separately. At these points the bars are extrapolated.
 struct EvaluatedBars {
   std::vector<std::array<double, 3>> at;        // half-widths of 90, 95 and 99 % [N]
-  std::shared_ptr<const OfflineBars> measured;  // error/offline_bar.hpp
+  std::shared_ptr<const OfflineBars> measured;  // error/error_bar.hpp
   std::size_t beyond = 0;
   std::size_t outside = 0;  // points outside the states
 };
@@ -73,14 +73,15 @@ struct EvaluatedBars {
 struct Evaluation {
   EvaluatedPoints made = {};
   Method method = Method::rbf;
-  MethodOptions options = {};              // as used; .model of rbf and offline_rbf
-  std::size_t states = 0;                  // known positions
-  std::size_t heaped = 0;                  // rows of heaps (geometry/states/heaps.hpp)
-  RepeatedStates repeated = {};            // states that contradict each other are averaged
-  std::optional<AutoModel> chosen = {};    // where the model was chosen
-  std::optional<FieldOptions> field = {};  // of measured states: their law and noise
-  SharedError shared = {};                 // of measured states; part of bars and of the expected error
-  std::optional<EvaluatedBars> bars = {};  // if requested and the method has them
+  MethodOptions options = {};            // as used; .model of rbf and offline_rbf
+  std::size_t states = 0;                // known positions
+  std::size_t heaped = 0;                // rows of heaps (geometry/states/heaps.hpp)
+  RepeatedStates repeated = {};          // states that contradict each other are averaged
+  std::optional<AutoModel> chosen = {};  // where the model was chosen
+  std::optional<FieldOptions> field =
+      {};                   // of measured states, if bars or a choice ask for it: law and noise
+  SharedError shared = {};  // of measured states; part of bars and of the expected error
+  std::optional<EvaluatedBars> bars = {};          // if requested and the method has them
   double fit_us = unknown, evaluate_ns = unknown;  // medians
 };
 

@@ -57,7 +57,7 @@ struct SplineLaw {
 struct FieldOptions {
   FieldLaw law = {};
   FieldLaw doubt = {};               // law of the deviation (force_field.hpp); length 0: `law`
-  Mat3 stretch = Mat3::Identity();   // A of `doubt` (measured/stretch.hpp)
+  Mat3 stretch = Mat3::Identity();   // A of `doubt` (measured/field_law.cpp)
   SplineLaw spline = {};             // blended with the process (force_field.hpp)
   double stiffest = 0;               // S [N/m] (force_field.hpp)
   bool stated = false;               // S was given: S E is not held by the bound of the force

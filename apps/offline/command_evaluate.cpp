@@ -140,8 +140,9 @@ void warn_of_unused(const Globals& globals, const ModelArguments& arguments) {
 
 // Noise and the stiffness across are those of the process of measured forces, if it is used.
 void warn_of_unused_noise(const Globals& globals, const EvaluateArguments& arguments,
-                          const Evaluation& found) {
+                          std::span<const State> known, const Evaluation& found) {
   if (found.field && found.chosen) return;
+  const bool measured = found.field || (!found.chosen && std::ranges::none_of(known, &State::has_stiffness));
   std::vector<std::string> unused;
   if (arguments.noise.force) unused.push_back("--noise");
   if (arguments.noise.position) unused.push_back("--position-noise");
@@ -149,8 +150,8 @@ void warn_of_unused_noise(const Globals& globals, const EvaluateArguments& argum
   if (!unused.empty())
     warn(globals, fmt::format("{}: without effect on {}", fmt::join(unused, ", "),
                               found.method != Method::rbf ? fmt::format("--method {}", name(found.method))
-                              : found.field               ? "a model that is given; expected --method auto"
-                                            : "states with stiffness or with fewer than 8 positions"));
+                              : measured                  ? "a model that is given; expected --method auto"
+                                         : "states with stiffness or with fewer than 8 positions"));
 }
 
 std::vector<Vec3> read_points(const std::string& file) {
@@ -228,7 +229,7 @@ EvaluateResult evaluate_command(const Globals& globals, const EvaluateArguments&
     if (error.place().key == "states") throw InputError(arguments.states, error.problem());
     throw;
   }
-  warn_of_unused_noise(globals, arguments, result.found);
+  warn_of_unused_noise(globals, arguments, known.states, result.found);
   if (result.found.repeated.contradicting > 0)
     warn(globals, contradictions_in_words(arguments.states, result.found.repeated));
   return result;

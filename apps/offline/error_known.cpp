@@ -59,7 +59,8 @@ ErrorKnown error_known(const Globals& globals, const ClassifyArguments& argument
   const std::span<const BarSample> samples = known.box.bars->measured->samples();
   std::vector<BarSample> called(samples.begin(), samples.end());
   if (known.box.bars->measured->checked())  // one factor for all, as at the places
-    for (BarSample& s : called) s.bar = known.box.bars->measured->at(s.label, s.seen.outside, s.scale);
+    for (BarSample& s : called)
+      s.bar = known.box.bars->measured->at({.label = s.label, .outside = s.seen.outside, .scale = s.scale});
   known.left_out = known_within(called, known.tolerance);
   known.advice = advise_spacing(samples, known.tolerance, arguments.space.coverage.safe_spread);
   return known;
@@ -140,7 +141,7 @@ void tell_errors(const Globals& globals, const ClassifyArguments& arguments, con
 }
 
 BarWidths bar_of(const ErrorKnown& found, std::size_t point) {
-  return found.points->bars ? found.points->bars->at[point] : OfflineBars().at(Label::blank, true, 0);
+  return found.points->bars ? found.points->bars->at[point] : unknown_factors();
 }
 
 bool is_known(const ErrorKnown& found, std::size_t point) {

@@ -171,9 +171,11 @@ const JsonKeys<R>& evaluate_keys() {
          {"groups", "",
           "number of independent groups that the expected error rests on; null: no model was chosen",
           [](const R& r) { return r.found.chosen ? Json(r.found.chosen->groups) : Json(); }},
-         json_object<R>("field", field_keys(),
-                        "of measured states, by a Gaussian process; null: states with stiffness",
-                        [](const R& r) { return r.found.field ? &*r.found.field : nullptr; }),
+         json_object<R>(
+             "field", field_keys(),
+             "of measured states, by a Gaussian process, for bars and for the choice of a model; null: no "
+             "such states, or neither asked",
+             [](const R& r) { return r.found.field ? &*r.found.field : nullptr; }),
          JsonKey<R>(declared(bar_keys()), [](Json& document, const R& r) {
            if (r.found.bars) add_to(document, bar_keys(), BarsShown{.bars = &*r.found.bars});
          }).last()});

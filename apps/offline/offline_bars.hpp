@@ -6,7 +6,7 @@
 #include <string_view>
 #include <vector>
 
-#include "approx/error/known_within.hpp"
+#include "approx/error/error_bar.hpp"
 #include "approx/methods/evaluate.hpp"
 #include "apps/console/document_keys.hpp"
 

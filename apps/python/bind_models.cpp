@@ -8,8 +8,8 @@
 #include <memory>
 #include <mutex>
 
+#include "approx/error/error_bar.hpp"
 #include "approx/error/leave_one_out.hpp"
-#include "approx/error/offline_bar.hpp"
 #include "approx/methods/evaluate.hpp"
 #include "approx/model/updater.hpp"
 #include "apps/python/bindings.hpp"
@@ -194,7 +194,9 @@ py::array_t<double> error_bars(const PyModel& self, const Points& points, double
 #pragma omp parallel for schedule(dynamic, 256)
   for (std::size_t i = 0; i < points.size(); ++i) {
     const Vec3 at = points[i];
-    to[i] = bars.at(space.label(at), locate(at).outside, scale_at(space, at, self.model->force(at)))[which];
+    to[i] = bars.at({.label = space.label(at),
+                     .outside = locate(at).outside,
+                     .scale = scale_at(space, at, self.model->force(at))})[which];
   }
   return out;
 }

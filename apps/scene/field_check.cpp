@@ -199,9 +199,7 @@ double share_between(const SiteField& field, std::span<const State> states, doub
     const Vec3 own = -(jet.stiffness * state.at + jet_terms(jet.jet, state.at).gradient);
     shares.push_back((force - own).norm() / wrong);
   }
-  if (shares.empty()) return unknown;
-  std::ranges::sort(shares);
-  return quantile(shares, 0.5, QuantileRule::nearest);
+  return shares.empty() ? unknown : median(std::move(shares));
 }
 
 std::vector<SitedPlace> worst_places(const DeepStates& known, std::span<const SitedPlace> places,

@@ -5,7 +5,7 @@
 #include <algorithm>
 #include <cmath>
 
-#include "approx/error/conformal_factors.hpp"
+#include "approx/error/error_bar.hpp"
 #include "scheduling/record/attention.hpp"
 
 namespace forefeel {

@@ -44,14 +44,7 @@ void set_labels(const TouchTask& task, const StateSpaceOptions& space, const std
           labels.at({frame.touch.site.at, frame.touch.normal, displacement(frame)}, sites + frame.known);
 }
 
-// |F - f| over the estimate: quantiles over the 1,400 samples above the floor of 25 sessions whose bodies, laws,
-// motions and costs of a solve were drawn at random; tests/bench/error_bar_prior.py draws others and checks the bars.
-constexpr std::array<double, 40> prior_scores{0.066, 0.066, 0.076, 0.096, 0.12, 0.14, 0.17, 0.19, 0.22, 0.24,
-                                              0.26,  0.29,  0.31,  0.34,  0.37, 0.39, 0.42, 0.45, 0.48, 0.51,
-                                              0.55,  0.59,  0.63,  0.67,  0.71, 0.76, 0.81, 0.86, 0.93, 1,
-                                              1.1,   1.2,   1.3,   1.5,   1.7,  1.9,  2.3,  2.9,  4.1,  6.4};
-
-void set_bars(const SwitchOptions& jnd, const std::array<double, 3>& factors, FrameRecord& frame) {
+void set_bars(const SwitchOptions& jnd, const BarFactors& factors, FrameRecord& frame) {
   if (!std::isfinite(frame.bar.scale)) return;  // beyond the depth that is answered for
   const double held = (frame.elastic - frame.undamped).norm(), floor = bar_floor(frame.elastic, jnd);
   for (std::size_t level = 0; level < factors.size(); ++level)
@@ -67,7 +60,7 @@ void set_trust(const TouchTask& task, const SwitchOptions& jnd,
   SurfacePlace place;
   SiteModel model;
   std::uint32_t serial = 0;
-  std::array<double, 3> factors{};
+  BarFactors factors{};
   for (FrameRecord& frame : frames) {
     const std::uint32_t now = frame.step.model;
     if (!touches(frame) || now == 0) continue;
@@ -153,19 +146,6 @@ void set_errors(const JudgeSetup& setup, ReferenceService& references, SessionRe
 }
 
 }  // namespace
-
-std::array<double, 3> touch_bar_factors(const std::vector<double>& scores) {
-  std::vector<double> all(prior_scores.begin(), prior_scores.end());
-  all.insert(all.end(), scores.begin(), scores.end());
-  std::ranges::sort(all);
-  std::array<double, 3> factors{};
-  constexpr std::array levels{0.90, 0.95, 0.99};
-  for (std::size_t i = 0; i < levels.size(); ++i) {
-    const double rank = std::ceil(levels[i] * static_cast<double>(all.size() + 1)) - 1;
-    factors[i] = all[std::min(all.size() - 1, static_cast<std::size_t>(rank))];
-  }
-  return factors;
-}
 
 void judge_surface(const SurfaceModels& models, const JudgeSetup& setup, const StateSpaceOptions& space,
                    ReferenceService& references, int threads, SessionResult& result,

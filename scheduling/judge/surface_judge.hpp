@@ -8,16 +8,10 @@
 //   error  at sampled frames, |F - f| / max(|f|, f0), f of a tight solve at (s, x); of a viscous body before its filter
 // Samples: every reference_step of the tip's way in touch, and the first frame in each cell of tip and site.
 
-#include <array>
-#include <vector>
-
 #include "scheduling/judge/session_judge.hpp"
 #include "scheduling/touch/surface_models.hpp"
 
 namespace forefeel {
-
-// In the order of ForceBar::half_width. scores: of a session so far.
-std::array<double, 3> touch_bar_factors(const std::vector<double>& scores);
 
 // models: those that the session rendered. space: of the tip. threads: of labels and trust.
 void judge_surface(const SurfaceModels& models, const JudgeSetup& setup, const StateSpaceOptions& space,

@@ -2,7 +2,10 @@
 
 #include <algorithm>
 #include <cmath>
+#include <utility>
 #include <vector>
+
+#include "geometry/common/quantiles.hpp"
 
 namespace forefeel {
 
@@ -22,9 +25,7 @@ std::optional<std::size_t> covering_position(const StateSpace& space, std::span<
     if (r > 0) growth.push_back(estimates[j] / std::pow(r, options.order));
   }
   if (growth.empty()) return {};
-  const auto middle = growth.begin() + static_cast<std::ptrdiff_t>(growth.size() / 2);
-  std::ranges::nth_element(growth, middle);
-  const double half_order = 0.5 * options.order, k = *middle;
+  const double half_order = 0.5 * options.order, k = median(std::move(growth));
   std::optional<std::size_t> best;
   double largest = 0;
   for (std::size_t i = 0; i < points.size(); ++i) {

@@ -6,6 +6,7 @@
 #include <limits>
 #include <utility>
 
+#include "geometry/common/quantiles.hpp"
 #include "scheduling/motion/random.hpp"
 #include "scheduling/policy/candidate_rows.hpp"
 #include "scheduling/policy/need_policy.hpp"
@@ -182,9 +183,7 @@ void ErrorNeed::ask_jets(const PlannerView& view) {
       place.estimate = view.estimate(place.at);
       if (place.delta > 0) growth.push_back(place.estimate / std::pow(place.delta, jet_power));
     }
-    const auto middle = growth.begin() + static_cast<std::ptrdiff_t>(growth.size() / 2);
-    std::ranges::nth_element(growth, middle);
-    growth_ = growth.empty() ? 0 : *middle;
+    growth_ = growth.empty() ? 0 : median(std::move(growth));
   }
   const std::size_t ahead = places_.size() - box_.size();
   for (std::size_t i = 0; i < places_.size(); ++i) {

@@ -72,7 +72,7 @@ struct SessionSummary {
     double approximation = unknown, switching = unknown, staleness = unknown;
   };
   // Error bars against the truth, over the samples that have a bar: the share whose |rendered - reference| is
-  // inside, for each of bar_levels (approx/error/conformal_factors.hpp).
+  // inside, for each of bar_levels (approx/error/error_bar.hpp).
   struct Bars {
     std::size_t samples = 0;
     std::array<double, 3> inside{unknown, unknown, unknown};

@@ -3,8 +3,6 @@
 #include <algorithm>
 #include <cmath>
 
-#include "approx/error/prior_scores.hpp"
-
 namespace forefeel {
 namespace {
 
@@ -22,14 +20,13 @@ double of_few(std::size_t states) {
   return states > wider.size() ? 1 + 1.5 / static_cast<double>(states)
                                : wider[std::max<std::size_t>(states, 1) - 1];
 }
-constexpr std::array labels{Label::safe, Label::sparse, Label::gap, Label::blank};
 
 }  // namespace
 
 BarKeeper::BarKeeper(const StateSpace& space, const Mat3& guess, LoopLink& link)
     : space_(space),
       link_(link),
-      factors_({.gamma = step, .prior_weight = prior_weight, .prior = measured_prior()}),
+      factors_({.gamma = step, .prior_weight = prior_weight, .prior = grasp_prior()}),
       seen_(space.size()) {
   rendered_.reserve(remembered);
   if (guess.isZero(0)) return;
@@ -59,7 +56,7 @@ void BarKeeper::learn_from(const State& state, const Model* model) {
   if (const RenderedFrame* frame = rendered_at(state.at)) {
     if (!std::isfinite(frame->scale)) return;
     ++audits_[frame->label];
-    for (const Label label : labels)
+    for (const Label label : all_labels)
       if (label == frame->label || audits_[label] < enough_audits)
         factors_.learn(label, frame->score(state.force));
     return;

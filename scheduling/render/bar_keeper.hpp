@@ -5,17 +5,16 @@
 //             label and for labels with fewer than 20 audits
 //   other     any other state. The model in use is scored at its position. Such states are solved where least is
 //             known, not where the hand is. They show how accurate the model is on this body
-//             (approx/error/body_level.hpp)
+//             (BodyLevel)
 // While few states are known, the scale is uncertain and the bars are wider.
 // The scale of a model of energy jets is its own estimate, trust included (approx/model/jet_set.hpp); times the level.
-// Until a session has scores of its own, scores of other bodies and motions are used (approx/error/prior_scores.hpp).
+// Until a session has scores of its own, scores of other bodies and motions are used (approx/error/error_bar.hpp).
 // While no state is known, the bar of the first guess is that of a model of one state: rest, with the stiffness of the
 // guess. The state at rest is then not scored, because the guess is exact there.
 
 #include <array>
 #include <vector>
 
-#include "approx/error/body_level.hpp"
 #include "geometry/coverage/state_space.hpp"
 #include "geometry/index/path_walk.hpp"
 #include "scheduling/render/loop_link.hpp"

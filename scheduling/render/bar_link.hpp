@@ -4,7 +4,7 @@
 //   e_p = max(sqrt((q_p s(x))^2 + r^2), 0.1 max(share ||F||, F_abs)),   r = ||F - f~||     [N]
 // The floor is a tenth of the just noticeable difference (switch_options.hpp): nobody needs a finer bar.
 // s [N]: scale of the model's error (approx/error/error_scale.hpp), q_p [1]: factor of the level
-// (conformal_factors.hpp), r [N]: difference between rendered and model force that the switch has not yet removed. r is
+// (error_bar.hpp), r [N]: difference between rendered and model force that the switch has not yet removed. r is
 // known exactly; its direction is assumed independent of the model's error. When the true force f of a frame becomes
 // known, the score of the frame is
 //   sqrt(max(0, ||F - f||^2 - r^2)) / s
@@ -14,7 +14,7 @@
 #include <cmath>
 #include <limits>
 
-#include "approx/error/conformal_factors.hpp"
+#include "approx/error/error_bar.hpp"
 #include "approx/error/error_scale.hpp"
 #include "approx/switch/switch_options.hpp"
 
@@ -28,7 +28,7 @@ inline double bar_floor(const Vec3& force, const SwitchOptions& jnd) noexcept {
 // From the planner to the loop, copied as a whole. Infinite bars while no model has states.
 struct BarEstimate {
   ErrorScale scale = {};
-  ConformalFactors::Factors factors = ConformalFactors::unknown_factors();
+  BarFactors factors = unknown_factors();
   Label label = Label::blank;  // at the HIP when the estimate was made; the factors are those of this label
 };
 

@@ -6,7 +6,7 @@
 #include <cmath>
 #include <numeric>
 
-#include "approx/error/power_function.hpp"
+#include "approx/error/leave_one_out.hpp"
 #include "approx/measured/position_groups.hpp"
 #include "geometry/common/quantiles.hpp"
 #include "scheduling/motion/random.hpp"

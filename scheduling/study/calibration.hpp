@@ -3,7 +3,7 @@
 // sets) are used, so that every label occurs. At positions that are not states, the relative error of the model is
 // |f~ - f| / max(|f|, f0), with f the true force there. It is compared with four quantities: the label, the distance
 // delta to the nearest state, the spread sqrt(R^2 - d^2) (Waldron's factor of the linear interpolation error), and the
-// power function P (approx/error/power_function.hpp) of the states in the model.
+// power function P (approx/error/leave_one_out.hpp) of the states in the model.
 //   table   per kernel, data and label: P(error > tolerance | label) with its 95 % interval (Wilson 1927),
 //           and error quantiles
 //   ranks   per kernel and data: Spearman's rank correlation of the error with label (safe < sparse < gap <

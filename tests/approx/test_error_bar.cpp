@@ -1,8 +1,7 @@
 // Error bars: the calibration against scores of a known distribution, the scale against fields whose error is
 // known.
 
-#include "approx/error/body_level.hpp"
-#include "approx/error/conformal_factors.hpp"
+#include "approx/error/error_bar.hpp"
 #include "approx/error/error_scale.hpp"
 #include "tests/support/test.hpp"
 

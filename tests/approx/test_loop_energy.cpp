@@ -2,7 +2,7 @@
 
 #include <Eigen/Eigenvalues>
 
-#include "approx/error/power_function.hpp"
+#include "approx/error/leave_one_out.hpp"
 #include "tests/approx/loop_energy.hpp"
 #include "tests/approx/sets.hpp"
 #include "tests/support/test.hpp"

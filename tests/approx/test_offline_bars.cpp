@@ -1,8 +1,7 @@
 // Error bars without a session: measured against the true field, which the bars never see, and the choice of
 // spacing and of places known within a tolerance.
 
-#include "approx/error/known_within.hpp"
-#include "approx/error/offline_bar.hpp"
+#include "approx/error/error_bar.hpp"
 #include "approx/methods/evaluate.hpp"
 #include "geometry/common/quantiles.hpp"
 #include "tests/support/test.hpp"
@@ -258,14 +257,15 @@ TEST_CASE("bars of measured states are wide where held-out forces miss by more t
         samples.push_back(s);
       }
       // The law's own noise: what it cannot follow, on average.
-      return OfflineBars(std::move(samples), std::hypot(noise, rough * std::sqrt(0.5)), 100);
+      return OfflineBars(std::move(samples),
+                         {.noise = std::hypot(noise, rough * std::sqrt(0.5)), .groups = 100});
     };
     const OfflineBars rough = bars_of(misfit), even = bars_of(0);
     for (int i = 0; i < 300; ++i) {
       const Vec3 x(side(random), side(random), side(random));
-      const double bar = rough.at(x, scale, 0)[1];
-      CHECK(even.at(x, scale, 0)[1] < 1.5 * 1.61 * scale);
-      CHECK(even.at(x, scale, 0)[1] > 0.99 * 1.61 * scale);
+      const double bar = rough.at({.x = x, .scale = scale})[1];
+      CHECK(even.at({.x = x, .scale = scale})[1] < 1.5 * 1.61 * scale);
+      CHECK(even.at({.x = x, .scale = scale})[1] > 0.99 * 1.61 * scale);
       if (std::abs(x.x()) < 0.006) continue;      // neighbours on both sides
       if (x.x() < 0) CHECK(bar < 1.61 * misfit);  // less than half as wide as beside it
       if (x.x() > 0) inside += error(x.x(), 0, misfit) <= bar, ++count;
@@ -294,34 +294,14 @@ TEST_CASE("bars of measured states have the tails of the held-out errors", "[off
       samples.push_back({.at = place(), .scale = scale, .error = error(), .part = i % 8});
       squared += samples.back().error * samples.back().error / 400;
     }
-    const OfflineBars bars(std::move(samples), 0, 400);
+    const OfflineBars bars(std::move(samples), {.groups = 400});
     for (int i = 0; i < 1000; ++i) {
       const Vec3 x = place();
       const double e = error();
-      inside += e <= bars.at(x, scale, 0)[1], ++count;
+      inside += e <= bars.at({.x = x, .scale = scale})[1], ++count;
       plain += e <= 1.61 * std::sqrt(squared);  // normal errors of the same root mean square
     }
   }
   CHECK(std::abs(inside / count - 0.95) < 0.015);
   CHECK(plain / count < 0.935);
-}
-
-TEST_CASE("bars of measured states do not shrink faster than the distance without evidence",
-          "[offline_bars]") {
-  const auto bar = [](double shrinkage, std::size_t groups) {
-    std::mt19937 random(1);
-    std::normal_distribution<double> normal;
-    std::vector<BarSample> samples;
-    for (std::uint32_t i = 0; i < 240; ++i) {
-      const Vec3 e = 0.01 / std::sqrt(3.0) * Vec3(normal(random), normal(random), normal(random));
-      samples.push_back({.at = 0.01 * Vec3(normal(random), normal(random), normal(random)),
-                         .scale = 0.01,
-                         .error = e.norm(),
-                         .part = i % 8});
-    }
-    return OfflineBars(std::move(samples), 0, groups, shrinkage).at(Vec3::Zero(), 0.002, 0)[1];
-  };
-  // s is 5 times less at x; at half the distance the error is believed to be half, 2.5 times what s says.
-  CHECK(bar(2.5, 240) / bar(1, 240) == Approx(std::pow(2.5, 240.0 / 246)).epsilon(0.05));
-  CHECK(bar(2.5, 6) / bar(1, 6) == Approx(std::sqrt(2.5)).epsilon(0.1));
 }

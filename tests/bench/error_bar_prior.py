@@ -1,6 +1,6 @@
-"""Scores of error bars of sessions: the prior of approx/error/prior_scores.cpp, and how well bars cover.
+"""Scores of error bars of sessions: the prior of grasp_prior() in approx/error/error_bar.cpp, and how well bars cover.
 
-    /usr/bin/python3 tests/bench/error_bar_prior.py prior FOLDER...    # prints the rows of prior_scores.cpp
+    /usr/bin/python3 tests/bench/error_bar_prior.py prior FOLDER...    # prints its rows
     /usr/bin/python3 tests/bench/error_bar_prior.py check|check-anywhere SEED [COUNT] [SECONDS] [FOLDER]
 
 check: COUNT (10) sessions of SECONDS (10), each of a body, a law, a contact and a motion drawn at random from the seed:
