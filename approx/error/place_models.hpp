@@ -1,6 +1,8 @@
 #pragma once
 // Models of known states for places anywhere, as evaluation makes them.
 
+#include <functional>
+#include <memory>
 #include <optional>
 #include <span>
 
@@ -9,20 +11,32 @@
 
 namespace forefeel {
 
-// One model of all states, about their middle.
-Model model_of_all(std::span<const State> states, const ModelOptions& options);
-
-// The models of some known states at one place after the other: each of its own neighbour set, or one of all states.
-class PlaceModels {
+// Models of a neighbour set of each place.
+class PlaceModels final : public ForceMaker {
  public:
   // The space must outlive this.
-  PlaceModels(const StateSpace& known, ModelOptions options, bool all);
-  const Model& at(const Vec3& x);  // valid until the next call
+  PlaceModels(const StateSpace& known, const ModelOptions& options);
+  const Model& at(const Place& place, UpdateReport* report = nullptr) override;
 
  private:
-  std::optional<ModelUpdater> updater_;  // none: one model of all
+  ModelUpdater updater_;
   Model model_;
 };
+
+// One model for all places, made at the first of them.
+class OneModel final : public ForceMaker {
+ public:
+  using Make = std::function<std::unique_ptr<const ForceModel>()>;
+  explicit OneModel(Make make) : make_(std::move(make)) {}
+  const ForceModel& at(const Place& place, UpdateReport* report = nullptr) override;
+
+ private:
+  Make make_;
+  std::unique_ptr<const ForceModel> model_;
+};
+
+// Of `all` states one model, or of each place's neighbours. The space must outlive it.
+std::unique_ptr<ForceMaker> models_of(const StateSpace& known, const ModelOptions& options, bool all);
 
 // What gives the force at a place: a Gaussian process of measured forces, or else an RBF model.
 struct PlaceMethod {
@@ -44,7 +58,7 @@ class PlaceForces {
   Found at(const Vec3& x);
 
  private:
-  std::optional<PlaceModels> models_;
+  std::unique_ptr<ForceMaker> models_;  // null: a process
   std::optional<ForceField> field_, judge_;
 };
 

@@ -102,24 +102,24 @@ class Likelihood {
   std::optional<double> noise_;
 };
 
-using Place = std::array<double, 2>;
+using LogLaw = std::array<double, 2>;
 struct Corner {
-  Place at;
+  LogLaw at;
   double value;
 };
 
 // Nelder, Mead 1965, from three corners; returns the best place.
 template <class Function>
-Place least(std::array<Corner, 3> simplex, int steps, const Function& value_at) {
-  const auto along = [](const Place& a, const Place& b, double t) {
-    return Place{a[0] + t * (b[0] - a[0]), a[1] + t * (b[1] - a[1])};
+LogLaw least(std::array<Corner, 3> simplex, int steps, const Function& value_at) {
+  const auto along = [](const LogLaw& a, const LogLaw& b, double t) {
+    return LogLaw{a[0] + t * (b[0] - a[0]), a[1] + t * (b[1] - a[1])};
   };
   for (int step = 0; step < steps; ++step) {
     std::ranges::stable_sort(simplex, {}, &Corner::value);
     if (simplex[2].value - simplex[0].value < 1e-3) break;
-    const Place middle = along(simplex[0].at, simplex[1].at, 0.5);
+    const LogLaw middle = along(simplex[0].at, simplex[1].at, 0.5);
     const auto tried = [&](double t) {
-      const Place at = along(middle, simplex[2].at, t);
+      const LogLaw at = along(middle, simplex[2].at, t);
       return Corner{at, value_at(at)};
     };
     const Corner reflected = tried(-1);
@@ -161,7 +161,7 @@ class Range {
   explicit Range(double radius, double longest = 100)
       : shortest_(std::log(1e-3 * radius)), longest_(std::log(longest * radius)) {}
   double longest() const { return longest_; }
-  bool holds(const Place& p) const {
+  bool holds(const LogLaw& p) const {
     return p[0] >= shortest_ && p[0] <= longest_ && p[1] >= std::log(least_noise_ratio) - 1e-9 &&
            p[1] <= std::log(most_ratio);
   }
@@ -173,9 +173,9 @@ class Range {
 // size: of the first simplex.
 std::optional<LikelyLaw> searched(const Corner& start, double size, int steps_wanted, const Range& range,
                                   const Likelihood& likelihood) {
-  Place best = start.at;
+  LogLaw best = start.at;
   if (steps_wanted > 0) {
-    const auto value_at = [&](const Place& p) {
+    const auto value_at = [&](const LogLaw& p) {
       return range.holds(p) ? likelihood.at(p[0], p[1]).value : unlikely;
     };
     std::array<Corner, 3> simplex{start, start, start};
@@ -223,13 +223,13 @@ std::optional<LikelyLaw> likely_law(const MeasuredRows& rows, Smoothness smoothn
   if (rows.size() < 4 || !(radius > 0)) return {};
   const Likelihood likelihood(rows, smoothness, noise);
   const Range range(radius);
-  const auto value_at = [&](const Place& p) {
+  const auto value_at = [&](const LogLaw& p) {
     return range.holds(p) ? likelihood.at(p[0], p[1]).value : unlikely;
   };
   Corner start{.at = {}, .value = unlikely};
   for (const double length : {0.15, 0.5, 1.5, 5.0})
     for (const double ratio : {1e-10, 1e-6, 1e-3, 1e-1}) {
-      const Place at{std::log(length * radius), std::log(ratio)};
+      const LogLaw at{std::log(length * radius), std::log(ratio)};
       if (const double value = value_at(at); value < start.value) start = {at, value};
     }
   if (!(start.value < unlikely)) return {};
@@ -242,8 +242,8 @@ std::optional<LikelyLaw> improved_law(const MeasuredRows& rows, const FieldLaw& 
   if (rows.size() < 4 || !(radius > 0)) return {};
   const Likelihood likelihood(rows, law.smoothness, search.noise);
   const Range range(radius, search.longest);
-  const Place at{std::min(std::log(law.length), range.longest()),
-                 std::log(std::max(least_noise_ratio, squared_of(law.noise / law.amplitude)))};
+  const LogLaw at{std::min(std::log(law.length), range.longest()),
+                  std::log(std::max(least_noise_ratio, squared_of(law.noise / law.amplitude)))};
   return searched({at, likelihood.at(at[0], at[1]).value}, 0.5, search.steps, range, likelihood);
 }
 

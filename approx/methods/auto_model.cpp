@@ -56,16 +56,16 @@ using Misses = std::vector<Miss>;
 // Of every `stride`-th position left out.
 Misses misses(const Trial& trial, const Judged& judged, const Candidate& candidate, std::size_t stride) {
   Misses out;
-  std::optional<PlaceModels> models;
+  std::unique_ptr<ForceMaker> models;
   std::optional<ForceField> field;
   const bool own = candidate.field && !candidate.judge;
   if (own) field.emplace(*trial.known, *candidate.field);
-  if (!candidate.field) models.emplace(*trial.known, candidate.model, candidate.all);
+  if (!candidate.field) models = models_of(*trial.known, candidate.model, candidate.all);
   for (std::size_t i = 0; i < trial.held.size(); i += stride) {
     const State& held = trial.held[i];
     const Vec3 foot = judged.empty() ? held.at : judged[i].foot;
     if (!candidate.field) {
-      out.push_back({.error = (models->at(foot).force(foot) - held.force).norm()});
+      out.push_back({.error = (models->at({foot}).force(Place{foot}) - held.force).norm()});
       continue;
     }
     const ForceField::Prediction made = own ? field->at(held.at) : judged[i];

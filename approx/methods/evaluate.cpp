@@ -6,6 +6,7 @@
 #include <chrono>
 #include <cmath>
 #include <limits>
+#include <memory>
 
 #include "approx/error/error_bar.hpp"
 #include "approx/error/leave_one_out.hpp"
@@ -13,7 +14,6 @@
 #include "approx/error/place_models.hpp"
 #include "approx/methods/rbf_network.hpp"
 #include "approx/model/model_options.hpp"
-#include "approx/model/updater.hpp"
 #include "geometry/common/error.hpp"
 #include "geometry/common/quantiles.hpp"
 #include "geometry/coverage/state_space.hpp"
@@ -31,71 +31,13 @@ double since(Clock::time_point start) {
   return std::chrono::duration<double>(Clock::now() - start).count();
 }
 
-// One point. Its evaluation is repeated so that the clock resolves its time.
-template <class Field>
-void measure(const Field& field, const Vec3& x, EvaluatedPoints& result) {
-  result.forces.push_back(field.force(x));
+// Its evaluation is repeated so that the clock resolves its time.
+double evaluation_ns(const ForceModel& model, const Place& place) {
   constexpr int repeats = 16;
   Vec3 sum = Vec3::Zero();
   const auto begin = Clock::now();
-  for (int r = 0; r < repeats; ++r) sum += field.force(x);
-  result.evaluate_ns.push_back(sum.allFinite() ? 1e9 * since(begin) / repeats : unknown);
-}
-
-// The kernel used. It is a simpler one if the states do not determine the polynomial (rbf_fit.hpp).
-std::string_view kernel_of(const Model& model) {
-  if (model.is_tangent()) return "tangent";
-  return model.has_jets() ? "jets" : model.degree() == 0 ? "linear with constant" : name(model.kernel());
-}
-
-// The model's force at one point, its limits, and the kernel after step-down.
-void add_point(const Model& model, const Vec3& x, const ModelOptions& options, EvaluatedPoints& result) {
-  result.kernels.push_back(kernel_of(model));
-  result.stepped_down += !model.has_jets() && result.kernels.back() != name(options.kernel) ? 1 : 0;
-  if (options.data == Data::jet)
-    result.trusted.push_back(model.has_jets() && model.estimate(x).trusted ? 1 : 0);
-  result.reach.push_back({model.force_bound(), 2 * model.trust_distance(), model.hold_distance()});
-  measure(model, x, result);
-}
-
-EvaluatedPoints evaluate_rbf(const StateSpace& space, std::span<const Vec3> points,
-                             const ModelOptions& options, const ShowPoints& show) {
-  ModelUpdater updater(space, options);
-  Model model;
-  model.reserve(options);
-  EvaluatedPoints result;
-  for (const Vec3& x : points) {
-    UpdateReport report;
-    updater.forget();
-    const auto start = Clock::now();
-    updater.update(x, model, &report);
-    const double seconds = since(start);
-    const bool changed = report.refit || report.replaced > 0;
-    if (changed) result.fit_us.push_back(1e6 * seconds);
-    ++(report.refit ? result.fitted : changed ? result.updated : result.reused);
-    result.labels.push_back(report.label);
-    add_point(model, x, options, result);
-    if (show) show(result.forces.size());
-  }
-  return result;
-}
-
-// One model of all states.
-EvaluatedPoints evaluate_whole(std::span<const State> states, const StateSpace& space,
-                               std::span<const Vec3> points, const ModelOptions& options,
-                               const ShowPoints& show) {
-  EvaluatedPoints result;
-  const auto start = Clock::now();
-  const Model model = model_of_all(states, options);
-  result.fit_us.push_back(1e6 * since(start));
-  result.fitted = 1;
-  result.reused = points.size() - 1;
-  for (const Vec3& x : points) {
-    result.labels.push_back(space.label(x));
-    add_point(model, x, options, result);
-    if (show) show(result.forces.size());
-  }
-  return result;
+  for (int r = 0; r < repeats; ++r) sum += model.force(place);
+  return sum.allFinite() ? 1e9 * since(begin) / repeats : unknown;
 }
 
 // What the process of measured states gives at the points, and what it took.
@@ -121,37 +63,47 @@ JudgedPoints judge(const StateSpace& space, std::span<const Vec3> points,
   return judged;
 }
 
-// The force of a Gaussian process at each point. Its bound is that of ForceField.
-EvaluatedPoints evaluate_field(const StateSpace& space, std::span<const Vec3> points,
-                               const JudgedPoints& judged, const FieldOptions& options,
-                               const ShowPoints& show) {
-  EvaluatedPoints result;
-  result.fit_us.push_back(judged.fit_us);
-  result.fitted = 1;
-  result.reused = points.size() - 1;
-  result.evaluate_ns = judged.evaluate_ns;
-  for (std::size_t i = 0; i < points.size(); ++i) {
-    result.forces.push_back(judged.at[i].force);
-    result.labels.push_back(space.label(points[i]));
-    result.kernels.push_back(name(options.law.smoothness));
-    result.reach.push_back({judged.bound, unknown, unknown});
-    if (show) show(result.forces.size());
+// What a process gave for the points, one after the other.
+class JudgedForces final : public ForceMaker, public ForceModel {
+ public:
+  JudgedForces(const JudgedPoints& judged, std::string_view kernel) : judged_(judged), kernel_(kernel) {}
+  const ForceModel& at(const Place&, UpdateReport* report) override {
+    *report = {.refit = next_ == 0};
+    ++next_;
+    return *this;
   }
-  return result;
-}
+  Answer at(const Place&) const noexcept override {
+    return {.force = judged_.at[next_ - 1].force, .reach = {.bound = judged_.bound}, .kernel = kernel_};
+  }
 
-EvaluatedPoints evaluate_older(Method method, std::span<const State> states, const StateSpace& space,
-                               std::span<const Vec3> points, const MethodOptions& options) {
+ private:
+  const JudgedPoints& judged_;
+  std::string_view kernel_;
+  std::size_t next_ = 0;
+};
+
+// places: of the points, as the models are asked. options: of RBF models; null: others.
+EvaluatedPoints evaluate_at(ForceMaker& maker, const StateSpace& space, std::span<const Vec3> points,
+                            std::span<const Vec3> places, const ModelOptions* options,
+                            const ShowPoints& show) {
   EvaluatedPoints result;
-  const auto start = Clock::now();
-  const Approximation field(method, states, options);
-  result.fit_us.push_back(1e6 * since(start));
-  result.fitted = 1;  // one field for all points
-  result.reused = points.size() - 1;
-  for (const Vec3& x : points) {
-    result.labels.push_back(space.coverage(x).label);
-    result.reach.push_back({field.bound(x), unknown, unknown});
-    measure(field, x, result);
+  for (std::size_t i = 0; i < points.size(); ++i) {
+    UpdateReport report;
+    const auto start = Clock::now();
+    const ForceModel& model = maker.at({places[i]}, &report);
+    const double seconds = since(start);
+    const bool changed = report.refit || report.replaced > 0;
+    if (changed) result.fit_us.push_back(1e6 * seconds);
+    ++(report.refit ? result.fitted : changed ? result.updated : result.reused);
+    const Answer answer = model.at({places[i]});
+    result.forces.push_back(answer.force);
+    result.labels.push_back(space.label(points[i]));
+    result.reach.push_back(answer.reach);
+    if (!answer.kernel.empty()) result.kernels.push_back(answer.kernel);
+    if (options && options->data == Data::jet) result.trusted.push_back(answer.trusted ? 1 : 0);
+    if (options && answer.kernel != "jets" && answer.kernel != name(options->kernel)) ++result.stepped_down;
+    result.evaluate_ns.push_back(evaluation_ns(model, {places[i]}));
+    if (show) show(result.forces.size());
   }
   return result;
 }
@@ -350,14 +302,17 @@ Evaluation evaluate(std::span<const State> states, std::span<const Vec3> points,
   const bool own = process && !same_process(*process, *result.field);
   const bool local = process && process->local;  // it judges itself
   const JudgedPoints near = own ? judge(space, points, process) : JudgedPoints{};
-  result.made = process ? evaluate_field(space, points, own ? near : judged, *process, show)
-                : result.chosen && result.chosen->all
-                    ? evaluate_whole(mean.states, space, places, model, show)
-                : result.method == Method::rbf
-                    ? evaluate_rbf(space, places, model, show)
-                    : evaluate_older(result.method, mean.states, space, points, result.options);
-  for (std::size_t i = 0; i < points.size(); ++i)
-    if (places[i] != points[i]) result.made.labels[i] = space.label(points[i]);
+  const JudgedPoints& made_by = own ? near : judged;
+  std::unique_ptr<ForceMaker> maker;
+  if (process)
+    maker = std::make_unique<JudgedForces>(made_by, name(process->law.smoothness));
+  else if (moving)
+    maker = models_of(space, model, result.chosen && result.chosen->all);
+  else
+    maker = std::make_unique<OneModel>(
+        [&] { return std::make_unique<const Approximation>(result.method, mean.states, result.options); });
+  result.made = evaluate_at(*maker, space, points, places, moving && !process ? &model : nullptr, show);
+  if (process) result.made.fit_us = {made_by.fit_us}, result.made.evaluate_ns = made_by.evaluate_ns;
   if (moving && options.bars)
     result.bars = bars_of(space, mean.states, points, result.made, local ? near : judged,
                           {.model = model,

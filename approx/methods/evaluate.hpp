@@ -42,22 +42,15 @@ struct EvaluateOptions {
   std::function<void(double)> choosing = {};  // called with the share done while the model is chosen
 };
 
-// Limits of a model. Its force never exceeds `bound` [N]. Farther than `tangent` [m] outside the hull of its states,
-// the model is replaced by its tangent. `held` [m]: distance from the point of the tangent beyond which the force is
-// held constant.
-struct Reach {
-  double bound, tangent, held;
-};
-
 struct EvaluatedPoints {
   std::vector<Vec3> forces;                 // [N]
   std::vector<Label> labels;                // coverage
-  std::vector<Reach> reach;                 // no tangent for the older methods
+  std::vector<Reach> reach;                 // (force_model.hpp) of the older methods the bound alone
   std::vector<double> fit_us, evaluate_ns;  // fit_us: of those points whose model was made or changed
   std::size_t fitted = 0, updated = 0,
               reused = 0;                 // number of points whose model was made anew, updated, kept
   std::vector<std::string_view> kernels;  // by point, after step-down; none for the older methods
-  std::vector<char> trusted;              // by point (Model::estimate); none if no model is of jets
+  std::vector<char> trusted;              // by point (Model::at); none if no model is of jets
   std::size_t stepped_down = 0;
 };
 

@@ -215,15 +215,15 @@ double Approximation::Impl::bound(const Vec3& x) const {
   return largest + 2 * steepest * std::sqrt(points.nearest(x).squared);
 }
 
-double Approximation::bound(const Vec3& x) const {
-  return impl_->bound(x);
+Answer Approximation::at(const Place& place) const noexcept {
+  return {.force = force(place), .reach = {.bound = impl_->bound(place.x)}};
 }
 
-Vec3 Approximation::force(const Vec3& x) const {
+Vec3 Approximation::force(const Vec3& x) const noexcept {
   const Vec3 force = std::visit([&](const auto& field) { return Vec3(field.force(x)); }, impl_->field);
   const double norm = force.norm();
   if (norm <= impl_->largest) return force;
-  const double most = bound(x);
+  const double most = impl_->bound(x);
   return norm <= most ? force : Vec3(force * (most / norm * (1 - 1e-15)));
 }
 

@@ -20,6 +20,7 @@
 #include <span>
 #include <string_view>
 
+#include "approx/model/force_model.hpp"
 #include "approx/model/model_options.hpp"
 #include "geometry/states/state.hpp"
 
@@ -35,13 +36,14 @@ struct MethodOptions {
   std::size_t centres = 0;  // of rbf_network; 0: see RbfNetwork::centres_of()
 };
 
-class Approximation {
+class Approximation final : public ForceModel {
  public:
   // Any method but rbf, whose neighbour set follows the HIP (ModelUpdater). Throws InputError if the states
   // do not suit the method.
   Approximation(Method method, std::span<const State> states, const MethodOptions& options);
-  Vec3 force(const Vec3& x) const;
-  double bound(const Vec3& x) const;  // [N]; for offline_rbf the bound of the model
+  Vec3 force(const Vec3& x) const noexcept;
+  Vec3 force(const Place& place) const noexcept override { return force(place.x); }
+  Answer at(const Place& place) const noexcept override;  // with its bound; for offline_rbf that of the model
 
  private:
   struct Impl;

@@ -290,14 +290,21 @@ bool Model::is_tangent() const noexcept {
 bool Model::has_jets() const noexcept {
   return data_->jets.blocks > 0;
 }
-JetEstimate Model::estimate(const Vec3& x) const noexcept {
-  if (!has_jets()) return {};
+Answer Model::at(const Place& place) const noexcept {
+  Answer answer{.reach = {force_bound(), 2 * trust_distance(), hold_distance()},
+                .kernel = is_tangent()    ? "tangent"
+                          : has_jets()    ? "jets"
+                          : degree() == 0 ? "linear with constant"
+                                          : name(kernel())};
+  if (!has_jets()) {
+    answer.force = force(place.x);
+    return answer;
+  }
   jets::Blend blend;
-  const Vec3 force = of_jets(*data_, x, nullptr, blend);
-  const double error = std::max({blend.estimate, blend.spread, blend.mixing});
-  return {.force = force,
-          .error = error,
-          .trusted = blend.confirmed >= 0.5 && error <= data_->jets.tolerance.limit(force.norm())};
+  answer.force = of_jets(*data_, place.x, nullptr, blend);
+  answer.error = std::max({blend.estimate, blend.spread, blend.mixing});
+  answer.trusted = blend.confirmed >= 0.5 && answer.error <= data_->jets.tolerance.limit(answer.force.norm());
+  return answer;
 }
 double Model::force_bound() const noexcept {
   return data_->bound;

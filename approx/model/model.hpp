@@ -8,11 +8,11 @@
 
 #include <cstddef>
 #include <cstdint>
-#include <limits>
 #include <memory>
 #include <span>
 #include <vector>
 
+#include "approx/model/force_model.hpp"
 #include "approx/model/model_options.hpp"
 #include "geometry/coverage/state_space.hpp"
 
@@ -40,23 +40,19 @@ class ModelDraft {
   std::unique_ptr<ModelData> data_;
 };
 
-// What a model of jets says of its own force.
-struct JetEstimate {
-  Vec3 force = Vec3::Zero();                                // [N]
-  double error = std::numeric_limits<double>::quiet_NaN();  // own estimate, trust included [N]
-  // The jets that make the force are within their trust, and the estimate is within ModelOptions::tolerance.
-  bool trusted = false;
-};
-
 // Never changed in part: a model is evaluated, or replaced as a whole by assign().
-class Model {
+class Model final : public ForceModel {
  public:
   Model();  // f~ = 0 everywhere
-  ~Model();
+  ~Model() override;
   Model(Model&&) noexcept;
   Model& operator=(Model&&) noexcept;
 
-  Vec3 force(const Vec3& x) const noexcept;                                  // [N]; no allocation, no lock
+  Vec3 force(const Vec3& x) const noexcept;  // [N]; no allocation, no lock
+  Vec3 force(const Place& place) const noexcept override { return force(place.x); }
+  // Of a model of jets with their own estimate. They are trusted where those that make the force are within their trust
+  // and the estimate is within ModelOptions::tolerance.
+  Answer at(const Place& place) const noexcept override;
   void evaluate(const Vec3& x, Vec3& force, Mat3& jacobian) const noexcept;  // jacobian_ij = df_i/dx_j [N/m]
   std::span<const StateId> states() const noexcept;                          // the states it was made from
   Kernel kernel() const noexcept;                                            // after step-down
@@ -71,7 +67,6 @@ class Model {
   std::uint64_t serial() const noexcept;   // grows with every update of one updater; 0 for the empty model
   bool uses_stiffness() const noexcept;    // Hermite data, after step-down
   bool has_jets() const noexcept;          // a blend of energy jets (jet_set.hpp)
-  JetEstimate estimate(const Vec3& x) const noexcept;  // of a model of jets; of others the error is NaN
 
   // Becomes the model that the draft describes. The two exchange their memory, so that a released model is reused
   // without allocation. Afterwards the draft has the former content of this model.

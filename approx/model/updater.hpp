@@ -8,13 +8,6 @@
 
 namespace forefeel {
 
-struct UpdateReport {
-  std::size_t n = 0;         // states in the model
-  std::size_t replaced = 0;  // k
-  bool refit = false;
-  Label label = Label::blank;  // of the HIP; it decides how the set is chosen
-};
-
 // Marks that the caller of update() sets on the new model.
 struct UpdateTag {
   std::uint64_t serial = 0;  // serial number of the model; 0: the updater numbers its models itself

@@ -54,7 +54,7 @@ const ErrorEstimator::Pair& ErrorEstimator::interpolants(const Vec3& x) {
 double ErrorEstimator::operator()(const Vec3& x) {
   if (space_.empty()) return never;
   const Vec3 model = force(x);
-  if (model_.has_jets()) return model_.estimate(x).error / std::max(model.norm(), options_.floor);
+  if (model_.has_jets()) return model_.at({x}).error / std::max(model.norm(), options_.floor);
   const Pair& pair = interpolants(x);
   if (!pair.fine || !pair.coarse) return never;
   const Vec3 fine = pair.fine->force(x), coarse = pair.coarse->force(x);

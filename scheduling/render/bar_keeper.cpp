@@ -63,7 +63,7 @@ void BarKeeper::learn_from(const State& state, const Model* model) {
   }
   if (!model || newest_.scale.empty()) return;
   const Vec3 predicted = model->force(state.at);
-  const double scale = model->has_jets() ? model->estimate(state.at).error
+  const double scale = model->has_jets() ? model->at({state.at}).error
                                          : newest_.scale.at(state.at, predicted) / newest_.scale.stretched();
   level_.learn((predicted - state.force).norm() / scale);
 }

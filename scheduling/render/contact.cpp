@@ -32,7 +32,7 @@ bool Grasp::view(ModelView& view) noexcept {
 ForceBar Grasp::bar(const ForceSwitch::Step& frame) noexcept {
   if (const auto newer = link_.bars.take()) bar_ = *newer;
   const bool jets = newest_ && newest_->has_jets();
-  const JetEstimate own = jets ? newest_->estimate(x_) : JetEstimate{};
+  const Answer own = jets ? newest_->at({x_}) : Answer{};
   const double scale = jets ? own.error * bar_.scale.stretched() : bar_.scale.at(x_, frame.undamped);
   const double residual = (frame.force - frame.undamped).norm();
   link_.rendered.push({x_, frame.force, scale, residual, bar_.label});

@@ -44,7 +44,7 @@ void Surprises::note(const State& state, const Vec3& at) {
 double JetEstimates::operator()(const Vec3& x) {
   updater_.forget();  // so that the answer depends on the states alone
   updater_.update(x, model_);
-  const JetEstimate found = model_.estimate(x);
+  const Answer found = model_.at({x});
   return found.error / std::max(jnd_.jnd_share * found.force.norm(), jnd_.jnd_floor);
 }
 

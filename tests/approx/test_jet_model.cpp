@@ -224,14 +224,14 @@ TEST_CASE("What a model of jets says of itself", "[jets]") {
   limited->limit = 0.01;
   rest.jet = limited;
   const Model alone = fit_model(std::vector{rest}, of_jets(), Vec3::Zero());
-  CHECK(alone.estimate(Vec3(0.004, 0, 0)).trusted);
-  CHECK_FALSE(alone.estimate(Vec3(0.012, 0, 0)).trusted);  // beyond the material limit, nothing confirmed
+  CHECK(alone.at({Vec3(0.004, 0, 0)}).trusted);
+  CHECK_FALSE(alone.at({Vec3(0.012, 0, 0)}).trusted);  // beyond the material limit, nothing confirmed
   const Model confirmed =
       fit_model(std::vector{rest, field.state(Vec3(0.013, 0, 0))}, of_jets(1), Vec3::Zero());
-  CHECK(confirmed.estimate(Vec3(0.012, 0, 0)).trusted);
+  CHECK(confirmed.at({Vec3(0.012, 0, 0)}).trusted);
   std::size_t below = 0, all = 0;
   for (const Vec3& x : random_points(300, 0.009, 10)) {
-    const JetEstimate found = alone.estimate(x);
+    const Answer found = alone.at({x});
     if (!(x.norm() < 0.01)) continue;
     ++all;
     below += (found.force - field.force(x)).norm() <= found.error;
@@ -239,7 +239,7 @@ TEST_CASE("What a model of jets says of itself", "[jets]") {
   CHECK(all > 100);
   CHECK(below >= 0.9 * static_cast<double>(all));
   CHECK(std::isnan(fit_model(states_at(lattice_points(1, 0.006)), {.neighbours = 27}, Vec3::Zero())
-                       .estimate(Vec3::Zero())
+                       .at({Vec3::Zero()})
                        .error));
 }
 
@@ -287,10 +287,10 @@ TEST_CASE("Beyond its trust an estimate is at least the error that was seen ther
   other.jet = nullptr;
   const StateSpace space = space_of({field.state(Vec3::Zero()), other});
   const Model model = ModelUpdater(space, of_jets()).model_at(Vec3::Zero());
-  const JetEstimate there = model.estimate(other.at);
+  const Answer there = model.at({other.at});
   CHECK_FALSE(there.trusted);
   CHECK(there.error >= 0.999 * (there.force - other.force).norm());
-  CHECK(model.estimate(Vec3(0.006, 0, 0)).error < 1e-3);
+  CHECK(model.at({Vec3(0.006, 0, 0)}).error < 1e-3);
 }
 
 TEST_CASE("Where no jet reaches the neighbours' data answer", "[jets]") {

@@ -194,8 +194,8 @@ TEST_CASE("No older method passes its bound, however far out and however few sta
           const Vec3 force = field.force(x);
           REQUIRE(force.allFinite());
           CHECK(force.norm() <= (1 + 1e-12) * (largest + 2 * steepest * nearest));
-          CHECK(force.norm() <= (1 + 1e-12) * std::max(field.bound(x), largest));
-          reached = reached || std::abs(force.norm() / field.bound(x) - 1) < 1e-9;
+          CHECK(force.norm() <= (1 + 1e-12) * std::max(field.at({x}).reach.bound, largest));
+          reached = reached || std::abs(force.norm() / field.at({x}).reach.bound - 1) < 1e-9;
         }
       const Vec3 far(0.3, 0.2, -0.5);  // gradually
       CHECK((field.force(far) - field.force(far + Vec3(1e-9, 0, 0))).norm() < 1e-5);

@@ -113,7 +113,7 @@ TEST_CASE("A model of jets and what it says of itself allocate nothing and lock 
     const Vec3 x(1e-4 * frame, -5e-5 * frame, 2e-5 * frame);
     a.evaluate(x, force, jacobian);
     sum += force + jacobian.col(0);
-    errors += a.estimate(x).error;
+    errors += a.at({x}).error;
   }
   const long allocated_after = allocations, locked_after = locks;
   CHECK(allocated_after == allocated);
