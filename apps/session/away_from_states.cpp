@@ -60,7 +60,6 @@ double median_bar(const std::vector<Bar>& bars) {
 // bars: of the frames `of`; a frame between two of them has the wider one.
 void take_bars(std::vector<FrameRecord>& frames, const std::vector<std::size_t>& of,
                const std::vector<Bar>& bars) {
-  if (bars.empty()) return;
   for (std::size_t i = 0, k = 0; i < frames.size(); ++i) {
     while (k + 1 < of.size() && of[k + 1] <= i) ++k;
     const Bar& next = bars[std::min(k + 1, bars.size() - 1)];
@@ -70,10 +69,14 @@ void take_bars(std::vector<FrameRecord>& frames, const std::vector<std::size_t>&
 
 }  // namespace
 
-SessionSummary::AwayFromStates away_from_states(SessionResult& result, const SessionPlan& plan) {
+SessionSummary::AwayFromStates away_from_states(SessionResult& result, const SessionPlan& plan,
+                                                const std::function<void()>& write) {
   SessionSummary::AwayFromStates away;
   std::vector<State> states;
   const bool measured = !plan.input.measured.empty();
+  if (measured)  // bars of the model beside the field, not beside the truth
+    for (FrameRecord& frame : result.frames) frame.bar = {};
+  write();
   std::ranges::copy_if(measured ? plan.input.measured : plan.input.known, std::back_inserter(states),
                        &State::usable);
   if (!plan.input.foreign || plan.input.touched.anywhere || states.empty() || result.frames.empty())
@@ -105,7 +108,9 @@ SessionSummary::AwayFromStates away_from_states(SessionResult& result, const Ses
     }
   } catch (const InputError&) {  // states that no model takes
   }
-  if (measured) take_bars(result.frames, picked, bars);
+  if (!measured || bars.empty()) return away;
+  take_bars(result.frames, picked, bars);
+  write();
   return away;
 }
 
