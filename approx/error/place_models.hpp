@@ -1,42 +1,13 @@
 #pragma once
-// Models of known states for places anywhere, as evaluation makes them.
+// Forces of known states, of measured ones too, at places anywhere, as evaluation makes them.
 
-#include <functional>
 #include <memory>
 #include <optional>
-#include <span>
 
 #include "approx/measured/force_field.hpp"
-#include "approx/model/updater.hpp"
+#include "approx/model/force_makers.hpp"
 
 namespace forefeel {
-
-// Models of a neighbour set of each place.
-class PlaceModels final : public ForceMaker {
- public:
-  // The space must outlive this.
-  PlaceModels(const StateSpace& known, const ModelOptions& options);
-  const Model& at(const Place& place, UpdateReport* report = nullptr) override;
-
- private:
-  ModelUpdater updater_;
-  Model model_;
-};
-
-// One model for all places, made at the first of them.
-class OneModel final : public ForceMaker {
- public:
-  using Make = std::function<std::unique_ptr<const ForceModel>()>;
-  explicit OneModel(Make make) : make_(std::move(make)) {}
-  const ForceModel& at(const Place& place, UpdateReport* report = nullptr) override;
-
- private:
-  Make make_;
-  std::unique_ptr<const ForceModel> model_;
-};
-
-// Of `all` states one model, or of each place's neighbours. The space must outlive it.
-std::unique_ptr<ForceMaker> models_of(const StateSpace& known, const ModelOptions& options, bool all);
 
 // What gives the force at a place: a Gaussian process of measured forces, or else an RBF model.
 struct PlaceMethod {

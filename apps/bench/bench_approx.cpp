@@ -14,6 +14,7 @@
 #include <random>
 
 #include "approx/methods/older_methods.hpp"
+#include "approx/model/force_makers.hpp"
 #include "apps/bench/bench.hpp"
 #include "apps/bench/bench_approx_parts.hpp"
 #include "apps/bench/bench_approx_time.hpp"
@@ -58,23 +59,13 @@ StateSpace space_of(const std::vector<State>& states, StateSpaceOptions options)
   return space;
 }
 
-// force(x) against the references.
-template <class Force>
-Errors judge(const std::vector<State>& references, const Force& force) {
+// Against the references.
+Errors judge(const std::vector<State>& references, ForceMaker&& models) {
   std::vector<double> errors;
   for (const State& s : references)
-    errors.push_back((force(s.at) - s.force).norm() / std::max(s.force.norm(), 0.05));
+    errors.push_back((models.at({s.at}).force(Place{s.at}) - s.force).norm() /
+                     std::max(s.force.norm(), 0.05));
   return errors_of(errors);
-}
-
-Errors judge(const std::vector<State>& references, const StateSpace& space, const ModelOptions& options) {
-  ModelUpdater updater(space, options);
-  Model model;
-  return judge(references, [&](const Vec3& x) {
-    updater.forget();
-    updater.update(x, model);
-    return model.force(x);
-  });
 }
 
 class Bench {
@@ -147,13 +138,13 @@ class Bench {
     Measured m;
     m.method = kind.name;
     m.n = n;
-    m.inside = judge(case_.inside, space_, options);
+    m.inside = judge(case_.inside, PlaceModels(space_, options));
     for (const auto& plane : case_.outside)
-      m.outside.push_back(judge(plane.references, *half_space_, options));
+      m.outside.push_back(judge(plane.references, PlaceModels(*half_space_, options)));
     count_states(m, [&](const Sparser& s) {
       ModelOptions fewer = options;
       fewer.neighbours = std::min(n, s.space.size());
-      return judge(case_.inside, s.space, fewer).p95;
+      return judge(case_.inside, PlaceModels(s.space, fewer)).p95;
     });
     if (kind.data == Data::jet) {
       time_jets(globals_, case_, space_, options, m, rows);
@@ -185,13 +176,12 @@ class Bench {
   void measure_older(Method method) {
     const auto field_of = [&](const std::vector<State>& states, double spacing) {
       MethodOptions options{.model = {.kernel = Kernel::cubic, .length = spacing}, .spacing = spacing};
-      return Approximation(method, states, options);
+      return std::make_unique<const Approximation>(method, states, options);
     };
     const auto judged = [&](const std::vector<State>& references, const std::vector<State>& states,
                             double spacing) {
       try {
-        const Approximation field = field_of(states, spacing);
-        return judge(references, [&](const Vec3& x) { return field.force(x); });
+        return judge(references, OneModel([&] { return field_of(states, spacing); }));
       } catch (const InputError&) {  // these states do not suit the method
         return Errors{};
       }
@@ -201,9 +191,9 @@ class Bench {
     m.method = name(method);
     m.n = space_.size();
     const double start = now_us();
-    const Approximation field = field_of(case_.states, h);
+    const std::unique_ptr<const Approximation> field = field_of(case_.states, h);
     m.refit = now_us() - start;
-    m.inside = judge(case_.inside, [&](const Vec3& x) { return field.force(x); });
+    m.inside = judged(case_.inside, case_.states, h);
     for (const auto& plane : case_.outside) m.outside.push_back(judged(plane.references, half_, h));
     count_states(
         m, [&](const Sparser& s) { return judged(case_.inside, s.states, s.space.options().spacing).p95; });
@@ -212,7 +202,7 @@ class Bench {
     std::vector<double> times;
     for (int block = 0; block < 32; ++block)
       times.push_back(evaluation_us(
-          globals_, [&](const Vec3& x) { return field.force(x); }, at, 400));
+          globals_, [&](const Vec3& x) { return field->force(x); }, at, 400));
     m.evaluate = median(times);
     table.push_back(std::move(m));
   }

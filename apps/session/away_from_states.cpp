@@ -78,7 +78,6 @@ void find_worst(const std::vector<FrameRecord>& frames, std::span<const std::siz
 // bars: of the frames `of`; a frame between two of them has the wider one.
 void take_bars(std::vector<FrameRecord>& frames, const std::vector<std::size_t>& of,
                const std::vector<Bar>& bars) {
-  if (bars.empty()) return;
   for (std::size_t i = 0, k = 0; i < frames.size(); ++i) {
     while (k + 1 < of.size() && of[k + 1] <= i) ++k;
     const Bar& next = bars[std::min(k + 1, bars.size() - 1)];
@@ -88,10 +87,14 @@ void take_bars(std::vector<FrameRecord>& frames, const std::vector<std::size_t>&
 
 }  // namespace
 
-SessionSummary::AwayFromStates away_from_states(SessionResult& result, const SessionPlan& plan) {
+SessionSummary::AwayFromStates away_from_states(SessionResult& result, const SessionPlan& plan,
+                                                const std::function<void()>& write) {
   SessionSummary::AwayFromStates away;
   std::vector<State> states;
   const bool measured = !plan.input.measured.empty();
+  if (measured)  // bars of the model beside the field, not beside the truth
+    for (FrameRecord& frame : result.frames) frame.bar = {};
+  write();
   std::ranges::copy_if(measured ? plan.input.measured : plan.input.known, std::back_inserter(states),
                        &State::usable);
   if (!plan.input.foreign || plan.input.touched.anywhere || states.empty() || result.frames.empty())
@@ -124,12 +127,13 @@ SessionSummary::AwayFromStates away_from_states(SessionResult& result, const Ses
     }
   } catch (const InputError&) {  // states that no model takes
   }
-  if (measured) take_bars(result.frames, picked, bars);
-  if (modelled_bars.empty()) return away;
+  if (bars.empty()) return away;
   // Of measured states, all frames have a bar, as frames.csv has them; of others, the picked ones.
   std::vector<std::size_t> of = picked;
   std::vector<double> widths;
   if (measured) {
+    take_bars(result.frames, picked, bars);
+    write();
     of.resize(result.frames.size());
     std::iota(of.begin(), of.end(), std::size_t{0});
     for (const FrameRecord& frame : result.frames) widths.push_back(frame.bar.half_width[level]);

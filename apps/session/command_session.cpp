@@ -231,15 +231,9 @@ int run_session_command(const Globals& globals, const SessionArguments& given,
   progress.reset();
   for (const std::string& warning : result.warnings) warn(globals, warning);
   WriteAttempts files(result.failures);
-  const auto write_tables = [&] {
+  const SessionSummary::AwayFromStates away = away_from_states(result, plan, [&] {
     files.attempt("the run's tables", [&] { write_run_files(run, result, options); });
-  };
-  const bool measured = !plan.input.measured.empty();
-  if (measured)  // bars of the model beside the field, not beside the truth
-    for (FrameRecord& frame : result.frames) frame.bar = {};
-  write_tables();  // what was run is kept even if the bars, which take seconds, are cut short
-  const SessionSummary::AwayFromStates away = away_from_states(result, plan);
-  if (measured) write_tables();
+  });
 
   shapes.begin_files(run);
   const RunView view = view_of(space, options, plan.render.safety.force_limit);

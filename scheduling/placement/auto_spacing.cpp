@@ -10,6 +10,7 @@
 #include <optional>
 #include <span>
 
+#include "approx/model/force_makers.hpp"
 #include "scheduling/motion/random.hpp"
 #include "solver/lattice/generate.hpp"
 
@@ -143,7 +144,7 @@ AutoSpacingTrial try_spacing(const std::shared_ptr<const Body>& body, const Auto
   if (most < 0) return trial;  // too few for any bound
   ModelOptions model = options.model;
   model.length = h;
-  ModelUpdater updater(space, model);
+  PlaceModels models(space, model);
   std::vector<double> errors;
   while (trial.safe < safe.size() && static_cast<int>(trial.above) <= most) {
     const std::span next =
@@ -156,8 +157,7 @@ AutoSpacingTrial try_spacing(const std::shared_ptr<const Body>& body, const Auto
       const State& truth = references[i];
       double error = INFINITY;
       if (truth.usable()) {
-        updater.forget();
-        const Vec3 force = updater.model_at(truth.at).force(truth.at);
+        const Vec3 force = models.at({truth.at}).force(truth.at);
         error = (force - truth.force).norm() / std::max(truth.force.norm(), options.floor);
       }
       errors.push_back(error);

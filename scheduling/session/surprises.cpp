@@ -42,9 +42,7 @@ void Surprises::note(const State& state, const Vec3& at) {
 }
 
 double JetEstimates::operator()(const Vec3& x) {
-  updater_.forget();  // so that the answer depends on the states alone
-  updater_.update(x, model_);
-  const Answer found = model_.at({x});
+  const Answer found = models_.at({x}).at({x});
   return found.error / std::max(jnd_.jnd_share * found.force.norm(), jnd_.jnd_floor);
 }
 

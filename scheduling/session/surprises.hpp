@@ -5,7 +5,7 @@
 #include <span>
 #include <vector>
 
-#include "approx/model/updater.hpp"
+#include "approx/model/force_makers.hpp"
 #include "approx/switch/force_switch.hpp"
 #include "geometry/coverage/state_space.hpp"
 
@@ -35,13 +35,12 @@ class JetEstimates {
  public:
   // The space must outlive this.
   JetEstimates(const StateSpace& space, const ModelOptions& model, const SwitchOptions& jnd)
-      : updater_(space, model), jnd_(jnd) {}
+      : models_(space, model), jnd_(jnd) {}
 
   double operator()(const Vec3& x);  // NaN while no state has a jet
 
  private:
-  ModelUpdater updater_;
-  Model model_;
+  PlaceModels models_;  // the answer depends on the states alone
   SwitchOptions jnd_;
 };
 

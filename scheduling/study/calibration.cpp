@@ -8,6 +8,7 @@
 
 #include "approx/error/leave_one_out.hpp"
 #include "approx/measured/position_groups.hpp"
+#include "approx/model/force_makers.hpp"
 #include "geometry/common/quantiles.hpp"
 #include "scheduling/motion/random.hpp"
 
@@ -41,11 +42,9 @@ std::vector<CalibrationSample> judge_set(const std::vector<State>& known, std::s
     ModelOptions model_options = kinds[kind].model;
     model_options.neighbours = std::min(model_options.neighbours, std::max<std::size_t>(1, space.size()));
     model_options.length = options.space.spacing;
-    ModelUpdater updater(space, model_options);
-    Model model;
+    PlaceModels models(space, model_options);
     for (std::size_t p = 0; p < truth.size(); ++p) {
-      updater.forget();
-      updater.update(truth[p].at, model);
+      const Model& model = models.at({truth[p].at});
       CalibrationSample sample{.kind = kind, .set = set, .position = p, .label = found[p].label};
       sample.delta = found[p].delta;
       sample.spread = found[p].spread;
