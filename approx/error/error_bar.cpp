@@ -38,8 +38,9 @@ double weighted_quantile(const std::vector<std::pair<double, double>>& sorted, d
   return sorted.back().first;
 }
 
-// Of sessions that touch a body anywhere, |F - f| over the estimate: quantiles over the 1,400 samples above the floor of 25 sessions whose bodies, laws,
-// motions and costs of a solve were drawn at random; tests/bench/error_bar_prior.py draws others and checks the bars.
+// Of sessions that touch a body anywhere, |F - f| over the estimate: quantiles over the 1,400 samples above the floor
+// of 25 sessions whose bodies, laws, motions and costs of a solve were drawn at random; tests/bench/error_bar_prior.py
+// draws others and checks the bars.
 constexpr double touch_prior[] = {0.066, 0.066, 0.076, 0.096, 0.12, 0.14, 0.17, 0.19, 0.22, 0.24,
                                   0.26,  0.29,  0.31,  0.34,  0.37, 0.39, 0.42, 0.45, 0.48, 0.51,
                                   0.55,  0.59,  0.63,  0.67,  0.71, 0.76, 0.81, 0.86, 0.93, 1,
@@ -173,11 +174,12 @@ std::vector<BarSample> samples_of(const Trial& trial, std::uint32_t part, const 
 
 }  // namespace
 
-// Quantiles of sqrt(max(0, ||F - f||^2 - r^2)) / s over the samples of 23 sessions whose bar of 95 % was above its floor:
-// bodies, laws, contacts, motions and costs of a solve were drawn at random for most of them. F [N]: rendered force,
-// f [N]: force of a tight solve, r [N]: difference between rendered and model force that the switch has not yet removed.
-// `tests/bench/error_bar_prior.py prior` prints them; `check` tests how well bars cover in other sessions. Left out in
-// turn, each of the 23 sessions judged by the others: bars of 90, 95 and 99 % held 89, 94 and 98 % above the floor.
+// Quantiles of sqrt(max(0, ||F - f||^2 - r^2)) / s over the samples of 23 sessions whose bar of 95 % was above its
+// floor: bodies, laws, contacts, motions and costs of a solve were drawn at random for most of them. F [N]: rendered
+// force, f [N]: force of a tight solve, r [N]: difference between rendered and model force that the switch has not yet
+// removed. `tests/bench/error_bar_prior.py prior` prints them; `check` tests how well bars cover in other sessions.
+// Left out in turn, each of the 23 sessions judged by the others: bars of 90, 95 and 99 % held 89, 94 and 98 % above
+// the floor.
 std::array<PriorScores, 4> grasp_prior() {
   return {{
       // safe: 1062 scores

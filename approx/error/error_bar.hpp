@@ -8,10 +8,10 @@
 //   q_p   factor of the label [1]: the p-quantile of scores |f~_i - f_i| / (s(x_i) + b) at places whose truth is known
 //   b     the part of the error that does not shrink near a state, such as noise [N]
 // The scores are those of whatever there is:
-//   a prior            scores of other sessions: grasp_prior() by label, touch_prior()
+//   a prior            scores of other sessions: grasp_prior() by label; of touches, in touch_bar_factors()
 //   audited solves     of a session, as they come: ConformalFactors, touch_bar_factors()
-//   held-out groups    of known states without a session: measure_bars(). Held-out positions are as far from the rest as
-//                      the wanted places are from the states (left_out.hpp)
+//   held-out groups    of known states without a session: measure_bars(). They are as far from the rest as the wanted
+//                      places are from the states (left_out.hpp)
 //   check solves       solves that are not used as states: checked_bars()
 //
 //   const OfflineBars bars = measure_bars(states, {.model = model, .wanted = wanted});

@@ -46,8 +46,8 @@ class ErrorScale {
   double curvature_ = 0, spacing_ = 0, stretch_ = 1;
 };
 
-// Estimates from new states how accurate the model is on this body. On a smooth body the error is far below s; on a body
-// that buckles it is not. Each new state updates the level l:
+// Estimates from new states how accurate the model is on this body. On a smooth body the error is far below s; on a
+// body that buckles it is not. Each new state updates the level l:
 //   l <- l + (ln z - l) / n,   z = ||f~ - f|| / s at the new state, -9 <= ln z <= 4, n <= 100 states
 // l begins at -1.85, the mean over seven bodies, which counts as 5 states. The weight of earlier states fades, so the
 // level follows a body that changes. The scale s is multiplied by

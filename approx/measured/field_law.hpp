@@ -13,8 +13,8 @@
 // where the field bends less within a box than the noise of its mean; else the rows nearest to a place serve, thinned
 // where they lie on lines or in heaps, so that they are of several of these.
 //
-// S [N/m]: the largest secant |F_i - F_j| / |x_i - x_j| of neighbouring boxes, or the largest force over half the extent
-// of the rows, if that is more.
+// S [N/m]: the largest secant |F_i - F_j| / |x_i - x_j| of neighbouring boxes, or the largest force over half the
+// extent of the rows, if that is more.
 //
 // A law is one for all places, but a force may be rough in some of them. local_field() seeks the law of Matern's kind
 // with 3/2 anew among the rows nearest to each place. What it costs is a few milliseconds a place.

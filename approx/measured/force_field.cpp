@@ -102,9 +102,9 @@ ForceField::Processes ForceField::processes_of(const MeasuredRows& rows) const {
 
 // The likeliest law of a smooth field may be much longer than the extent of the rows: the field is then a polynomial of
 // low degree, and the process is sure of it between the rows, where nothing was measured. So the deviation comes from
-// `doubt`. Where the process is unsure, as between two presses far apart, the spline is often nearer; where it knows the
-// field, it has nearly all weight. Where the likeliest law is a rough one (Matern's), the field may have a kink between
-// the rows as it has one elsewhere: s is then at least the deviation of the spline.
+// `doubt`. Where the process is unsure, as between two presses far apart, the spline is often nearer; where it knows
+// the field, it has nearly all weight. Where the likeliest law is a rough one (Matern's), the field may have a kink
+// between the rows as it has one elsewhere: s is then at least the deviation of the spline.
 ForceField::Prediction ForceField::predicted(const Vec3& x) const {
   Processes of = all_;
   if (!of.own) {
@@ -160,10 +160,11 @@ MeasuredRows ForceField::rows_about(const Vec3& x) const {
   return rows;
 }
 
-// Let M be the covariance of the positions within 4 d of x (d: distance of the nearest row; at least 12 rows) and c their
-// mean. An eigenvector u of M is unknown at x if |u.(x - c)| exceeds four times the deviation of the rows along u. A
-// direction is thin if the rows deviate in it by less than a fifth of their largest deviation. There c and the deviation
-// are those of a parabola along the rows. The foot is x without its components along unknown directions, about c.
+// Let M be the covariance of the positions within 4 d of x (d: distance of the nearest row; at least 12 rows) and c
+// their mean. An eigenvector u of M is unknown at x if |u.(x - c)| exceeds four times the deviation of the rows along
+// u. A direction is thin if the rows deviate in it by less than a fifth of their largest deviation. There c and the
+// deviation are those of a parabola along the rows. The foot is x without its components along unknown directions,
+// about c.
 ForceField::Foot ForceField::foot_of(const Vec3& x) const {
   std::vector<StateId> ids;
   known_->nearest(x, 1, ids);
@@ -200,9 +201,9 @@ ForceField::Foot ForceField::foot_of(const Vec3& x) const {
   return {.at = x, .across = across.norm(), .between = 0.5 * (x + *told)};
 }
 
-// Rows within l may lie beyond x, or on the far side of the foot, within 60 degrees of the direction across and at least
-// E away: those of the next line of a raster, or of another turn of a curve. Then x itself is used in place of the foot,
-// and its error is at least the lesser of S E and the deviation halfway to the nearest of these rows.
+// Rows within l may lie beyond x, or on the far side of the foot, within 60 degrees of the direction across and at
+// least E away: those of the next line of a raster, or of another turn of a curve. Then x itself is used in place of
+// the foot, and its error is at least the lesser of S E and the deviation halfway to the nearest of these rows.
 std::optional<Vec3> ForceField::row_across(const Vec3& x, const Vec3& foot) const {
   const double across = (x - foot).norm();
   const Vec3 u = (x - foot) / across;

@@ -1,7 +1,7 @@
 #pragma once
 // The field of measured forces, for states without stiffness: noisy, and often on lines, levels or presses. A Gaussian
-// process of all rows, or of the rows nearest to a place, blended with a thin plate spline of them. Use it in place of a
-// model through single rows, which takes their noise for slope, and to judge any other model of such states:
+// process of all rows, or of the rows nearest to a place, blended with a thin plate spline of them. Use it in place of
+// a model through single rows, which takes their noise for slope, and to judge any other model of such states:
 //
 //   const std::optional<FieldOptions> law = field_of(states);   // field_law.hpp
 //   const ForceField field(space, *law);

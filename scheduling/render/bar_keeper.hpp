@@ -4,8 +4,7 @@
 //   audit     a state at a position that the loop rendered in the last seconds. The rendered force is scored, for its
 //             label and for labels with fewer than 20 audits
 //   other     any other state. The model in use is scored at its position. Such states are solved where least is
-//             known, not where the hand is. They show how accurate the model is on this body
-//             (BodyLevel)
+//             known, not where the hand is. They show how accurate the model is on this body (BodyLevel)
 // While few states are known, the scale is uncertain and the bars are wider.
 // The scale of a model of energy jets is its own estimate, trust included (approx/model/jet_set.hpp); times the level.
 // Until a session has scores of its own, scores of other bodies and motions are used (approx/error/error_bar.hpp).
