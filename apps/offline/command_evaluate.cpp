@@ -8,7 +8,6 @@
 #include <charconv>
 #include <cmath>
 #include <memory>
-#include <nlohmann/json.hpp>
 #include <optional>
 #include <span>
 
@@ -281,13 +280,12 @@ void tell(const Globals& globals, const EvaluateResult& evaluated, bool with_for
   std::string models = fmt::format("{} fitted", made.fitted);
   if (made.updated > 0) models += fmt::format(", {} updated", made.updated);
   if (made.reused > 0) models += fmt::format(", {} reused", made.reused);
+  const std::string heap =
+      result.heaped > 0 ? fmt::format(" ({} rows about one place count as one)", result.heaped) : "";
   say(globals,
-      fmt::format(
-          "{} points from {} states{}: {}{}; models: {}, median fit {:.1f} us; evaluation {:.0f} ns",
-          evaluated.points.size(), result.states,
-          result.heaped > 0 ? fmt::format(" ({} rows about one place count as one)", result.heaped) : "",
-          result.chosen ? "auto" : name(result.method), result_in_words(result), models, result.fit_us,
-          result.evaluate_ns));
+      fmt::format("{} points from {} states{}: {}{}; models: {}, median fit {:.1f} us; evaluation {:.0f} ns",
+                  evaluated.points.size(), result.states, heap, result.chosen ? "auto" : name(result.method),
+                  result_in_words(result), models, result.fit_us, result.evaluate_ns));
   const double shown = evaluated.shown();
   const bool mesh_first = evaluated.mesh && evaluated.mesh->error > shown;
   if (mesh_first) answer(globals, discretisation_line(*evaluated.mesh, shown));

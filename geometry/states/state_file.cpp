@@ -279,7 +279,8 @@ void StateFile::order_outward() {
   sqlite3* database = impl_->database.get();
   transact(database, impl_->where, [&] {
     execute(database, impl_->where,
-            "CREATE TEMP TABLE place AS SELECT id, row_number() OVER (ORDER BY x*x + y*y + z*z, x, y, z, id) AS n "
+            "CREATE TEMP TABLE place AS SELECT id, row_number() OVER (ORDER BY x*x + y*y + z*z, x, y, z, id) "
+            "AS n "
             "FROM states; CREATE UNIQUE INDEX temp.place_of ON place (id); "
             "UPDATE states SET id = -(SELECT n FROM place WHERE place.id = states.id); "
             "UPDATE states SET id = -id; DROP TABLE place");
