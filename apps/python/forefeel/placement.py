@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import warnings
 from typing import Any
 
 import numpy as np
@@ -66,6 +67,12 @@ class Placement:
         at, force = numbers(at, "at").reshape(3), numbers(force, "force").reshape(3)
         if not (np.all(np.isfinite(at)) and np.all(np.isfinite(force))):
             raise _core.InputError("Placement.tell: expected finite numbers")
+        if stiffness is not None and not np.all(np.isfinite(numbers(stiffness, "stiffness"))):
+            raise _core.InputError("Placement.tell: a stiffness that is not finite, expected numbers, or None where it "
+                                   "is not known")
+        if np.any(at < self.low - 1e-9) or np.any(at > self.high + 1e-9):
+            warnings.warn(f"Placement.tell: {at} lies outside the box; it counts, but nothing there is asked for",
+                          stacklevel=2)
         self._at.append(at)
         self._force.append(force)
         self._stiffness.append(None if stiffness is None else numbers(stiffness, "stiffness").reshape(3, 3))
