@@ -1,6 +1,7 @@
 #include "scheduling/record/summary_columns.hpp"
 
 #include <cmath>
+#include <optional>
 #include <string_view>
 #include <utility>
 
@@ -19,6 +20,9 @@ class Group {
   Group& count(Text name, std::uint64_t value, Text meaning) { return put(name, value, "", meaning); }
   Group& flag(Text name, bool value, Text meaning) { return put(name, value, "", meaning); }
   Group& text(Text name, Text value, Text meaning) { return put(name, std::string(value), "", meaning); }
+  Group& label(Text name, std::optional<Label> value, Text meaning) {
+    return put(name, value ? ColumnValue(std::string(forefeel::name(*value))) : ColumnValue(), "", meaning);
+  }
 
  private:
   Group& put(Text name, ColumnValue value, Text unit, Text meaning) {
@@ -293,8 +297,8 @@ std::vector<Column> later_columns(const SessionSummary& summary) {
       .number("max", away.farthest, "m", "largest distance")
       .number("error_bar", away.bar, "N", "median 95 % error bar of the force that the states tell there")
       .number("error_bar_at_states", away.bar_at_states, "N", "that at the states themselves")
-      .text("worst_label", std::isnan(away.worst_share) ? std::string_view() : name(away.worst),
-            "label under which the states tell the force worst")
+      .label("worst_label", std::isnan(away.worst_share) ? std::nullopt : std::optional(away.worst),
+             "label under which the states tell the force worst")
       .number("worst_share", away.worst_share, "1", "share of the frames with that label")
       .number("worst_error_bar", away.worst_bar, "N",
               "95th percentile of the 95 % error bars in these frames");
