@@ -1,5 +1,5 @@
-// Polygons become triangles. A convex one is a fan from its first corner; any other is triangulated by CGAL in the plane
-// of its mean normal (Newell's).
+// Polygons become triangles. A convex one is a fan from its first corner. Any other is triangulated by CGAL in the
+// plane of its mean normal (Newell's).
 #include <CGAL/Constrained_Delaunay_triangulation_2.h>
 #include <CGAL/Exact_predicates_inexact_constructions_kernel.h>
 #include <CGAL/Triangulation_face_base_with_info_2.h>

@@ -1,6 +1,6 @@
 #pragma once
-// Heaps of measured rows: a dwell of a hand or robot puts hundreds of rows about one place. A law of the field, held-out
-// groups and nearest neighbours would see little else.
+// Heaps of measured rows: a dwell of a hand or robot puts hundreds of rows about one place. A law of the field,
+// held-out groups and nearest neighbours would see little else.
 //
 // Rows within a hundredth of the extent of one another are a place. A place with more than ten rows for each row of the
 // usual (median) place is a heap, and one row stands for it: the means of position and force. The error of that is of

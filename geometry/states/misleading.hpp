@@ -3,8 +3,9 @@
 // (stiffness_agreement.hpp), another unit, forces that pull (force_trend.hpp), a force that is alone.
 //
 // unit    neighbouring states are over 20 h apart, or all of them span over 3 m, more than a hand reaches
-// alone   a force F_i whose 12 nearest other places (rows about one place count once), of which no two differ by more than R > 0, are all farther than 8 R from
-//         it. A step or a kink is not alone: its neighbours lie on both sides. Said of at most 1 % of the states.
+// alone   a force F_i that is farther than 8 R from those of its 12 nearest other places, of which no two differ by
+//         more than R > 0. Rows about one place count once. A step or a kink is not alone: its neighbours lie on both
+//         sides. Said of at most 1 % of the states.
 
 #include <span>
 #include <string>

@@ -1,6 +1,6 @@
 #pragma once
-// The candidate of the largest weighted error estimate (placement_estimate.hpp), among thousands and without judging all
-// of them. An estimate depends on the states around its place alone, so it stays exact until a state comes within
+// The candidate of the largest weighted error estimate (placement_estimate.hpp), among thousands and without judging
+// all of them. An estimate depends on the states around its place alone, so it stays exact until a state comes within
 // reach. Before that is known again, a candidate counts as
 //   its last estimate, for states lower it nearly always (lazy evaluation: Minoux 1978)
 //   c d^2, if it was never judged: d its distance to the nearest state [m], c the largest estimate / d^2 so far
