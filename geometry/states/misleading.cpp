@@ -59,11 +59,11 @@ double alone_by(std::span<const State* const> states, const State& one) {
   }
   std::ranges::sort(near);
   std::vector<std::pair<double, const State*>> places;
-  for (const auto& [d, other] : near) {
+  for (const auto& row : near) {
     const auto same = [&](const auto& place) {
-      return (place.second->at - other->at).squaredNorm() < one_place * one_place * d;
+      return (place.second->at - row.second->at).squaredNorm() < one_place * one_place * row.first;
     };
-    if (std::ranges::none_of(places, same)) places.emplace_back(d, other);
+    if (std::ranges::none_of(places, same)) places.push_back(row);
     if (places.size() == beside) break;
   }
   if (places.size() < beside) return 0;

@@ -1,6 +1,8 @@
 // Surface files as their formats allow them, and as they are often wrong.
 #include <fmt/format.h>
 
+#include <Eigen/Geometry>
+
 #include "geometry/mesh/mesh_file.hpp"
 #include "geometry/meshing/surface.hpp"
 #include "tests/support/test.hpp"
@@ -100,7 +102,7 @@ TEST_CASE("concave polygons are triangulated in their plane, in every format, wh
     const Vec3 shift(number(random), 0.2, 0);
     for (Vec3& x : prism.nodes) x = scale * (turn.normalized() * x) + shift;
     for (auto& face : prism.faces)  // any corner may be the first
-      std::ranges::rotate(face, face.begin() + variant % static_cast<int>(face.size()));
+      std::rotate(face.begin(), face.begin() + variant % static_cast<int>(face.size()), face.end());
     std::ranges::shuffle(prism.faces, random);
     check_volume(prism, 60e-6 * scale * scale * scale);
   }
