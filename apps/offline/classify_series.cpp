@@ -40,6 +40,10 @@ std::vector<Arrival> read_arrivals(const fs::path& folder) {
   std::vector<Arrival> arrivals;
   for (const DispatchRow& row : read_dispatch(folder / "dispatch.csv")) {
     if (!row.became_known()) continue;
+    if (row.site.allFinite())
+      throw InputError(folder.string(),
+                       "is a run of a body that is touched anywhere, expected its session.states, "
+                       "with --scene");
     const double time = std::isfinite(row.known) ? row.known : row.finished;
     State state;
     state.at = row.at;

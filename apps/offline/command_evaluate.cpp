@@ -391,8 +391,10 @@ void add_evaluate(CommandLine& line) {
              "differ")
       .shows("SCENE");
   sub.flag("--foreign", arguments->foreign, foreign_help);
-  sub.flag("--no-bars", arguments->no_bars,
-           "No error bars. They come from known forces left out in groups, which takes about a second");
+  sub.flag(
+      "--no-bars", arguments->no_bars,
+      "No error bars. They come from known forces left out in groups, which takes seconds with thousands of "
+      "states");
   sub.option("-o,--output", arguments->output, "Forces as CSV").shows("OUT.csv");
 }
 

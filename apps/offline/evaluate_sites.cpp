@@ -166,7 +166,7 @@ int evaluate_sites(const Globals& globals, const EvaluateSites& wanted) {
   for (const std::string& warning : scene.source.warnings) warn(globals, warning);
   const LoadedStates loaded = load_states(wanted.states);
   if (loaded.damaged > 0) warn(globals, damage_in_words(wanted.states, loaded.damaged));
-  belonging_of(globals, scene, wanted.states, loaded.header.identity, loaded.states, false);
+  belonging_of(globals, scene, wanted.states, loaded.header.identity, loaded.states, false, false);
   if (!wanted.output.empty()) check_writable(wanted.output, {wanted.states, wanted.points});
   const FieldFound found = find_field(scene, globals);
   SitedForces result{

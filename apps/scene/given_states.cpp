@@ -15,8 +15,6 @@
 namespace forefeel {
 namespace {
 
-constexpr const char* way_out = "expected states of this body, or --foreign to take them knowingly";
-
 std::vector<State> references_of(const Scene& scene, const Globals& globals,
                                  std::span<const State* const> states) {
   SessionInput input = session_input(scene);
@@ -64,7 +62,11 @@ std::string_view name(Belonging belonging) {
 }
 
 Belonging belonging_of(const Globals& globals, const Scene& scene, const std::string& file,
-                       const BodyIdentity& identity, std::span<const State> states, bool foreign) {
+                       const BodyIdentity& identity, std::span<const State> states, bool foreign,
+                       bool may_be_foreign) {
+  const std::string way_out = may_be_foreign
+                                  ? "expected states of this body, or --foreign to take them knowingly"
+                                  : "expected states of this body";
   if (!identity.empty()) {
     const std::string differs = differing_keys(identity, scene.identity);
     if (differs.empty()) {

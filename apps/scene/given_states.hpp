@@ -28,7 +28,8 @@ GivenStates given_states(const Globals& globals, const Scene& scene, const std::
 
 // The same for states that are already loaded from `file`.
 Belonging belonging_of(const Globals& globals, const Scene& scene, const std::string& file,
-                       const BodyIdentity& identity, std::span<const State> states, bool foreign);
+                       const BodyIdentity& identity, std::span<const State> states, bool foreign,
+                       bool may_be_foreign = true);  // of a command that has --foreign
 
 // Help of the option --foreign.
 extern const char* const foreign_help;

@@ -206,7 +206,7 @@ int run_session_command(const Globals& globals, const SessionArguments& given,
   const StateSpaceOptions& space = plan.input.touched.space;
   const fs::path run = given.output;
   SessionShapes shapes(shape, plan, given);
-  claim_run_folder(globals, given, shapes.files(), run);
+  const FolderLock lock = claim_run_folder(globals, given, shapes.files(), run);
   warn_of_replay(globals, scene, given);
   for (const std::string& warning : scene.source.warnings) warn(globals, warning);
   if (scene.spacing.chosen) say(globals, in_words(*scene.spacing.chosen));

@@ -104,8 +104,10 @@ std::string tiles(const SessionSummary& s) {
                fmt::format("of {} frames clamped at {}; {} at the slew limit", s.run.frames,
                            with_unit(s.safety.force_limit, "N"), percent(s.safety.slewed_share)),
                small_is_good(s.safety.clamped_share, 0, clamped_too_often));
-  html += tile(percent(s.motion.outside), fmt::format("of {} frames outside the box of states", s.run.frames),
-               small_is_good(s.motion.outside, 0, outside_too_often));
+  if (std::isfinite(s.motion.outside))
+    html +=
+        tile(percent(s.motion.outside), fmt::format("of {} frames outside the box of states", s.run.frames),
+             small_is_good(s.motion.outside, 0, outside_too_often));
   if (s.settings.clock == Clock::real)
     html += tile(shown(s.deadline.missed),
                  "deadlines missed of " + shown(s.run.frames) + " frames; a frame costs " +

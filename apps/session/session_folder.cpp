@@ -1,9 +1,14 @@
 #include "apps/session/session_folder.hpp"
 
+#include <fcntl.h>
 #include <fmt/format.h>
+#include <sys/file.h>
+#include <unistd.h>
 
 #include <algorithm>
+#include <cerrno>
 #include <iterator>
+#include <optional>
 #include <utility>
 
 #include "apps/console/console.hpp"
@@ -46,8 +51,21 @@ void keep_replayed(const SessionOptions& options, const fs::path& run) {
     throw InputError("-o " + run.string(), "is the run that is replayed, expected another folder");
 }
 
-void claim_run_folder(const Globals& globals, const SessionArguments& given,
-                      std::vector<std::string> shape_files, const fs::path& run) {
+FolderLock::FolderLock(const fs::path& folder)
+    : file_(::open(folder.c_str(), O_RDONLY | O_DIRECTORY | O_CLOEXEC)) {
+  if (file_ < 0 || ::flock(file_, LOCK_EX | LOCK_NB) == 0 || errno != EWOULDBLOCK) return;
+  ::close(file_);
+  throw InputError("-o " + folder.string(), "is being written by another session, expected another folder");
+}
+
+FolderLock::~FolderLock() {
+  if (file_ >= 0) ::close(file_);
+}
+
+FolderLock claim_run_folder(const Globals& globals, const SessionArguments& given,
+                            std::vector<std::string> shape_files, const fs::path& run) {
+  std::optional<FolderLock> lock;
+  if (std::error_code error; fs::is_directory(run, error)) lock.emplace(run);
   std::vector<std::string> files{"frames.csv",
                                  "dispatch.csv",
                                  "switches.csv",
@@ -58,7 +76,9 @@ void claim_run_folder(const Globals& globals, const SessionArguments& given,
   std::ranges::move(shape_files, std::back_inserter(files));
   claim_folder(run, files);
   remove_shape_files(run);
+  if (!lock) lock.emplace(run);
   set_aside_states_of_last_run(globals, given, run);
+  return std::move(*lock);
 }
 
 }  // namespace forefeel

@@ -43,9 +43,10 @@ void tell_figures(const Globals& globals, const SessionSummary& s) {
                     bars.samples, bars.width_p50));
   tell_figure(
       globals, "safe", share(s.time_in[Label::safe]),
-      fmt::format("of the time among densely known states; sparse {}, gap {}, blank {}; outside the box {}",
+      fmt::format("of the time among densely known states; sparse {}, gap {}, blank {}{}",
                   share(s.time_in[Label::sparse]), share(s.time_in[Label::gap]),
-                  share(s.time_in[Label::blank]), share(s.motion.outside)));
+                  share(s.time_in[Label::blank]),
+                  std::isfinite(s.motion.outside) ? "; outside the box " + share(s.motion.outside) : ""));
   tell_figure(
       globals, "felt", std::to_string(s.switching.frames_over_jnd),
       fmt::format("frames in which one of {} changes of model moved the force by more than its bound; "

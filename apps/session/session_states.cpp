@@ -81,6 +81,8 @@ SessionPlan take_states(const Scene& scene, const SessionArguments& given, const
                      "is where this run keeps what it solves, expected --extend to append to it, or another "
                      "folder for -o");
   GivenStates known = given_states(globals, scene, states.file, states.foreign);
+  if (!plan.input.touched.anywhere && std::ranges::any_of(known.loaded.states, &State::has_site))
+    throw InputError(states.file, "holds states with sites, expected a scene with contact.anywhere = true");
   if (known.belonging == Belonging::foreign) {
     if (std::ranges::none_of(known.loaded.states, &State::usable))
       throw InputError(states.file, "holds no usable state, expected some to render");

@@ -9,6 +9,7 @@ namespace {
 
 constexpr double endless = std::numeric_limits<double>::infinity();
 constexpr double rounding = 1e-9;        // estimates below it are ordered by distance
+constexpr std::size_t most_judged = 8;   // for one answer
 constexpr std::size_t first_judged = 4;  // before c is believed
 
 }  // namespace
@@ -61,16 +62,21 @@ std::optional<CandidateErrors::Worst> CandidateErrors::worst(std::span<const dou
     const double value = std::min(expected(known_[i]), 1e9);
     return Order(value < rounding ? 0 : weights[i] * value, weights[i] * std::min(known_[i].distance, 1e9));
   };
-  for (;;) {
+  // The first in that order, of all or of those that are judged.
+  const auto first = [&](bool judged) {
     std::optional<std::size_t> best;
     Order most{};
     for (std::size_t i = 0; i < candidates_.size(); ++i) {
-      if (!(weights[i] > 0)) continue;
+      if (!(weights[i] > 0) || (judged && !known_[i].now)) continue;
       if (const Order mine = order(i); !best || mine > most) {
         best = i;
         most = mine;
       }
     }
+    return best;
+  };
+  for (std::size_t tried = 0;; ++tried) {
+    const std::optional<std::size_t> best = first(tried >= most_judged);
     if (!best) return {};
     if (known_[*best].now) return Worst{.index = *best, .estimate = known_[*best].estimate};
     judge(*best);

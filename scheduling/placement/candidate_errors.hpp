@@ -4,7 +4,7 @@
 // reach. Before that is known again, a candidate counts as
 //   its last estimate, for states lower it nearly always (lazy evaluation: Minoux 1978)
 //   c d^2, if it was never judged: d its distance to the nearest state [m], c the largest estimate / d^2 so far
-// and is judged when it would win.
+// and is judged when it would win; eight at most for one answer, which is then the worst of those judged so far.
 
 #include <cstddef>
 #include <optional>

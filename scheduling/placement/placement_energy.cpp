@@ -115,12 +115,13 @@ std::shared_ptr<const EnergyInterpolant> EnergyInterpolant::fit(std::span<const 
       for (Eigen::Index t = 0; t < terms; ++t)
         matrix(row, rows + t) = of_monomial(e.at_[at], e.monomials_[static_cast<std::size_t>(t)], a);
     }
-    for (Eigen::Index j = 0; j < n; ++j) {
+    for (Eigen::Index j = 0; j <= i; ++j) {
       const Vec3 d = e.at_[at] - e.at_[static_cast<std::size_t>(j)];
       const Radial radial(d.squaredNorm(), e.power_);
       for (int a = 0; a < functionals; ++a)
         for (int b = 0; b < functionals; ++b)
-          matrix(functionals * i + a, functionals * j + b) = entry(radial, d, a, b);
+          matrix(functionals * i + a, functionals * j + b) =
+              matrix(functionals * j + b, functionals * i + a) = entry(radial, d, a, b);
     }
   }
   matrix.bottomLeftCorner(terms, rows) = matrix.topRightCorner(rows, terms).transpose();

@@ -383,7 +383,7 @@ SessionSummary summarise(const SessionResult& result, const SessionInput& input,
                          .motion = motion_of(result, input.touched.space, options)};
   if (!input.touched.anywhere) return summary;
   summary.motion.touch = touches_of(result, *input.touched.anywhere);
-  summary.motion.outside = 0;  // the hand moves beside the body
+  summary.motion.outside = unknown;  // there is no box: the hand moves beside the body
   return summary;
 }
 

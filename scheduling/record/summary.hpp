@@ -136,7 +136,7 @@ struct SessionSummary {
   // The motion. start_…: force of a tight solve at the first frame, force rendered there, and time of the first sample
   // whose error is below the just noticeable difference [s] (unknown: there is none).
   struct Motion {
-    double outside = 0;  // share of the frames outside the box of states
+    double outside = 0;  // share of the frames outside the box of states; unknown: there is no box
     double start_reference = unknown, start_rendered = unknown, start_within_jnd = unknown;
     bool starts_wrong = false;  // the first frame's error is above the JND, at a reference above error_floor
     AwayFromStates away = {};

@@ -4,6 +4,7 @@
 
 #include <algorithm>
 #include <cmath>
+#include <fstream>
 
 #include "geometry/common/csv_rows.hpp"
 #include "geometry/common/error.hpp"
@@ -28,8 +29,11 @@ std::string too_far(double distance, double farthest) {
 }
 
 std::vector<Arrival> read_arrivals(const std::filesystem::path& file, double farthest) {
-  constexpr std::string_view columns[] = {"t", "x", "y", "z"};
-  const CsvTable table = read_csv(file, columns);
+  constexpr std::string_view columns[] = {"t", "x", "y", "z", "sx", "sy", "sz"};
+  std::string header;
+  std::getline(std::ifstream(file), header);
+  const bool sites = header.find("sx") != std::string::npos;
+  const CsvTable table = read_csv(file, std::span(columns).first(sites ? 7 : 4));
   std::vector<Arrival> arrivals;
   for (std::size_t i = 0; i < table.rows(); ++i) {
     if (table.at(i, 0) < 0)
@@ -41,6 +45,8 @@ std::vector<Arrival> read_arrivals(const std::filesystem::path& file, double far
     const Vec3 at(table.at(i, 1), table.at(i, 2), table.at(i, 3));
     check_near(at, farthest, file, table.lines[i]);
     arrivals.push_back({table.at(i, 0), at});
+    if (sites)
+      arrivals.back().site = {.facet = 0, .at = Vec3(table.at(i, 4), table.at(i, 5), table.at(i, 6))};
   }
   std::stable_sort(arrivals.begin(), arrivals.end(),
                    [](const Arrival& a, const Arrival& b) { return a.t < b.t; });
@@ -49,6 +55,9 @@ std::vector<Arrival> read_arrivals(const std::filesystem::path& file, double far
 
 Replay read_replay(const std::filesystem::path& run_folder, double farthest) {
   Replay replay{.motion = read_trace(run_folder / "frames.csv", true), .arrivals = {}, .of_arrivals = false};
+  const CsvText frames = CsvText::read(run_folder / "frames.csv", "the frames of a run");
+  for (std::size_t row = 0; row < frames.rows() && !replay.anywhere; ++row)
+    replay.anywhere = !frames.text(row, "touch").empty();
   const auto dispatch = run_folder / "dispatch.csv";
   const std::vector<DispatchRow> rows =
       read_dispatch(dispatch);  // none in a run in which nothing was dispatched

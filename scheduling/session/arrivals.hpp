@@ -30,6 +30,7 @@ struct Replay {
   Trace motion = {};
   std::vector<Arrival> arrivals = {};  // by time
   bool of_arrivals = false;            // the earlier run used --arrivals itself
+  bool anywhere = false;               // its body was touched anywhere: positions are those of the mesh
 };
 // Reads the files of an earlier run: frames.csv and, if states were dispatched, dispatch.csv.
 Replay read_replay(const std::filesystem::path& run_folder, double farthest);

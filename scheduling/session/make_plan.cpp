@@ -90,6 +90,9 @@ void note_motion(SessionPlan& plan) {
 
 void take_replay(SessionPlan& plan) {
   Replay replay = read_replay(*plan.options.motion.replay, farthest_place(*plan.input.touched.body));
+  if (plan.input.touched.anywhere && !replay.anywhere)
+    throw InputError("replay",
+                     "that run holds one place of the body, expected a scene without contact.anywhere");
   plan.device = make_trace_device(std::move(replay.motion));
   plan.arrivals.list = std::move(replay.arrivals);
   plan.arrivals.of_replay = replay.of_arrivals;
@@ -117,13 +120,20 @@ void place_arrivals(SessionPlan& plan) {
   for (Arrival& arrival : plan.arrivals.list) {
     if (!plan.input.touched.anywhere) {
       if (arrival.site.exists())
-        throw InputError("replay", "states of that run have sites, expected a scene with contact.anywhere");
+        throw InputError(plan.arrivals.of_replay || plan.options.motion.replay ? "replay" : "arrivals",
+                         "its states have sites, expected a scene with contact.anywhere");
       continue;
     }
     const SurfaceMap& map = plan.input.touched.anywhere->field->rest().map();
     const SurfacePlace nearest = map.nearest(arrival.site.exists() ? arrival.site.at : arrival.at);
     if (!arrival.site.exists()) arrival.at -= nearest.at, arrival.site.at = nearest.at;
     arrival.site.facet = nearest.facet;
+    const double most = farthest_of(plan.input.touched.anywhere->depth);
+    if (!(arrival.at.norm() <= most))
+      throw InputError(
+          "arrivals",
+          fmt::format("the state at {:g} s is {:.3g} m from the surface, expected at most {:.3g} m",
+                      arrival.t, arrival.at.norm(), most));
   }
 }
 

@@ -88,9 +88,12 @@ std::vector<std::string> notes_of(const SessionPlan& plan) {
     notes.push_back("cost and latency are those of simulated workers: ignored under the real clock");
   if (plan.input.foreign)
     notes.push_back(fmt::format(
-        "the {} known states are of another body: they alone are rendered, nothing is solved, and "
-        "errors are not measured",
-        plan.input.known.size()));
+        "the {} known states are of another body: {}; nothing is solved, and errors are not measured",
+        plan.input.known.size(),
+        plan.input.touched.anywhere
+            ? "they correct the field of this body about their own sites and depths, and elsewhere "
+              "this body is rendered"
+            : "they alone are rendered"));
   notes.insert(notes.end(), plan.motion_notes.begin(), plan.motion_notes.end());
   if (!plan.input.touched.viscosity.empty()) notes.push_back(viscosity_in_words(plan.input.touched));
   if (!plan.guess.left_out.empty())
