@@ -1,5 +1,9 @@
 // forefeel session of a scene with contact.anywhere: its files, what it refuses, recorded motions.
 
+#include <fcntl.h>
+#include <sys/file.h>
+#include <unistd.h>
+
 #include "geometry/common/csv_rows.hpp"
 #include "tests/support/executable.hpp"
 
@@ -83,6 +87,42 @@ TEST_CASE("a recorded motion is registered by its first sample and the normal") 
     deepest = std::min(deepest, frames.at(i, 2));
   }
   CHECK(deepest == Approx(0.02 - 0.003).margin(1e-5));
+}
+
+TEST_CASE("runs, states and arrivals of the other contact are refused, and a folder has one session") {
+  const Workshop shop;
+  shop.write("any.toml", beam("neo-hookean", "friction = 0.3\n"));
+  shop.write("one.toml",
+             "[body]\nphantom = \"beam\"\nelements = 240\n[material]\nlaw = \"neo-hookean\"\nyoung = 5000.0\n"
+             "poisson = 0.3\n[contact]\npad = 400.0\nradius = 0.012\n[state_space]\nspacing = 0.004\n"
+             "box = [[-0.008, -0.008, -0.008], [0.008, 0.008, 0.008]]\n");
+  const std::string any = "session any.toml --clock virtual --seconds 0.5 ",
+                    one = "session one.toml --clock virtual --seconds 0.5 ";
+  const json touched = shop.run(any + "--device path:line,depth=0.003 -o touched --json").json();
+  CHECK(touched["time_outside"].is_null());  // there is no box
+  shop.run(one + "-o grasped --quiet");
+  check_refused(shop, any + "--replay grasped -o other", {"replay", "holds one place of the body"});
+  check_refused(shop, one + "--replay touched -o other", {"replay", "sites", "contact.anywhere"});
+  check_refused(shop, one + "--states touched/session.states --foreign -o other",
+                {"sites", "contact.anywhere"});
+  check_refused(shop, "classify touched", {"touched anywhere", "--scene"});
+  shop.write("far.csv", "t,x,y,z\n0,1,1,1\n");
+  check_refused(shop, any + "--arrivals far.csv -o other", {"from the surface"});
+  shop.write("sited.csv", "t,x,y,z,sx,sy,sz\n0.1,0,0,-0.002,0.06,0.01,0.02\n");
+  check_refused(shop, one + "--arrivals sited.csv -o other", {"arrivals", "sites"});
+  shop.run(any + "--arrivals sited.csv -o sited --quiet");
+  const CsvTable states =
+      read_csv(shop.path() / "sited/states.csv", std::array<std::string_view, 3>{"sx", "sy", "sz"});
+  REQUIRE(states.rows() == 1);
+  CHECK(states.at(0, 2) == Approx(0.02));
+
+  const int held = ::open((shop.path() / "grasped").c_str(), O_RDONLY | O_DIRECTORY);
+  REQUIRE(::flock(held, LOCK_EX) == 0);
+  const std::string before = shop.read("grasped/session.inputs");
+  check_refused(shop, one + "-o grasped", {"grasped", "being written by another session"});
+  CHECK(shop.read("grasped/session.inputs") == before);
+  ::close(held);
+  shop.run(one + "-o grasped --quiet");
 }
 
 TEST_CASE("what is for one place is refused, and what is for a surface elsewhere; shapes are for both") {
