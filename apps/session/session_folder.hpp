@@ -15,8 +15,8 @@ void keep_replayed(const SessionOptions& options, const std::filesystem::path& r
 
 // Makes the folder, or removes an earlier run's files from it. InputError if a file that forefeel has not written has
 // one of the names that the session writes; shape_files: names that it writes for shapes. States of an earlier run,
-// unless they are extended, are renamed to session-1.states, session-2.states, … and kept. The folder is the caller's as
-// long as the lock lives: InputError, before anything is changed, if another session writes into it.
+// unless they are extended, are renamed to session-1.states, session-2.states, … and kept. The folder is the caller's
+// as long as the lock lives: InputError, before anything is changed, if another session writes into it.
 class FolderLock {
  public:
   explicit FolderLock(const std::filesystem::path& folder);

@@ -9,7 +9,7 @@ namespace {
 
 constexpr double endless = std::numeric_limits<double>::infinity();
 constexpr double rounding = 1e-9;        // estimates below it are ordered by distance
-constexpr std::size_t most_judged = 8;   // for one answer
+constexpr std::size_t most_judged = 16;  // for one answer
 constexpr std::size_t first_judged = 4;  // before c is believed
 
 }  // namespace
@@ -47,13 +47,15 @@ void CandidateErrors::judge(std::size_t i) {
     known.reach = known.distance + (space_[near.back()].at - middle).norm();
   }
   const double d2 = known.distance * known.distance;
-  if (std::isfinite(known.estimate) && d2 > 0) growth_ = std::max(growth_, known.estimate / d2);
+  known.growth = d2 > 0 ? known.estimate / d2 : 0;
+  if (std::isfinite(known.growth)) growth_ = std::max(growth_, known.growth);
 }
 
 double CandidateErrors::expected(const Known& known) const {
-  if (known.judged) return known.estimate;
-  if (judged_ < first_judged) return endless;
-  return std::isfinite(known.distance) ? growth_ * known.distance * known.distance : endless;
+  if (known.now) return known.estimate;
+  if (!known.judged && judged_ < first_judged) return endless;
+  const double growth = known.judged ? known.growth : growth_;
+  return std::isfinite(known.distance) ? growth * known.distance * known.distance : endless;
 }
 
 std::optional<CandidateErrors::Worst> CandidateErrors::worst(std::span<const double> weights) {
@@ -75,8 +77,13 @@ std::optional<CandidateErrors::Worst> CandidateErrors::worst(std::span<const dou
     }
     return best;
   };
+  // While all states are around every place, they share one model and one pair of interpolants.
+  const std::size_t n = space_.size();
+  const std::size_t most = n <= options_.model.neighbours ? candidates_.size()
+                           : n <= options_.interpolated   ? 4 * most_judged
+                                                          : most_judged;
   for (std::size_t tried = 0;; ++tried) {
-    const std::optional<std::size_t> best = first(tried >= most_judged);
+    const std::optional<std::size_t> best = first(tried >= most);
     if (!best) return {};
     if (known_[*best].now) return Worst{.index = *best, .estimate = known_[*best].estimate};
     judge(*best);

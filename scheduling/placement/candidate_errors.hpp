@@ -2,9 +2,10 @@
 // The candidate of the largest weighted error estimate (placement_estimate.hpp), among thousands and without judging
 // all of them. An estimate depends on the states around its place alone, so it stays exact until a state comes within
 // reach. Before that is known again, a candidate counts as
-//   its last estimate, for states lower it nearly always (lazy evaluation: Minoux 1978)
-//   c d^2, if it was never judged: d its distance to the nearest state [m], c the largest estimate / d^2 so far
-// and is judged when it would win; eight at most for one answer, which is then the worst of those judged so far.
+//   c d^2: d its distance to the nearest state [m], c its estimate / d^2 when it was judged; if it never was, the
+//   largest c so far
+// and is judged when it would win (lazy evaluation: Minoux 1978); beyond 32 states sixteen at most for one answer,
+// which is then the worst of those judged so far.
 
 #include <cstddef>
 #include <optional>
@@ -34,6 +35,7 @@ class CandidateErrors {
  private:
   struct Known {
     double estimate = 0;               // [1]
+    double growth = 0;                 // c, when it was judged [1/m^2]
     double reach = 0;                  // within which a new state changes it [m]
     double distance = 0;               // to the nearest state [m]
     bool judged = false, now = false;  // ever; with the states of now

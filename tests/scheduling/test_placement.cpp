@@ -297,7 +297,7 @@ TEST_CASE("the worst candidate is found without judging those that cannot win", 
     }
     tell(found->index);
   }
-  CHECK(share > 0.7 * asked / 6);
+  CHECK(share > 0.6 * asked / 6);  // of the largest estimate of all, on average
   CHECK(lazy.judged() < 729 * 4);
   CHECK_FALSE(lazy.worst(std::vector<double>(candidates.size(), 0)));
 }
