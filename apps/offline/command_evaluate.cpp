@@ -391,10 +391,8 @@ void add_evaluate(CommandLine& line) {
              "differ")
       .shows("SCENE");
   sub.flag("--foreign", arguments->foreign, foreign_help);
-  sub.flag(
-      "--no-bars", arguments->no_bars,
-      "No error bars. They come from known forces left out in groups, which takes seconds with thousands of "
-      "states");
+  sub.flag("--no-bars", arguments->no_bars,
+           "No error bars, whose forces left out in groups take seconds with thousands of states");
   sub.option("-o,--output", arguments->output, "Forces as CSV").shows("OUT.csv");
 }
 
