@@ -67,6 +67,9 @@ struct ChosenIndex {
 // States in the chosen index.
 struct Classified {
   std::vector<State> states;  // usable ones, in the order of the file
+  // Of states in a plane: their positions a spacing above and below it. A plane has no volume to be known densely; with
+  // these, places in it are labelled as between layers.
+  std::vector<Vec3> beside;
   std::size_t unusable = 0;
   double spacing = unknown;  // [m]
   bool spacing_estimated = false;

@@ -15,6 +15,7 @@
 #include "apps/offline/classify.hpp"
 #include "apps/scene/given_states.hpp"
 #include "apps/scene/scene.hpp"
+#include "geometry/common/dense.hpp"
 #include "geometry/common/error.hpp"
 #include "geometry/common/memory.hpp"
 #include "geometry/coverage/coverage.hpp"
@@ -128,7 +129,9 @@ std::unique_ptr<OctreeIndex> make_octree(const Classified& set, const ClassifyAr
   auto octree = set.lattice
                     ? std::make_unique<OctreeIndex>(AdaptiveLattice(*set.lattice), arguments.space.coverage)
                     : std::make_unique<OctreeIndex>(set.spacing, arguments.space.coverage);
-  for (std::uint32_t i = 0; i < set.states.size(); ++i) octree->insert({i}, set.states[i].at);
+  const auto count = static_cast<std::uint32_t>(set.states.size());
+  for (std::uint32_t i = 0; i < count; ++i) octree->insert({i}, set.states[i].at);
+  for (std::uint32_t i = 0; i < set.beside.size(); ++i) octree->insert({count + i}, set.beside[i]);
   return octree;
 }
 
@@ -144,6 +147,11 @@ std::unique_ptr<StateSpace> make_space(const Classified& set, const ClassifyArgu
     space->insert(std::move(light));
     if (++done % 1024 == 0) progress(double(done) / double(set.states.size()));
   }
+  for (const Vec3& x : set.beside) {
+    State state;
+    state.at = x;
+    space->insert(state);
+  }
   return space;
 }
 
@@ -152,6 +160,7 @@ Regions make_regions(const Classified& set, const ClassifyArguments& arguments,
   std::vector<Vec3> at;
   at.reserve(set.states.size());
   for (const State& state : set.states) at.push_back(state.at);
+  at.insert(at.end(), set.beside.begin(), set.beside.end());
   return Regions(
       std::move(at),
       {.spacing = set.spacing, .box = set.box, .coverage = arguments.space.coverage, .lattice = set.lattice},
@@ -172,6 +181,30 @@ void label_octree(Classified& result, const ClassifyArguments& arguments) {
                const double h = result.lattice ? result.lattice->spacing_at(place) : result.spacing;
                result.index.octree->points().offsets_within(place, coverage.gap_cone_radius * h, offsets);
              });
+}
+
+// States in a plane are labelled in it, as a layer a quarter of the spacing thick.
+void take_plane(Classified& set, bool have_box, const std::string& where, const Globals& globals) {
+  constexpr double thin = 0.01, wide = 0.5;  // of the spacing: deviations across the plane, and along it
+  if (set.states.size() < 4 || set.lattice) return;
+  const auto n = static_cast<double>(set.states.size());
+  Vec3 middle = Vec3::Zero();
+  for (const State& s : set.states) middle += s.at / n;
+  Mat3 spread = Mat3::Zero();
+  for (const State& s : set.states) spread += (s.at - middle) * (s.at - middle).transpose() / n;
+  const Modes3 modes = axes_of(spread);
+  const double h = set.spacing;
+  if (!(modes.values[0] < thin * thin * h * h) || !(modes.values[1] > wide * wide * h * h)) return;
+  const Vec3 normal = modes.vectors.col(0);
+  for (const double side : {-h, h})
+    for (const State& s : set.states) set.beside.push_back(s.at + side * normal);
+  if (!have_box) {
+    const Vec3 half = h / 8 * normal.cwiseAbs();
+    set.box = {set.box.low - half, set.box.high + half};
+  }
+  warn(globals,
+       fmt::format("{}: the states lie in a plane: they are labelled in it, as a layer {:.3g} mm thick",
+                   where, 1e3 * h / 4));
 }
 
 }  // namespace
@@ -255,6 +288,7 @@ Classified prepare_states(const ClassifyArguments& arguments, const std::string&
       for (const State& s : result.states)
         if (s.spacing < result.spacing) result.spacing = s.spacing;
     }
+  take_plane(result, have_box || own.box, where, globals);
   check_extent(result, where);
   return result;
 }

@@ -2,6 +2,8 @@
 
 #include <fmt/format.h>
 
+#include <Eigen/Core>
+
 #include "tests/support/executable.hpp"
 
 TEST_CASE("many points are counted by label, few or --list are printed, and the written file is named",
@@ -25,4 +27,42 @@ TEST_CASE("many points are counted by label, few or --list are printed, and the 
   CHECK_THAT(shop.forefeel(all + "--grid 0.003 -o labels.csv").out,
              Contains("labels of the points: labels.csv"));
   CHECK_THAT(shop.forefeel(all + "-o regions.csv").out, Contains("regions: regions.csv"));
+}
+
+TEST_CASE("states in a plane are labelled in it, wherever it lies; those of a line stay as they are",
+          "[classify]") {
+  const Workshop shop;
+  const auto table = [](int rows, const Eigen::Matrix3d& turn) {
+    std::string text = "x,y,z,fx,fy,fz\n";
+    for (int i = 0; i < 11; ++i)
+      for (int j = 0; j < rows; ++j) {
+        const Eigen::Vector3d x = turn * Eigen::Vector3d(0.004 * (i - 5), 0.004 * (j - 5), 0);
+        text += fmt::format("{},{},{},0,0,0\n", x[0], x[1], x[2]);
+      }
+    return text;
+  };
+  const Eigen::Matrix3d flat = Eigen::Matrix3d::Identity();
+  Eigen::Matrix3d tilted;
+  tilted << 0.6, 0, 0.8, 0, 1, 0, -0.8, 0, 0.6;
+  shop.write("flat.csv", table(11, flat));
+  shop.write("tilted.csv", table(11, tilted));
+  shop.write("line.csv", table(1, flat));
+  for (const char* index : {"delaunay", "octree"}) {
+    INFO(index);
+    const std::string with = fmt::format(" --spacing 0.004 --json --index {}", index);
+    const Workshop::Outcome whole = shop.forefeel("classify flat.csv" + with);
+    CHECK_THAT(whole.err, Contains("the states lie in a plane", "1 mm thick"));
+    const json volume = whole.json()["volume"];
+    CHECK(volume["safe"].get<double>() == Approx(0.04 * 0.04 * 0.001));
+    CHECK(volume["blank"].get<double>() == Approx(0).margin(1e-15));
+    shop.forefeel(
+        fmt::format("classify tilted.csv --spacing 0.004 --index {} "
+                    "--line=-0.012,-0.008,0.016:0.012,0.008,-0.016:9 -o t.csv",
+                    index));
+    const std::string labels = shop.read("t.csv");
+    std::size_t safe = 0;
+    for (std::size_t at = 0; (at = labels.find(",safe", at)) != std::string::npos; ++at) ++safe;
+    CHECK(safe == 9);
+    CHECK_THAT(shop.forefeel("classify line.csv" + with).err, !Contains("plane"));
+  }
 }
