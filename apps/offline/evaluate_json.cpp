@@ -136,26 +136,28 @@ JsonKeys<R> point_keys() {
 }
 
 JsonKeys<R> later_keys() {
-  return {{"spacing", "m", "that counts as dense", [](const R& r) { return r.found.options.spacing; }},
-          {"averaged", "", "states that contradicted another at their position",
-           [](const R& r) { return r.found.repeated.averaged; }},
-          {"largest_difference", "N", "between two of these",
-           [](const R& r) { return r.found.repeated.largest_difference; }},
-          {"rounding,courses", "N",
-           "part of the expected error and of the bars: of forces rounded to steps, and of forces at one "
-           "position that differ alike along the states, as in loading and unloading",
-           [](const R& r) {
-             return Json{r.found.shared.rounding, r.found.shared.courses};
-           }},
-          {"belonging", "", "own or foreign states; null: not known",
-           [](const R& r) { return r.belonging ? Json(name(*r.belonging)) : Json(); }},
-          {"force_bounds", "N", "list: no force of the point's model is larger",
-           [](const R& r) { return list_of(r.found.made.reach, &Reach::bound); }},
-          {"tangent_from", "m",
-           "list: distance outside the states from where on the tangent is used; null: never",
-           [](const R& r) { return list_of(r.found.made.reach, &Reach::tangent); }},
-          {"held_from", "m", "list: distance from where on the force is constant; null: never",
-           [](const R& r) { return list_of(r.found.made.reach, &Reach::held); }}};
+  return {
+      {"spacing", "m", "that counts as dense", [](const R& r) { return r.found.options.spacing; }},
+      {"heaped", "", "rows of heaps, each counted as one place", [](const R& r) { return r.found.heaped; }},
+      {"averaged", "", "states that contradicted another at their position",
+       [](const R& r) { return r.found.repeated.averaged; }},
+      {"largest_difference", "N", "between two of these",
+       [](const R& r) { return r.found.repeated.largest_difference; }},
+      {"rounding,courses", "N",
+       "part of the expected error and of the bars: of forces rounded to steps, and of forces at one "
+       "position that differ alike along the states, as in loading and unloading",
+       [](const R& r) {
+         return Json{r.found.shared.rounding, r.found.shared.courses};
+       }},
+      {"belonging", "", "own or foreign states; null: not known",
+       [](const R& r) { return r.belonging ? Json(name(*r.belonging)) : Json(); }},
+      {"force_bounds", "N", "list: no force of the point's model is larger",
+       [](const R& r) { return list_of(r.found.made.reach, &Reach::bound); }},
+      {"tangent_from", "m",
+       "list: distance outside the states from where on the tangent is used; null: never",
+       [](const R& r) { return list_of(r.found.made.reach, &Reach::tangent); }},
+      {"held_from", "m", "list: distance from where on the force is constant; null: never",
+       [](const R& r) { return list_of(r.found.made.reach, &Reach::held); }}};
 }
 
 const JsonKeys<R>& evaluate_keys() {

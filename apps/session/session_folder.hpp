@@ -13,10 +13,7 @@ namespace forefeel {
 // InputError for the folder of the run that is replayed, which must not be overwritten.
 void keep_replayed(const SessionOptions& options, const std::filesystem::path& run);
 
-// Makes the folder, or removes an earlier run's files from it. InputError if a file that forefeel has not written has
-// one of the names that the session writes; shape_files: names that it writes for shapes. States of an earlier run,
-// unless they are extended, are renamed to session-1.states, session-2.states, … and kept. The folder is the caller's
-// as long as the lock lives: InputError, before anything is changed, if another session writes into it.
+// A folder is one session's as long as its lock lives, and no longer than the process. It leaves no file behind.
 class FolderLock {
  public:
   explicit FolderLock(const std::filesystem::path& folder);
@@ -27,6 +24,11 @@ class FolderLock {
  private:
   int file_;
 };
+
+// Makes the folder, or removes an earlier run's files from it. InputError if another session writes into it, or if a file
+// that forefeel has not written has one of the names that the session writes; then nothing is changed. shape_files: names
+// that it writes for shapes. States of an earlier run, unless they are extended, are renamed to session-1.states,
+// session-2.states, … and kept.
 [[nodiscard]] FolderLock claim_run_folder(const Globals& globals, const SessionArguments& given,
                                           std::vector<std::string> shape_files,
                                           const std::filesystem::path& run);

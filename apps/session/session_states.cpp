@@ -97,7 +97,10 @@ SessionPlan take_states(const Scene& scene, const SessionArguments& given, const
     if (std::ranges::any_of(given_forces, &State::has_stiffness))
       return with_foreign(std::move(plan), std::move(given_forces));
     plan = with_foreign(std::move(plan), {});  // refused before the work
-    given_forces = join_heaps(std::move(given_forces)).states;
+    JoinedHeaps joined = join_heaps(std::move(given_forces));
+    if (joined.heaps > 0)
+      say(globals, fmt::format("{}: {} rows about one place count as one", states.file, joined.rows));
+    given_forces = std::move(joined.states);
     std::vector<State> field = field_of_measured(scene, given_forces, given.states.file, globals);
     if (field.empty()) return with_known(std::move(plan), std::move(given_forces));
     plan = with_known(std::move(plan), std::move(field));

@@ -78,7 +78,11 @@ PolygonCut cut_polygon(std::span<const Vec3> nodes, std::span<const NodeIndex> p
                        std::vector<Triangle>& to) {
   PolygonCut cut;
   const std::size_t n = polygon.size();
-  const Vec3 origin = n > 0 ? nodes[polygon[0]] : Vec3::Zero();
+  if (n < 4) {
+    add_fan(polygon, to);
+    return cut;
+  }
+  const Vec3 origin = nodes[polygon[0]];
   Vec3 normal = Vec3::Zero(), mean = Vec3::Zero();
   double size = 0, swept = 0;
   for (std::size_t i = 0; i < n; ++i) {
@@ -89,8 +93,8 @@ PolygonCut cut_polygon(std::span<const Vec3> nodes, std::span<const NodeIndex> p
     size = std::max(size, a.norm());
   }
   const double area = normal.norm();
-  if (n < 4 || !(area > 1e-12 * size * size)) {
-    cut.crosses = n > 3 && swept > 1e-9 * size * size;  // parts that cancel
+  if (!(area > 1e-12 * size * size)) {
+    cut.crosses = swept > 1e-9 * size * size;  // parts that cancel
     add_fan(polygon, to);
     return cut;
   }

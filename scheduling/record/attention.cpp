@@ -29,8 +29,8 @@ std::string far_from_states(const SessionSummary::AwayFromStates& away) {
                                  name(away.worst), 100 * away.worst_share);
   line += std::isfinite(away.worst_bar) ? fmt::format("the force within {:.2g} N (95 %)", away.worst_bar)
                                         : std::string("no bound of the force");
-  if (std::isfinite(away.worst_bar) && away.bar_at_states > 0)
-    line += fmt::format(", {:.3g} times the error bar at known places", away.worst_bar / away.bar_at_states);
+  if (std::isfinite(away.worst_bar) && std::isfinite(away.bar_at_states))
+    line += fmt::format(", against {:.2g} N at known places", away.bar_at_states);
   return line + "; it was " + way;
 }
 

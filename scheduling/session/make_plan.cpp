@@ -120,7 +120,7 @@ void place_arrivals(SessionPlan& plan) {
   for (Arrival& arrival : plan.arrivals.list) {
     if (!plan.input.touched.anywhere) {
       if (arrival.site.exists())
-        throw InputError(plan.arrivals.of_replay || plan.options.motion.replay ? "replay" : "arrivals",
+        throw InputError(plan.options.motion.replay ? "replay" : "arrivals",
                          "its states have sites, expected a scene with contact.anywhere");
       continue;
     }
@@ -132,8 +132,9 @@ void place_arrivals(SessionPlan& plan) {
     if (!(arrival.at.norm() <= most))
       throw InputError(
           "arrivals",
-          fmt::format("the state at {:g} s is {:.3g} m from the surface, expected at most {:.3g} m",
-                      arrival.t, arrival.at.norm(), most));
+          fmt::format(
+              "the state at {:g} s is {:.3g} m from its place on the surface, expected at most {:.3g} m",
+              arrival.t, arrival.at.norm(), most));
   }
 }
 

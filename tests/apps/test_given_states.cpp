@@ -251,7 +251,7 @@ TEST_CASE("the report of a session on a measured stroke begins with the distance
     CHECK_THAT(summary["attention"][0].get<std::string>(),
                Catch::StartsWith("the hand was ") &&
                    Contains("% of the time, where the states tell the force within",
-                            "from the nearest known place", "times the error bar at known places"));
+                            "from the nearest known place", "N at known places"));
     const std::string page = shop.read("run-" + motion + "/report.html");
     CHECK(page.find("the hand was ") < page.find("class=\"tiles\""));
     return summary["away_from_states"];

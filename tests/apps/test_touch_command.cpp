@@ -107,7 +107,7 @@ TEST_CASE("runs, states and arrivals of the other contact are refused, and a fol
                 {"sites", "contact.anywhere"});
   check_refused(shop, "classify touched", {"touched anywhere", "--scene"});
   shop.write("far.csv", "t,x,y,z\n0,1,1,1\n");
-  check_refused(shop, any + "--arrivals far.csv -o other", {"from the surface"});
+  check_refused(shop, any + "--arrivals far.csv -o other", {"from its place on the surface"});
   shop.write("sited.csv", "t,x,y,z,sx,sy,sz\n0.1,0,0,-0.002,0.06,0.01,0.02\n");
   check_refused(shop, one + "--arrivals sited.csv -o other", {"arrivals", "sites"});
   shop.run(any + "--arrivals sited.csv -o sited --quiet");
