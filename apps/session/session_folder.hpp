@@ -25,10 +25,10 @@ class FolderLock {
   int file_;
 };
 
-// Makes the folder, or removes an earlier run's files from it. InputError if another session writes into it, or if a file
-// that forefeel has not written has one of the names that the session writes; then nothing is changed. shape_files: names
-// that it writes for shapes. States of an earlier run, unless they are extended, are renamed to session-1.states,
-// session-2.states, … and kept.
+// Makes the folder, or removes an earlier run's files from it. InputError if another session writes into it, or if a
+// file that forefeel has not written has one of the names that the session writes; then nothing is changed.
+// shape_files: names that it writes for shapes. States of an earlier run, unless they are extended, are renamed to
+// session-1.states, session-2.states, … and kept.
 [[nodiscard]] FolderLock claim_run_folder(const Globals& globals, const SessionArguments& given,
                                           std::vector<std::string> shape_files,
                                           const std::filesystem::path& run);
