@@ -167,7 +167,7 @@ TEST_CASE(
   const std::size_t verdict = page.find("class=\"verdict"), devices = page.find("<h2>Devices</h2>");
   REQUIRE(verdict != std::string::npos);
   CHECK(verdict < devices);
-  CHECK_THAT(page, Contains("motions and seeds)</h2>", "energy given back [mJ]", "clamped [%]"));
+  CHECK_THAT(page, Contains("of motion and seed)</h2>", "energy given back [mJ]", "clamped [%]"));
   CHECK_THAT(shop.files(), Contains("out/figures/ranking-policy-0.pdf", "out/figures/over-workers.svg"));
   CHECK_THAT(shop.read("out/figures/ranking-policy-0.pdf"), Catch::StartsWith("%PDF"));
   CHECK_THAT(shop.read("out/figures/over-workers.svg"), Contains("18,  52,  86"));
