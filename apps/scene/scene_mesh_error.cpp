@@ -64,7 +64,7 @@ std::optional<MeshError> mesh_error_in(const Json& kept) {
 }
 
 std::string mesh_percent(double share) {
-  return fmt::format("{:.2g} %", 100 * share);
+  return fmt::format("{:.{}g} %", 100 * share, share < 1 ? 2 : 3);
 }
 
 }  // namespace

@@ -1,5 +1,4 @@
 #include "apps/session/bad_moments.hpp"
-#include "geometry/common/counted.hpp"
 
 #include <fmt/format.h>
 
@@ -35,8 +34,8 @@ double nearest_known(const SessionResult& result, const FrameRecord& f) {
 
 std::string known_words(const FrameRecord& f, double distance) {
   if (!std::isfinite(distance)) return "No state was known.";
-  return fmt::format("The nearest of {} was {} away.", counted(f.known, "known state"),
-                     millimetres(distance));
+  if (f.known == 1) return fmt::format("The only known state was {} away.", millimetres(distance));
+  return fmt::format("The nearest of {} known states was {} away.", f.known, millimetres(distance));
 }
 
 // Tells a queue from a slow solve. Empty where a worker took the request at once.

@@ -72,7 +72,7 @@ void add_short_bars(const SessionSummary::ErrorBars& bars, std::vector<std::stri
 
 std::string coarse(const SessionSummary::Mesh& mesh, double shown) {
   std::string line = fmt::format(
-      "the mesh itself errs by {:.2g} % of the force ({}), and a hand feels {:.2g} %; the errors below leave "
+      "the mesh itself errs by {:.3g} % of the force ({}), and a hand feels {:.2g} %; the errors below leave "
       "that out",
       100 * mesh.error, mesh.how, 100 * felt_share);
   if (std::isfinite(shown))

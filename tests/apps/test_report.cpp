@@ -79,7 +79,7 @@ TEST_CASE(
   result.frames[0].known = 1;
   CHECK_THAT(
       bad_moments(result, view)[0].why,
-      Catch::StartsWith("The nearest of 1 known states was 20 mm away. A state 1 mm away was asked for "
+      Catch::StartsWith("The only known state was 20 mm away. A state 1 mm away was asked for "
                         "0.5 s before and came 0.25 s too late."));
   result.dispatch[1].started = 2;
   CHECK_THAT(bad_moments(result, view)[0].why,
