@@ -8,6 +8,7 @@
 #include <utility>
 
 #include "geometry/states/force_trend.hpp"
+#include "geometry/states/hysteresis.hpp"
 #include "geometry/states/state_summary.hpp"
 #include "geometry/states/stiffness_agreement.hpp"
 
@@ -103,6 +104,7 @@ std::vector<std::string> misleading(std::span<const State> states, double spacin
   lines.insert(lines.begin(),
                {disagreement_in_words(stiffness_agreement(states)), unlikely_unit(states, spacing)});
   lines.push_back(lone_forces(states));
+  lines.push_back(hysteresis_in_words(states));
   std::erase(lines, "");
   return lines;
 }

@@ -1,6 +1,7 @@
 #pragma once
 // What of given states misleads whoever uses them, in words: a stiffness that does not fit the forces
-// (stiffness_agreement.hpp), another unit, forces that pull (force_trend.hpp), a force that is alone.
+// (stiffness_agreement.hpp), another unit, forces that pull (force_trend.hpp), a force that is alone, loading and
+// unloading (hysteresis.hpp).
 //
 // unit    neighbouring states are over 20 h apart, or all of them span over 3 m, more than a hand reaches
 // alone   a force F_i that is farther than 8 R from those of its 12 nearest other places, of which no two differ by
