@@ -38,7 +38,7 @@ ForceSwitch::Step SurfaceContact::step(const HipSample& tip, TouchRecord& record
   Vec3 now = frame.force;
   if (came) {
     take(came);
-    now = field_.at(touch_.site, tip.at - touch_.site.at, false).at.force;
+    now = touch_.force = field_.at(touch_.site, tip.at - touch_.site.at, false).at.force;
   }
   return switch_.step(frame.force, now, came_, (tip.at - before).norm());
 }

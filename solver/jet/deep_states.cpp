@@ -307,7 +307,7 @@ std::array<SiteSums, 2> DeepStates::sums(const SiteModel& model, const SurfacePl
   SiteQuestion asked;
   put(place.at, asked.at), put(model.rest().normal, asked.normal), put(model.root() * x, asked.u);
   put(map.barycentric(place), asked.share);
-  const std::array<Vec3, 3> share_by = barycentric_slopes(map, place.facet);
+  const std::array<Vec3, 3> share_by = map.barycentric_slopes(place);
   for (std::size_t i = 0; i < 3; ++i) put(share_by[i], asked.share_by + 3 * i);
   std::copy_n(model.root().data(), 9, asked.root);  // symmetric
   asked.square = length_ * length_, asked.far = far_;

@@ -132,7 +132,10 @@ void FieldPatches::place_points(int parts) {
       for (std::uint32_t j = 0; i + j <= n; ++j) {
         const auto [at, is_new] = numbers.try_emplace(key_of(map.facets()[f].corners, {n - i - j, i, j}),
                                                       static_cast<std::int32_t>(places_.size()));
-        if (is_new) places_.push_back({facet, ((n - i - j) * a + i * b + j * c) / n});
+        if (is_new)
+          places_.push_back(map.smooth().is_flat(facet)
+                                ? SurfacePlace{facet, ((n - i - j) * a + i * b + j * c) / n}
+                                : map.place(facet, Vec3(n - i - j, i, j) / n));
         points_.push_back(at->second);
       }
   }
@@ -197,7 +200,7 @@ void FieldPatches::fill(const SurfacePlace& place, bool root, SiteModel& model) 
   const SurfaceMap& map = field_->rest().map();
   const SubFacet part = sub_facet_at(map.barycentric(place), parts_);
   const Shape shape = shape_at(part.share, degree_);
-  std::array<Vec3, 3> by = barycentric_slopes(map, place.facet);
+  std::array<Vec3, 3> by = map.barycentric_slopes(place);
   for (Vec3& row : by) row *= part.sign * parts_;
   Quantities value = Quantities::Zero();
   Eigen::Matrix<double, quantities, 3> slope = Eigen::Matrix<double, quantities, 3>::Zero();

@@ -267,7 +267,7 @@ void SiteField::add_parts(const SurfacePlace& place, const SiteRest& rest, SiteM
   const Triangle& corner = rest_->map().facet(place).corners;
   const Vec3 share = rest_->map().barycentric(place);
   // Over the way along the surface, interpolated from the corners.
-  const std::array<Vec3, 3> by = barycentric_slopes(rest_->map(), place.facet);
+  const std::array<Vec3, 3> by = rest_->map().barycentric_slopes(place);
   const double reach = options_.reach * options_.spacing;
   double sum = 0;
   Vec3 sum_by = Vec3::Zero();
