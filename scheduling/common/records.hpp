@@ -62,6 +62,7 @@ struct TouchRecord {
   double lost = 0;             // by sliding, and at the end of a touch, in this frame [J]
   double slope = unknown;      // |g| / (f . n), g of touch/touch.hpp [1]
   bool at_border = false;      // the slide ended at a clamped facet
+  bool snaps = false;          // the slide is not at its end yet
 };
 
 struct FrameRecord {

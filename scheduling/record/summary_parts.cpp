@@ -77,8 +77,7 @@ void add_sliding(const FrameRecord& frame, const FrameRecord* before, const Touc
   if (before && before->touch.kind != TouchKind::none)
     touches.slid += (frame.touch.site.at - before->touch.site.at).norm();
   const double friction = task.friction.value_or(0);
-  if (!(friction > 0) || !std::isfinite(frame.touch.slope) || frame.touch.at_border ||
-      (task.patches && task.patches->is_on_edge(frame.touch.site)))
+  if (!(friction > 0) || !std::isfinite(frame.touch.slope) || frame.touch.at_border || frame.touch.snaps)
     return;
   const double off = std::abs(frame.touch.slope - friction) / friction;
   touches.cone = std::isfinite(touches.cone) ? std::max(touches.cone, off) : off;

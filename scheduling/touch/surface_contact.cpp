@@ -33,6 +33,7 @@ ForceSwitch::Step SurfaceContact::step(const HipSample& tip, TouchRecord& record
     return {};
   }
   record.site = touch_.site, record.normal = frame.normal, record.at_border = frame.at_border;
+  record.snaps = frame.snaps;
   const double push = frame.force.dot(frame.normal);
   if (push > 0) record.slope = frame.drive.norm() / push;
   Vec3 now = frame.force;

@@ -1,6 +1,6 @@
 #include "solver/jet/smooth_surface.hpp"
 
-#include <Eigen/Dense>
+#include <Eigen/Geometry>
 #include <algorithm>
 #include <cmath>
 #include <map>
@@ -120,7 +120,8 @@ void SmoothSurface::find_fans(std::span<const SmoothFacet> facets) {
   Walker walker{facets, facets_, {}};
   for (std::size_t f = 0; f < facets.size(); ++f)
     for (std::size_t side = 0; side < 3; ++side) {
-      if (!walker.is_kept(static_cast<std::int32_t>(f), side)) continue;
+      facets_[f].kept[side] = walker.is_kept(static_cast<std::int32_t>(f), side);
+      if (!facets_[f].kept[side]) continue;
       const std::uint32_t a = facets[f].corners[side], b = facets[f].corners[(side + 1) % 3];
       for (const auto& [from, to] : {std::pair(a, b), std::pair(b, a)})
         if (auto& list = walker.kept[from]; std::ranges::find(list, to) == list.end()) list.push_back(to);
@@ -314,7 +315,8 @@ bool SmoothSurface::is_sound(const Facet& facet, double& lift) const {
       const Vec3 s = (facet.corner[0] * (parts - i - j) + facet.corner[1] * i + facet.corner[2] * j) / parts;
       lift = std::max(lift, std::abs(facet.normal.dot(spot.at - s)));
       if (!((spot.at - s).norm() < most_lift * longest_edge) ||
-          !(spot.normal.dot(facet.normal) > least_cosine) || !(spot.by.determinant() > least_area) ||
+          !(spot.normal.dot(facet.normal) > least_cosine) ||
+          !(spot.by.col(0).cross(spot.by.col(1)).dot(spot.by.col(2)) > least_area) ||
           !(spot.by.colwise().norm().maxCoeff() < longest))
         return false;
     }

@@ -44,6 +44,10 @@ class SmoothSurface {
   SmoothSurface(std::span<const Vec3> nodes, std::span<const SmoothFacet> facets);
 
   bool is_flat(std::int32_t facet) const { return facets_[static_cast<std::size_t>(facet)].flat; }
+  // Whether edge 01, 12 or 20 of a facet is kept as a feature.
+  bool keeps(std::int32_t facet, std::size_t side) const {
+    return facets_[static_cast<std::size_t>(facet)].kept[side];
+  }
   SmoothSpot at(std::int32_t facet, const Vec3& share) const;   // share: b
   double farthest() const { return farthest_; }                 // of y from the facets, at sampled places [m]
   std::size_t kept_edges() const { return kept_edges_; }        // as features
@@ -69,6 +73,7 @@ class SmoothSurface {
     std::array<double, 3> length{};
     Vec3 normal = Vec3::Zero();
     std::array<Corner, 3> corners{};
+    std::array<bool, 3> kept{};
     bool flat = false;
   };
   struct Walker;

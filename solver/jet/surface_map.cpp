@@ -1,6 +1,7 @@
 #include "solver/jet/surface_map.hpp"
 
 #include <Eigen/Geometry>
+#include <Eigen/LU>
 #include <algorithm>
 #include <cmath>
 #include <limits>
@@ -87,15 +88,19 @@ Vec3 SurfaceMap::barycentric(const SurfacePlace& place) const {
   return share;
 }
 
-std::array<Vec3, 3> SurfaceMap::barycentric_slopes(const SurfacePlace& place) const {
-  const auto [a, b, c] = corners(place.facet);
-  const Vec3& n = facet(place).normal;
+std::array<Vec3, 3> SurfaceMap::flat_slopes(std::int32_t number) const {
+  const auto [a, b, c] = corners(number);
+  const Vec3& n = facets_[static_cast<std::size_t>(number)].normal;
   const double twice = n.dot((b - a).cross(c - a));
-  const std::array<Vec3, 3> flat{Vec3(n.cross(c - b) / twice), Vec3(n.cross(a - c) / twice),
-                                 Vec3(n.cross(b - a) / twice)};
-  if (smooth_.is_flat(place.facet)) return flat;
+  return {Vec3(n.cross(c - b) / twice), Vec3(n.cross(a - c) / twice), Vec3(n.cross(b - a) / twice)};
+}
+
+std::array<Vec3, 3> SurfaceMap::barycentric_slopes(const SurfacePlace& place) const {
+  std::array<Vec3, 3> slopes = flat_slopes(place.facet);
+  if (smooth_.is_flat(place.facet)) return slopes;
   const Mat3 back = spot(place).by.inverse().transpose();
-  return {Vec3(back * flat[0]), Vec3(back * flat[1]), Vec3(back * flat[2])};
+  for (Vec3& slope : slopes) slope = (back * slope).eval();
+  return slopes;
 }
 
 SurfacePlace SurfaceMap::nearest(const Vec3& point) const {

@@ -38,7 +38,9 @@ class SurfaceMap {
   // Where on its facet, in barycentric coordinates; of a point beside the surface, of that under it.
   Vec3 barycentric(const SurfacePlace& place) const;
   SmoothSpot spot(const SurfacePlace& place) const { return smooth_.at(place.facet, barycentric(place)); }
-  // By a way over the surface from the place: of the three barycentric coordinates [1/m].
+  // Of the three barycentric coordinates in the plane of a facet [1/m].
+  std::array<Vec3, 3> flat_slopes(std::int32_t facet) const;
+  // The same by a way over the smooth surface from the place.
   std::array<Vec3, 3> barycentric_slopes(const SurfacePlace& place) const;
   double free_area() const { return free_area_; }  // of the facets that are not clamped [m^2]
 
