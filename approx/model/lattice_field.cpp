@@ -2,6 +2,7 @@
 
 #include <algorithm>
 #include <cmath>
+#include <optional>
 
 namespace forefeel {
 
@@ -13,6 +14,19 @@ std::uint64_t key_of(const std::array<std::int32_t, 3>& i) {
          (static_cast<std::uint64_t>(i[2]) & mask);
 }
 
+using Position = std::array<std::int32_t, 3>;  // on the lattice
+
+// The lattice position at x, if x is one.
+std::optional<Position> position_of(const Vec3& x, double spacing) {
+  Position index;
+  for (std::size_t d = 0; d < 3; ++d) {
+    const double k = x[Eigen::Index(d)] / spacing;
+    if (!(std::abs(k) < 1e6 && std::abs(k - std::round(k)) < 1e-6)) return {};
+    index[d] = static_cast<std::int32_t>(std::lround(k));
+  }
+  return index;
+}
+
 // Cubic convolution (a = -1/2) through the values at -1, 0, 1, 2.
 std::array<double, 4> cubic_weights(double t) {
   return {0.5 * t * (-1 + t * (2 - t)), 1 + 0.5 * t * t * (3 * t - 5), 0.5 * t * (1 + t * (4 - 3 * t)),
@@ -21,22 +35,39 @@ std::array<double, 4> cubic_weights(double t) {
 
 }  // namespace
 
+void LatticeCells::add(const Vec3& state) {
+  if (const std::optional<Position> index = position_of(state, spacing_)) known_.insert(key_of(*index));
+}
+
+bool LatticeCells::around(const Vec3& x) const {
+  const Vec3 k = x / spacing_;
+  if (!(k.cwiseAbs().maxCoeff() < 1e6)) return false;
+  const auto full = [&](const Position& cell) {
+    for (int corner = 0; corner < 8; ++corner)
+      if (!known_.contains(
+              key_of({cell[0] + (corner & 1), cell[1] + (corner >> 1 & 1), cell[2] + (corner >> 2)})))
+        return false;
+    return true;
+  };
+  for (int side = 0; side < 8; ++side) {  // on a face, the cells of both sides
+    Position cell;
+    for (std::size_t d = 0; d < 3; ++d)
+      cell[d] = static_cast<std::int32_t>(std::floor(k[Eigen::Index(d)] + (side >> d & 1 ? 1e-6 : -1e-6)));
+    if (full(cell)) return true;
+  }
+  return false;
+}
+
 LatticeField::LatticeField(std::span<const State> states, double spacing, bool cubic)
     : spacing_(spacing), cubic_(cubic) {
   for (const State& s : states) {
     if (!s.usable()) continue;
     points_.push_back(s.at);
     values_.push_back(s.force);
-    Index index;
-    bool on = true;
-    for (std::size_t d = 0; d < 3; ++d) {
-      const double k = s.at[Eigen::Index(d)] / spacing;
-      on = on && std::abs(k) < 1e6 && std::abs(k - std::round(k)) < 1e-6;
-      index[d] = on ? static_cast<std::int32_t>(std::lround(k)) : 0;
-    }
-    if (!on) continue;
-    forces_[key_of(index)] = s.force;
-    whole_.push_back(index);
+    const std::optional<Position> index = position_of(s.at, spacing);
+    if (!index) continue;
+    forces_[key_of(*index)] = s.force;
+    whole_.push_back(*index);
   }
   std::erase_if(whole_, [&](const Index& cell) { return !whole(cell); });
 }

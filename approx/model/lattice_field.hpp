@@ -14,6 +14,7 @@
 #include <cstdint>
 #include <span>
 #include <unordered_map>
+#include <unordered_set>
 #include <vector>
 
 #include "geometry/states/state.hpp"
@@ -24,6 +25,22 @@ namespace detail {
 // Index of the point nearest to x, the first of equals. O(n).
 std::size_t nearest_of(const std::vector<Vec3>& points, const Vec3& x);
 }  // namespace detail
+
+// What a field gives where x lies in no full cell.
+inline constexpr const char* instead_of_cells =
+    "the force there is that at the nearest point of a full cell, or of the nearest state if that is nearer";
+
+// The lattice positions of known states, and the cells that they fill: whether a field of these interpolates at x.
+class LatticeCells {
+ public:
+  explicit LatticeCells(double spacing) : spacing_(spacing) {}
+  void add(const Vec3& state);       // without effect where it is off the lattice
+  bool around(const Vec3& x) const;  // x lies in a cell with all eight corners, its faces included
+
+ private:
+  double spacing_;
+  std::unordered_set<std::uint64_t> known_;
+};
 
 // Cells are made of states on the lattice only. States off the lattice count only as the nearest state.
 class LatticeField {

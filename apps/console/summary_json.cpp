@@ -6,6 +6,7 @@
 
 #include "apps/console/contact_json.hpp"
 #include "apps/console/outputs.hpp"
+#include "geometry/common/counted.hpp"
 #include "scheduling/record/attention.hpp"
 #include "scheduling/record/shape_files.hpp"
 
@@ -41,8 +42,8 @@ std::string tolerance_in_words(const ToleranceShare& share, const Tolerance& tol
   std::string text = fmt::format("known within {} (bar of 95 %): {:.1f} % of the time", in_words(tolerance),
                                  100 * ratio(share.frames_known, share.frames));
   if (share.known > 0)
-    text += fmt::format("; true in {:.1f} % of {} samples then", 100 * ratio(share.known_true, share.known),
-                        share.known);
+    text += fmt::format("; true in {:.1f} % of {} then", 100 * ratio(share.known_true, share.known),
+                        counted(share.known, "sample"));
   return text;
 }
 

@@ -27,6 +27,7 @@
 #include "apps/scene/mpi_run.hpp"
 #include "apps/scene/scene_anywhere.hpp"
 #include "apps/scene/scene_field.hpp"
+#include "geometry/common/counted.hpp"
 #include "geometry/common/error.hpp"
 #include "geometry/common/memory.hpp"
 #include "geometry/common/output_file.hpp"
@@ -101,11 +102,12 @@ const JsonKeys<Generated>& generate_keys() {
 
 void tell(const Globals& globals, const GenerateResult& result, const std::string& output) {
   say(globals,
-      fmt::format(
-          "{}: {} states{}, {} solved in {:.2f} s ({:.0f} states/s, {} {}), {} there before, {} failed",
-          output, result.usable, inverted_in_words(result.inverted),
-          result.report.solved - result.report.inverted, result.report.seconds, result.states_per_second(),
-          result.report.threads, result.ranks ? "ranks" : "threads", result.report.resumed, result.failed));
+      fmt::format("{}: {}{}, {} solved in {:.2f} s ({:.0f} states/s, {}), {} there before, {} failed", output,
+                  counted(result.usable, "state"), inverted_in_words(result.inverted),
+                  result.report.solved - result.report.inverted, result.report.seconds,
+                  result.states_per_second(),
+                  counted(static_cast<std::size_t>(result.report.threads), result.ranks ? "rank" : "thread"),
+                  result.report.resumed, result.failed));
 }
 
 StateFileHeader header_of(const Scene& scene) {
@@ -284,7 +286,8 @@ int run_generate(const Globals& globals, const GenerateArguments& arguments, Ran
                               "count as solved",
                               result.inverted));
   if (result.failed == 0) return held ? 0 : 1;
-  warn(globals, fmt::format("{} states did not converge; forefeel export names them and why", result.failed));
+  warn(globals, fmt::format("{} did not converge; forefeel export names each and why",
+                            counted(result.failed, "state")));
   return 1;
 }
 

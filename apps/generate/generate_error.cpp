@@ -16,6 +16,7 @@
 #include "apps/console/outputs.hpp"
 #include "apps/generate/kept_states.hpp"
 #include "apps/scene/scene_mesh_error.hpp"
+#include "geometry/common/counted.hpp"
 #include "geometry/common/error.hpp"
 #include "geometry/states/check_solves.hpp"
 #include "geometry/states/energy_jet.hpp"
@@ -109,18 +110,19 @@ void tell(const Globals& globals, const PlacementReport& report, const Inverted&
           const MeshError& mesh, const std::string& output) {
   const bool mesh_first = mesh.error > report.estimate.held();
   if (mesh_first) say(globals, "attention: " + discretisation_line(mesh, report.estimate.held()));
-  say(globals, fmt::format("{}: {} states{}, {} solved in {:.2f} s, {} there before, {} failed{}", output,
-                           report.states, inverted_in_words(inverted.all), report.solved - inverted.now,
-                           report.seconds, report.resumed, report.failed,
+  say(globals, fmt::format("{}: {}{}, {} solved in {:.2f} s, {} there before, {} failed{}", output,
+                           counted(report.states, "state"), inverted_in_words(inverted.all),
+                           report.solved - inverted.now, report.seconds, report.resumed, report.failed,
                            report.linear ? "; linear: three solves give the whole state space" : ""));
   say(globals, fmt::format("error estimated over the box: {}", in_words(report.estimate)));
   if (report.truth.samples > 0)
-    say(globals,
-        fmt::format(
-            "true error at {} random positions, the largest also at {} on the faces of the box: {}{}{}",
-            report.truth.samples, report.truth.on_surface, in_words(report.truth.error),
-            report.truth.is_fresh ? "" : " (some of them became states)",
-            report.truth.unsolved > 0 ? fmt::format("; {} were left unsolved", report.truth.unsolved) : ""));
+    say(globals, fmt::format("true error at {}, the largest also at {} on the faces of the box: {}{}{}",
+                             counted(report.truth.samples, "random position"), report.truth.on_surface,
+                             in_words(report.truth.error),
+                             report.truth.is_fresh ? "" : " (some of them became states)",
+                             report.truth.unsolved > 0
+                                 ? "; " + counted(report.truth.unsolved, "was", "were") + " left unsolved"
+                                 : ""));
   if (!mesh_first) say(globals, discretisation_line(mesh, report.estimate.held()));
 }
 
@@ -134,19 +136,17 @@ std::string complaint(const PlacementReport& report, double error, const StateSp
         positions >= report.most_states
             ? fmt::format("as many as the lattice of {:g} m has positions in the box", space.spacing)
             : fmt::format("the fewest that are tried, for the lattice of {:g} m has {} in the box",
-                          space.spacing,
-                          positions == 0   ? "no position"
-                          : positions == 1 ? "1 position"
-                                           : fmt::format("{} positions", positions));
-    return fmt::format("estimated error {:.3g} > {:.3g} with {} states, {}; reduce the spacing",
-                       report.estimate.held(), error, report.states, why);
+                          space.spacing, positions == 0 ? "no position" : counted(positions, "position"));
+    return fmt::format("estimated error {:.3g} > {:.3g} with {}, {}; reduce the spacing",
+                       report.estimate.held(), error, counted(report.states, "state"), why);
   }
   if (!report.estimate_holds)
-    return fmt::format("{} states hold an estimated error of {:.3g}, not {:.3g}; {} solves failed",
-                       report.states, report.estimate.held(), error, report.failed);
+    return fmt::format("with {} the estimated error is {:.3g}, not {:.3g}; {} failed",
+                       counted(report.states, "state"), report.estimate.held(), error,
+                       counted(report.failed, "solve"));
   if (!report.truth.holds)
-    return fmt::format("the true error of {:.3g} at {} positions is above {:.3g}", report.truth.error.held(),
-                       report.truth.samples + report.truth.on_surface, error);
+    return fmt::format("the true error of {:.3g} at {} is above {:.3g}", report.truth.error.held(),
+                       counted(report.truth.samples + report.truth.on_surface, "position"), error);
   return {};
 }
 

@@ -22,6 +22,7 @@
 #include "apps/scene/scene_anywhere.hpp"
 #include "apps/scene/scene_field.hpp"
 #include "apps/scene/scene_fine.hpp"
+#include "geometry/common/counted.hpp"
 #include "geometry/common/error.hpp"
 #include "geometry/states/state_file.hpp"
 
@@ -225,20 +226,20 @@ void measure(const Scene& scene, const SiteField& field, const std::vector<State
 
 void tell_sites(const Globals& globals, const GenerateSites& wanted, const SitesResult& result) {
   say(globals,
-      fmt::format("{}: a field of {} sites ({} in {:.2f} s), {} states solved, {} failed, {:.2f} s in all",
-                  wanted.output, result.sites, result.kept ? "read" : "made", result.field_seconds,
-                  result.solved, result.failed, result.seconds));
+      fmt::format("{}: a field of {} ({} in {:.2f} s), {} solved, {} failed, {:.2f} s in all", wanted.output,
+                  counted(result.sites, "site"), result.kept ? "read" : "made", result.field_seconds,
+                  counted(result.solved, "state"), result.failed, result.seconds));
   if (result.error.states > 0)
     answer(globals,
            fmt::format("  error of the field at {} of them: p50 {:.2g} %, p95 {:.2g} %, max {:.2g} %",
                        result.error.states, 100 * result.error.p50, 100 * result.error.p95,
                        100 * result.error.max));
   if (result.deep.rounds > 0)
-    answer(globals,
-           fmt::format("  with {} jets and {} states, at {} fresh places: p50 {:.2g} %, p95 {:.2g} %, max "
-                       "{:.2g} %",
-                       result.jets, result.states, result.deep.error.states, 100 * result.deep.error.p50,
-                       100 * result.deep.error.p95, 100 * result.deep.error.max));
+    answer(globals, fmt::format("  with {} and {}, at {}: p50 {:.2g} %, p95 {:.2g} %, max "
+                                "{:.2g} %",
+                                counted(result.jets, "jet"), counted(result.states, "state"),
+                                counted(result.deep.error.states, "fresh place"), 100 * result.deep.error.p50,
+                                100 * result.deep.error.p95, 100 * result.deep.error.max));
   if (result.clamped + result.through > 0)
     answer(globals, fmt::format("  with those whose pad reaches over the clamp, {}, and those through the "
                                 "body, {}: p50 {:.2g} %, p95 {:.2g} %, max "

@@ -5,6 +5,7 @@
 #include <algorithm>
 #include <utility>
 
+#include "geometry/common/counted.hpp"
 #include "geometry/common/error.hpp"
 #include "geometry/states/state_outcome.hpp"
 
@@ -55,8 +56,8 @@ void KeptStates::correct(std::size_t& solved, std::size_t& failed, std::size_t& 
 }
 
 std::string KeptStates::in_words() const {
-  return fmt::format("{}; {} states are kept in it; free some space, then rerun the same command to resume",
-                     *failure_, in_file());
+  return fmt::format("{}; {} kept in it; free some space, then rerun the same command to resume", *failure_,
+                     counted(in_file(), "state is", "states are"));
 }
 
 }  // namespace forefeel

@@ -13,6 +13,7 @@
 #include "apps/scene/given_states.hpp"
 #include "apps/scene/scene_anywhere.hpp"
 #include "apps/scene/scene_field.hpp"
+#include "geometry/common/counted.hpp"
 #include "geometry/common/error.hpp"
 #include "geometry/common/field.hpp"
 #include "geometry/common/output_file.hpp"
@@ -148,8 +149,8 @@ void print_classified_sites(const Globals& globals, const ClassifiedSites& found
                        s[1], s[2], x[0], x[1], x[2], name(p.label), p.trusted ? "trusted" : "not trusted"));
   }
   answer(globals,
-         fmt::format("{} states over a field of {} sites; {} places {}", found.states, found.sites,
-                     found.places.size(),
+         fmt::format("{} over a field of {}; {} {}", counted(found.states, "state"),
+                     counted(found.sites, "site"), counted(found.places.size(), "place"),
                      listed ? "of --points" : "by area and displacement, to the depth of the states"));
   for (const Label label : all_labels) {
     const double share = found.share_of(label), trusted = found.trusted_in(label),

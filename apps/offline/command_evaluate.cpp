@@ -12,19 +12,20 @@
 #include <span>
 
 #include "approx/methods/evaluate.hpp"
+#include "approx/model/lattice_field.hpp"
 #include "apps/console/commands.hpp"
 #include "apps/console/console.hpp"
 #include "apps/console/json.hpp"
-#include "apps/console/outputs.hpp"
 #include "apps/console/spacing_check.hpp"
 #include "apps/console/values.hpp"
 #include "apps/offline/evaluate_json.hpp"
 #include "apps/offline/evaluate_sites.hpp"
+#include "apps/offline/forces_csv.hpp"
 #include "apps/offline/offline_bars.hpp"
 #include "apps/scene/given_states.hpp"
 #include "apps/scene/scene_mesh_error.hpp"
+#include "geometry/common/counted.hpp"
 #include "geometry/common/error.hpp"
-#include "geometry/common/field.hpp"
 #include "geometry/common/output_file.hpp"
 #include "geometry/states/check_solves.hpp"
 #include "geometry/states/misleading.hpp"
@@ -79,38 +80,6 @@ EvaluateOptions options_of(const ModelArguments& arguments) {
   options.choose_ridge = arguments.ridge == "auto" && options.choose != true;
   if (arguments.ridge && *arguments.ridge != "auto") options.model.ridge = ridge_of(*arguments.ridge);
   return options;
-}
-
-struct ForceRow {
-  const Vec3& at;
-  const Evaluation& found;
-  std::size_t i;  // of the point
-};
-
-std::vector<Field<ForceRow>> force_columns(bool barred, bool of_jets) {
-  using R = ForceRow;
-  std::vector<Field<R>> columns{{"x,y,z", "m", "position", [](Cells& o, const R& r) { put(o, r.at); }},
-                                {"fx,fy,fz", "N", "approximated force of the body on the tip",
-                                 [](Cells& o, const R& r) { put(o, r.found.made.forces[r.i]); }},
-                                {"label", "", "coverage there: safe, sparse, gap or blank",
-                                 [](Cells& o, const R& r) { put(o, r.found.made.labels[r.i]); }}};
-  if (of_jets)
-    columns.push_back({"trusted", "", "with --data jet: 1 where its jets are within their trust, else 0",
-                       [](Cells& o, const R& r) { o.flag(r.found.made.trusted[r.i]); }});
-  if (barred)
-    columns.push_back({"bar90,bar95,bar99", "N", bar_meaning,
-                       [](Cells& o, const R& r) { o.vector(r.found.bars->at[r.i]); }});
-  return columns;
-}
-
-void write_csv(const std::string& file, const std::vector<Vec3>& points, const Evaluation& found) {
-  const std::vector<Field<ForceRow>> columns =
-      force_columns(found.bars.has_value(), !found.made.trusted.empty());
-  OutputFile out(file);
-  out.write(header_of<ForceRow>(columns));
-  for (std::size_t i = 0; i < points.size(); ++i)
-    out.write(csv_row<ForceRow>(columns, {points[i], found, i}));
-  out.commit();
 }
 
 // The older methods ignore some options; a warning says which.
@@ -205,6 +174,22 @@ EvaluatedStates read_known(const Globals& globals, const EvaluateArguments& argu
   return known;
 }
 
+// A lattice method interpolates in full cells alone.
+void warn_of_cells(const Globals& globals, const EvaluateArguments& arguments, std::span<const State> known,
+                   const EvaluateResult& result) {
+  const Method method = result.found.method;
+  if (method != Method::trilinear && method != Method::tricubic) return;
+  LatticeCells cells(result.found.options.spacing);
+  for (const State& state : known)
+    if (state.usable()) cells.add(state.at);
+  const auto without = static_cast<std::size_t>(
+      std::ranges::count_if(result.points, [&](const Vec3& x) { return !cells.around(x); }));
+  if (without > 0)
+    warn(globals,
+         fmt::format("{}, --method {}: no full lattice cell holds {} of {}: {}", arguments.states,
+                     name(method), without, counted(result.points.size(), "point"), instead_of_cells));
+}
+
 EvaluateResult evaluate_command(const Globals& globals, const EvaluateArguments& arguments) {
   EvaluateOptions options = options_of(arguments.model);
   EvaluateResult result{.points = read_points(arguments.points), .found = {}, .belonging = {}, .mesh = {}};
@@ -229,6 +214,7 @@ EvaluateResult evaluate_command(const Globals& globals, const EvaluateArguments&
     throw;
   }
   warn_of_unused_noise(globals, arguments, known.states, result.found);
+  warn_of_cells(globals, arguments, known.states, result);
   if (result.found.repeated.contradicting > 0)
     warn(globals, contradictions_in_words(arguments.states, result.found.repeated));
   return result;
@@ -249,15 +235,15 @@ std::string result_in_words(const Evaluation& result) {
   if (result.method == Method::rbf || result.method == Method::offline_rbf)
     how = fmt::format(", {} on {}", kernel_in_words(result), name(model.data));
   const bool all = result.chosen && result.chosen->all;
-  if (result.method == Method::rbf && !all) how += fmt::format(", {} neighbours", model.neighbours);
+  if (result.method == Method::rbf && !all) how += ", " + counted(model.neighbours, "neighbour");
   if (all) how += ", one model of all states";
   if (result.chosen && !all) how += fmt::format(" by rule {}", name(model.select));
   if (result.chosen && !result.chosen->field) how += fmt::format(", ridge {:g}", model.ridge);
   if (result.field) how += fmt::format(", noise {:.2g} N", result.field->law.noise);
-  if (result.method == Method::rbf_network) how = fmt::format(", {} centres", result.options.centres);
+  if (result.method == Method::rbf_network) how = ", " + counted(result.options.centres, "centre");
   if (made.stepped_down > 0)
     how += fmt::format(
-        ", at {} points stepped down, the first to {}", made.stepped_down,
+        ", at {} stepped down, the first to {}", counted(made.stepped_down, "point"),
         *std::ranges::find_if(made.kernels, [&](std::string_view k) { return k != name(model.kernel); }));
   return how;
 }
@@ -281,11 +267,12 @@ void tell(const Globals& globals, const EvaluateResult& evaluated, bool with_for
   if (made.updated > 0) models += fmt::format(", {} updated", made.updated);
   if (made.reused > 0) models += fmt::format(", {} reused", made.reused);
   const std::string heap =
-      result.heaped > 0 ? fmt::format(" ({} rows about one place count as one)", result.heaped) : "";
-  say(globals,
-      fmt::format("{} points from {} states{}: {}{}; models: {}, median fit {:.1f} us; evaluation {:.0f} ns",
-                  evaluated.points.size(), result.states, heap, result.chosen ? "auto" : name(result.method),
-                  result_in_words(result), models, result.fit_us, result.evaluate_ns));
+      result.heaped > 0 ? fmt::format(" ({} about one place count as one)", counted(result.heaped, "row"))
+                        : "";
+  say(globals, fmt::format("{} from {}{}: {}{}; models: {}; medians: fit {:.1f} us, evaluation {:.0f} ns",
+                           counted(evaluated.points.size(), "point"), counted(result.states, "state"), heap,
+                           result.chosen ? "auto" : name(result.method), result_in_words(result), models,
+                           result.fit_us, result.evaluate_ns));
   const double shown = evaluated.shown();
   const bool mesh_first = evaluated.mesh && evaluated.mesh->error > shown;
   if (mesh_first) answer(globals, discretisation_line(*evaluated.mesh, shown));
@@ -310,7 +297,7 @@ int run_evaluate(const Globals& globals, const EvaluateArguments& arguments, con
   if (arguments.foreign && arguments.scene.empty())
     throw InputError("--foreign", "is about states beside a scene, expected it with --scene");
   const EvaluateResult result = evaluate_command(globals, arguments);
-  if (!arguments.output.empty()) write_csv(arguments.output, result.points, result.found);
+  if (!arguments.output.empty()) write_forces(arguments.output, result.points, result.found);
   if (globals.json)
     print_json(to_json(result));
   else
@@ -320,10 +307,6 @@ int run_evaluate(const Globals& globals, const EvaluateArguments& arguments, con
 }
 
 }  // namespace
-
-DeclaredTable forces_output() {
-  return {"forces.csv", "What evaluate writes with -o.", declared<ForceRow>(force_columns(true, true))};
-}
 
 void add_evaluate(CommandLine& line) {
   const auto arguments = std::make_shared<EvaluateArguments>();
@@ -391,8 +374,11 @@ void add_evaluate(CommandLine& line) {
              "differ")
       .shows("SCENE");
   sub.flag("--foreign", arguments->foreign, foreign_help);
-  sub.flag("--no-bars", arguments->no_bars,
-           "No error bars, whose forces left out in groups take seconds with thousands of states");
+  sub.flag(
+      "--no-bars", arguments->no_bars,
+      "No error bars, whose forces left out in groups take seconds with thousands of states. auto still fits "
+      "the "
+      "field of measured forces: it is one of the models that auto compares, and tells the expected error");
   sub.option("-o,--output", arguments->output, "Forces as CSV").shows("OUT.csv");
 }
 

@@ -6,6 +6,7 @@
 
 #include "apps/offline/offline_bars.hpp"
 #include "apps/scene/scene_spacing.hpp"
+#include "geometry/common/counted.hpp"
 #include "geometry/common/error.hpp"
 #include "scheduling/motion/halton.hpp"
 
@@ -130,8 +131,8 @@ void tell_errors(const Globals& globals, const ClassifyArguments& arguments, con
   if (!arguments.bars || !found.box.bars) return;
   answer(globals, bars_in_words(found.points && found.points->bars ? *found.points->bars : *found.box.bars));
   std::string text =
-      fmt::format("known within {}: {:.1f} % of {} places of the box", in_words(found.tolerance),
-                  100 * double(found.places_within) / double(found.places), found.places);
+      fmt::format("known within {}: {:.1f} % of {} of the box", in_words(found.tolerance),
+                  100 * double(found.places_within) / double(found.places), counted(found.places, "place"));
   const KnownWithin& left = found.left_out;
   if (left.called > 0)
     text += fmt::format("; of {} forces {} that count as known so, {:.1f} % are", left.called,

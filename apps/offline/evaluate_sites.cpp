@@ -12,6 +12,7 @@
 #include "apps/scene/given_states.hpp"
 #include "apps/scene/scene_anywhere.hpp"
 #include "apps/scene/scene_field.hpp"
+#include "geometry/common/counted.hpp"
 #include "geometry/common/error.hpp"
 #include "geometry/common/field.hpp"
 #include "geometry/common/output_file.hpp"
@@ -128,13 +129,12 @@ void print_sited(const Globals& globals, const SitedForces& result, bool with_fo
                     : f.trusted ? ""
                                 : ", not trusted"));
   }
-  say(globals, fmt::format("{} points from a field of {} sites and {} corrections", result.all.size(),
-                           result.sites, result.corrections));
+  say(globals, fmt::format("{} from a field of {} and {}", counted(result.all.size(), "point"),
+                           counted(result.sites, "site"), counted(result.corrections, "correction")));
   if (result.error.states > 0)
-    answer(globals,
-           fmt::format("the field errs by p50 {:.2g} %, p95 {:.2g} %, max {:.2g} % at {} solved states",
-                       100 * result.error.p50, 100 * result.error.p95, 100 * result.error.max,
-                       result.error.states));
+    answer(globals, fmt::format("the field errs by p50 {:.2g} %, p95 {:.2g} %, max {:.2g} % at {}",
+                                100 * result.error.p50, 100 * result.error.p95, 100 * result.error.max,
+                                counted(result.error.states, "solved state")));
 }
 
 }  // namespace

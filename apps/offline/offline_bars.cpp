@@ -8,6 +8,7 @@
 
 #include "apps/console/json.hpp"
 #include "apps/console/outputs.hpp"
+#include "geometry/common/counted.hpp"
 #include "geometry/coverage/coverage.hpp"
 #include "geometry/mesh/vtu_writer.hpp"
 
@@ -120,9 +121,9 @@ std::string expectation_in_words(const AutoModel& chosen, const SharedError& sha
   if (!std::isfinite(chosen.p95))
     return "too few states to choose a model by leaving some out: the default is used, its error is unknown";
   std::string text = fmt::format(
-      "expected error p50 {:.3g} N, p95 {:.3g} N: of {} comparisons with known forces, left out in "
-      "{} groups {}",
-      chosen.p50, chosen.p95, chosen.positions, chosen.groups,
+      "expected error p50 {:.3g} N, p95 {:.3g} N: of {} with known forces, left out in "
+      "{} {}",
+      chosen.p50, chosen.p95, counted(chosen.positions, "comparison"), counted(chosen.groups, "group"),
       chosen.alike ? "as far from the rest as the points are from the states"
                    : "that lie nearer to the rest than the points to the states");
   if (chosen.across)
@@ -139,9 +140,8 @@ std::string expectation_in_words(const AutoModel& chosen, const SharedError& sha
         "unloading: the force is their mean",
         shared.courses);
   if (chosen.beyond > 0)
-    text +=
-        fmt::format("; {} points lie farther from them than any force left out: more is to be expected there",
-                    chosen.beyond);
+    text += fmt::format("; {} farther from them than any force left out: more is to be expected there",
+                        counted(chosen.beyond, "point lies", "points lie"));
   return text;
 }
 
@@ -158,20 +158,19 @@ std::string bars_in_words(const EvaluatedBars& bars) {
       text += fmt::format("; {} {} of {}", name(label), shares(own), own.samples);
   if (bars.outside > 0) {
     const BarCover out = bars.measured->cover_outside();
-    text += fmt::format(
-        "; {} points lie outside the states, their bars are those of {} outermost forces left "
-        "out",
-        bars.outside, out.samples);
+    text += fmt::format("; {} outside the states, with the bars of {} left out",
+                        counted(bars.outside, "point lies", "points lie"),
+                        counted(out.samples, "outermost force"));
     if (std::isfinite(out.inside[0])) text += fmt::format(": {} inside", shares(out));
   }
   if (all.samples < 99) text += "; too few for a bar of 99 %";
   if (too_few_inside(all)) text += "; fewer than they should, so the bars are too narrow";
   if (bars.beyond > 0)
     text += fmt::format(
-        "; {} points lie farther from the states, or farther outside them, than any force left out: bars "
+        "; {} farther from the states, or farther outside them, than any force left out: bars "
         "there are an "
         "extrapolation or missing",
-        bars.beyond);
+        counted(bars.beyond, "point lies", "points lie"));
   return text;
 }
 
@@ -213,9 +212,9 @@ std::string advice_in_words(const SpacingAdvice& advice, const Tolerance& tolera
         "no spacing suggested: at none would 95 % of at least 20 forces left out be safe and within {}",
         in_words(tolerance));
   std::string text = fmt::format(
-      "suggested: --spacing {:.2g}: {:.0f} % of the {} forces left out that are safe at it lie within {}",
-      advice.spacing, 100.0 * static_cast<double>(advice.within) / static_cast<double>(advice.safe),
-      advice.safe, in_words(tolerance));
+      "suggested: --spacing {:.2g}: {:.0f} % of {} safe at it lie within {}", advice.spacing,
+      100.0 * static_cast<double>(advice.within) / static_cast<double>(advice.safe),
+      counted(advice.safe, "force left out that is", "forces left out that are"), in_words(tolerance));
   if (advice.wider > 0)
     text += fmt::format(", but {:.0f} % of the next {}, up to 1.5 times as wide",
                         100.0 * static_cast<double>(advice.wider_within) / static_cast<double>(advice.wider),

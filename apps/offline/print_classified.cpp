@@ -10,6 +10,7 @@
 #include "apps/console/json.hpp"
 #include "apps/console/outputs.hpp"
 #include "apps/console/values.hpp"
+#include "geometry/common/counted.hpp"
 
 namespace forefeel {
 namespace {
@@ -169,32 +170,30 @@ void count_points(const std::vector<Coverage>& found, const Globals& globals) {
   std::string text;
   for (const Label label : all_labels)
     text += fmt::format("{} {} {}", text.empty() ? ":" : ",", name(label), count[label]);
-  answer(globals, fmt::format("{} points{}; --list prints each", found.size(), text));
+  answer(globals, counted(found.size(), "point") + text + "; --list prints each");
 }
 
 void print_summary(const Classified& set, double seconds, const Globals& globals) {
   int gaps = 0;
   double all = 0;
   for (const double v : set.regions.volume.values) all += v;
-  answer(globals, fmt::format("{} states, h = {:.4g} mm{}{}", set.states.size(), 1e3 * set.spacing,
+  answer(globals, fmt::format("{}, h = {:.4g} mm{}{}", counted(set.states.size(), "state"), 1e3 * set.spacing,
                               set.spacing_estimated ? " (estimated)"
                               : set.lattice         ? " at the finest"
                                                     : "",
-                              set.unusable ? fmt::format(", {} failed ones left out", set.unusable) : ""));
+                              set.unusable ? ", " + counted(set.unusable, "failed one") + " left out" : ""));
   for (const Label label : all_labels) {
     const double volume = set.regions.volume[label];
     const std::size_t components = set.regions.component_count[label];
-    answer(globals, fmt::format("{:<7}{:>12.5g} cm3 {:>6.1f} %  {} component{}", name(label), 1e6 * volume,
-                                all > 0 ? 100 * volume / all : 0.0, components, components == 1 ? "" : "s"));
+    answer(globals, fmt::format("{:<7}{:>12.5g} cm3 {:>6.1f} %  {}", name(label), 1e6 * volume,
+                                all > 0 ? 100 * volume / all : 0.0, counted(components, "component")));
   }
   for (const RegionComponent& c : set.regions.components)
     if (c.label == Label::gap && ++gaps <= 5)
       say(globals,
-          fmt::format(
-              "gap of {:.4g} cm3 around {:.4g}, {:.4g}, {:.4g} mm: {} side{}, beside {} safe component{}",
-              1e6 * c.volume, 1e3 * c.inner.x(), 1e3 * c.inner.y(), 1e3 * c.inner.z(), c.sides.size(),
-              c.sides.size() == 1 ? "" : "s", c.safe_neighbours.size(),
-              c.safe_neighbours.size() == 1 ? "" : "s"));
+          fmt::format("gap of {:.4g} cm3 around {:.4g}, {:.4g}, {:.4g} mm: {}, beside {}", 1e6 * c.volume,
+                      1e3 * c.inner.x(), 1e3 * c.inner.y(), 1e3 * c.inner.z(),
+                      counted(c.sides.size(), "side"), counted(c.safe_neighbours.size(), "safe component")));
   answer(globals, fmt::format("fill distance {:.4g} mm{}", 1e3 * set.holes.fill_distance,
                               set.holes.fill_bound > set.holes.fill_distance + 1.001e-3 * set.spacing
                                   ? fmt::format(", at most {:.4g} mm", 1e3 * set.holes.fill_bound)

@@ -3,20 +3,25 @@
 #include <pybind11/stl.h>
 #include <pybind11/stl/filesystem.h>
 
+#include <cmath>
 #include <cstring>
 #include <nlohmann/json.hpp>
 #include <type_traits>
 
 #include "apps/console/console.hpp"
-#include "apps/console/summary_json.hpp"
+#include "apps/console/json.hpp"
 #include "apps/python/bindings.hpp"
 #include "apps/python/python_parts.hpp"
 #include "apps/python/scene_object.hpp"
 #include "apps/scene/scene_mesh_error.hpp"
 #include "apps/scene/scene_session.hpp"
 #include "apps/scene/spec_text.hpp"
+#include "apps/session/away_from_states.hpp"
+#include "apps/session/session_document.hpp"
+#include "apps/session/session_states.hpp"
 #include "geometry/common/error.hpp"
 #include "geometry/common/field.hpp"
+#include "scheduling/motion/prediction_score.hpp"
 #include "scheduling/record/run_files.hpp"
 #include "scheduling/record/summary.hpp"
 #include "scheduling/session/session.hpp"
@@ -38,9 +43,10 @@ class RowTypes final : public Cells {
 class RowBytes final : public Cells {
  public:
   explicit RowBytes(void* to) : to_(static_cast<std::byte*>(to)) {}
-  void real(double value) override { add(value); }
+  // Not finite: NaN, where the file has an empty cell.
+  void real(double value) override { add(std::isfinite(value) ? value : unknown); }
   void vector(std::span<const double> values) override {
-    for (const double value : values) add(value);
+    for (const double value : values) real(value);
   }
   void whole(std::int64_t value) override { add(value); }
   void flag(bool value) override { add(value); }
@@ -83,7 +89,7 @@ py::list names_of(std::span<const Field<Record>> columns) {
 struct Run {
   SessionResult result;
   SessionOptions options;
-  SessionSummary summary;
+  std::string summary;  // summary.json
 };
 
 template <class T>
@@ -104,6 +110,10 @@ class Arguments {
   Arguments(const Scene& scene, const py::dict& given, std::shared_ptr<Failure> failure)
       : scene_(scene), given_(given.attr("copy")()), failure_(std::move(failure)) {}
 
+  // States of a file, or of another body.
+  KnownStatesArguments from = {};
+  std::vector<State> foreign = {};
+
   void read(SessionInput& input, SessionOptions& options) {
     options = scene_.session;
     options.model.fit = scene_.model;
@@ -120,12 +130,30 @@ class Arguments {
     const auto seconds = taken<double>(given_, "seconds");
     options.clock.seconds = seconds.value_or(options.clock.seconds);
     if (!seconds) options.clock.length = own_motion ? RunLength::motion : RunLength::shorter;
-    if (const auto states = taken<py::array_t<StateRow>>(given_, "states")) input.known = states_of(*states);
+    read_states(input);
     for (const auto& [key, value] : given_)
       throw py::type_error(fmt::format("run_session() has no option '{:.40}'", py::cast<std::string>(key)));
   }
 
  private:
+  void read_states(SessionInput& input) {
+    from.extend = taken<bool>(given_, "extend").value_or(false);
+    from.foreign = taken<bool>(given_, "foreign").value_or(false);
+    const auto states = taken<py::object>(given_, "states");
+    if ((from.extend && from.foreign) || (!states && (from.extend || from.foreign)))
+      throw InputError(from.extend ? "extend" : "foreign",
+                       "is about states, expected them, and extend or foreign");
+    if (!states) return;
+    if (py::isinstance<py::str>(*states)) {
+      from.file = py::cast<std::string>(*states);
+      return;
+    }
+    if (from.extend) throw InputError("extend", "appends to a file, expected its name as states");
+    std::vector<State> rows =
+        states_of(cast_to<py::array_t<StateRow>>(*states, "states", "a structured array of states"));
+    (from.foreign ? foreign : input.known) = std::move(rows);
+  }
+
   bool read_device(SessionInput& input, SessionOptions& options) {
     if (const auto replay = taken<std::string>(given_, "replay")) {
       options.motion.replay = *replay;
@@ -183,15 +211,20 @@ std::unique_ptr<Run> run(const PyScene& scene, const std::function<void(double)>
   const auto failure = std::make_shared<Failure>();
   auto made = std::make_unique<Run>();
   SessionInput input;
-  Arguments(*scene.scene, given, failure).read(input, made->options);
+  Arguments arguments(*scene.scene, given, failure);
+  arguments.read(input, made->options);
   {
     const py::gil_scoped_release released;
     Globals globals;
     globals.quiet = true;
     globals.threads = made->options.workers.threads;
-    if (touch_anywhere(*scene.scene, globals, input))
-      input.known = states_for_touch(input, std::move(input.known));
+    const std::optional<SessionField> field = touch_anywhere(*scene.scene, globals, input);
+    if (field) input.known = states_for_touch(input, std::move(input.known));
     SessionPlan plan = make_plan(input, made->options);
+    if (!arguments.from.file.empty())
+      plan = take_states(*scene.scene, arguments.from, {}, globals, std::move(plan));
+    else if (arguments.from.foreign)
+      plan = take_foreign(*scene.scene, "states", std::move(arguments.foreign), globals, std::move(plan));
     plan.options.stop.interrupted = &failure->raised();
     const auto show = [&](const SessionProgress& p) {
       const py::gil_scoped_acquire locked;
@@ -202,14 +235,17 @@ std::unique_ptr<Run> run(const PyScene& scene, const std::function<void(double)>
         failure->keep(std::current_exception());
       }
     };
-    made->result = run_session(plan, {.progress = show});
+    PredictorScores predictions(plan.options.clock.frame);
+    made->result =
+        run_session(plan, {.progress = show, .each_position = [&](const Vec3& at) { predictions.add(at); }});
+    const SessionSummary::AwayFromStates away = away_from_states(made->result, plan, [] {});
     made->options = plan.options;
     made->options.stop = {};
-    made->summary = summarise(made->result, plan.input, plan.options);
-    if (!made->result.interrupted() && !plan.input.foreign) {
-      const MeshError mesh = MeshErrorTask(*scene.scene, MeshErrorTask::When::at_the_end).get();
-      made->summary.error.mesh = {mesh.error, mesh.positions, measured_by(mesh), mesh.low, mesh.high};
-    }
+    const bool measures = !made->result.interrupted() && !plan.input.foreign;
+    const MeshError mesh = measures ? MeshErrorTask(*scene.scene, MeshErrorTask::When::at_the_end).get()
+                                    : MeshError{.why = "the session was interrupted"};
+    made->summary = json_text(session_document(whole_summary(made->result, plan, predictions, away, mesh),
+                                               made->result, *scene.scene, field));
   }
   failure->throw_again();
   return made;
@@ -237,7 +273,7 @@ void bind_session(py::module_& module) {
                              [](const Run& self) { return table_of(switch_columns(), self.result.switches); })
       .def_property_readonly("states", [](const Run& self) { return array_of(self.result.states); })
       .def_property_readonly("interrupted", [](const Run& self) { return self.result.interrupted(); })
-      .def_property_readonly("_summary", [](const Run& self) { return to_json(self.summary).dump(); })
+      .def_property_readonly("_summary", [](const Run& self) { return self.summary; })
       .def(
           "write",
           [](const Run& self, const std::filesystem::path& folder) {

@@ -64,7 +64,7 @@ std::optional<MeshError> mesh_error_in(const Json& kept) {
 }
 
 std::string mesh_percent(double share) {
-  return fmt::format("{:.2g} %", 100 * share);
+  return fmt::format("{:.{}g} %", 100 * share, share < 1 ? 2 : 3);
 }
 
 }  // namespace
@@ -106,7 +106,7 @@ std::string measured_by(const MeshError& e) {
   const char* const what = e.method == MeshErrorMethod::rest   ? "displacements by the rest stiffness of"
                            : e.method == MeshErrorMethod::fine ? "positions by"
                                                                : "equilibria of";
-  return fmt::format("{} {} {}", e.positions, what, e.finer);
+  return fmt::format("{}{} {} {}", e.positions > 1 ? "largest at " : "", e.positions, what, e.finer);
 }
 
 std::string in_words(const MeshError& e) {

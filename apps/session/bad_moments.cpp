@@ -34,6 +34,7 @@ double nearest_known(const SessionResult& result, const FrameRecord& f) {
 
 std::string known_words(const FrameRecord& f, double distance) {
   if (!std::isfinite(distance)) return "No state was known.";
+  if (f.known == 1) return fmt::format("The only known state was {} away.", millimetres(distance));
   return fmt::format("The nearest of {} known states was {} away.", f.known, millimetres(distance));
 }
 

@@ -6,6 +6,7 @@
 #include <cmath>
 
 #include "approx/error/error_bar.hpp"
+#include "geometry/common/counted.hpp"
 #include "scheduling/record/attention.hpp"
 
 namespace forefeel {
@@ -33,8 +34,8 @@ std::string in_words(const SessionSummary::Bars& bars) {
 Card bars_card(const SessionSummary::ErrorBars& bars) {
   if (bars.all.samples == 0) return {"–", "no sample has an error bar"};
   Card card{.value = fmt::format("{:.1f} %", 100 * bars.all.inside[1]),
-            .what = fmt::format("of {} samples inside their error bar of 95 %; bars of 90/95/99 % hold {}",
-                                bars.all.samples, in_words(bars.all)),
+            .what = fmt::format("of {} inside the error bar of 95 %; bars of 90/95/99 % hold {}",
+                                counted(bars.all.samples, "sample"), in_words(bars.all)),
             .judged = judged(bars.all, few_samples)};
   for (const Label label : all_labels) {
     const SessionSummary::Bars& own = bars.by_label[label];
@@ -44,9 +45,9 @@ Card bars_card(const SessionSummary::ErrorBars& bars) {
   }
   if (bars.at_floor[1] > 0 && std::isfinite(bars.inside_above[1]))
     card.what += fmt::format(
-        "; {} samples have a bar of 95 % at its floor, a tenth of the just noticeable "
+        "; {} a bar of 95 % at its floor, a tenth of the just noticeable "
         "difference, {:.1f} % of the others are inside",
-        bars.at_floor[1], 100 * bars.inside_above[1]);
+        counted(bars.at_floor[1], "sample has", "samples have"), 100 * bars.inside_above[1]);
   if (std::isfinite(bars.all.width_p50))
     card.what += fmt::format("; median half-width {:.3g} N", bars.all.width_p50);
   return card;

@@ -13,6 +13,7 @@
 #include "apps/console/provenance.hpp"
 #include "apps/scene/scene_anywhere.hpp"
 #include "apps/scene/scene_session.hpp"
+#include "geometry/common/counted.hpp"
 #include "geometry/common/error.hpp"
 #include "scheduling/render/frame_table.hpp"
 #include "scheduling/session/input_replay.hpp"
@@ -64,14 +65,14 @@ nlohmann::ordered_json to_json(const ReplayReport& report, std::size_t rows) {
 }
 
 void tell(const Globals& globals, const ReplayReport& report, std::size_t rows) {
-  answer(globals, fmt::format("{} of {} frames equal: {:.3f} s, {} states, {} models", report.equal,
-                              report.frames, report.seconds, report.states, report.models));
-  answer(
-      globals,
-      rows > 0
-          ? fmt::format(
-                "compared: session.inputs, and the same positions and forces in {} rows of frames.csv", rows)
-          : std::string("compared: session.inputs alone; there is no frames.csv beside it"));
+  answer(globals,
+         fmt::format("{} of {} equal: {:.3f} s, {}, {}", report.equal, counted(report.frames, "frame"),
+                     report.seconds, counted(report.states, "state"), counted(report.models, "model")));
+  answer(globals,
+         rows > 0
+             ? fmt::format("compared: session.inputs, and the same positions and forces in {} of frames.csv",
+                           counted(rows, "row"))
+             : std::string("compared: session.inputs alone; there is no frames.csv beside it"));
   if (report.first) answer(globals, in_words(*report.first));
 }
 
@@ -92,9 +93,9 @@ int run_replay(const Globals& globals, const std::string& run, const std::string
   const std::size_t rows = report.first ? 0 : compare_frame_table(file.parent_path() / "frames.csv", file);
   if (!report.whole)
     warn(globals,
-         fmt::format("{}: ends early, because the run was killed or its disk was full: {} frames are "
+         fmt::format("{}: ends early, because the run was killed or its disk was full: {} "
                      "there, up to {:.3f} s",
-                     file.string(), report.frames, report.seconds));
+                     file.string(), counted(report.frames, "frame is", "frames are"), report.seconds));
   if (report.made_by != report.replayed_by)
     warn(globals, fmt::format("recorded by {}, replayed by {}: forces may differ in their last bits",
                               report.made_by, report.replayed_by));

@@ -27,16 +27,17 @@
 #include "apps/console/summary_json.hpp"
 #include "apps/scene/given_states.hpp"
 #include "apps/scene/scene_anywhere.hpp"
-#include "apps/scene/scene_contact.hpp"
 #include "apps/scene/scene_field.hpp"
 #include "apps/scene/scene_mesh_error.hpp"
 #include "apps/session/away_from_states.hpp"
 #include "apps/session/report.hpp"
 #include "apps/session/session_arguments.hpp"
+#include "apps/session/session_document.hpp"
 #include "apps/session/session_folder.hpp"
 #include "apps/session/session_screen.hpp"
 #include "apps/session/session_shapes.hpp"
 #include "apps/session/session_states.hpp"
+#include "geometry/common/counted.hpp"
 #include "geometry/common/error.hpp"
 #include "geometry/common/output_file.hpp"
 #include "scheduling/motion/prediction_score.hpp"
@@ -74,18 +75,6 @@ struct Meanwhile {
   }
 };
 
-// summary.json.
-nlohmann::ordered_json document_of(const SessionSummary& summary, const Scene& scene,
-                                   const std::optional<SessionField>& field) {
-  nlohmann::ordered_json document = to_json(summary);
-  document["contact"] = document_of(contact_keys(), contact_note(scene));
-  if (field) document["field"] = document_of(session_field_keys(), *field);
-  if (scene.spacing.chosen) document["spacing_auto"] = to_json(*scene.spacing.chosen);
-  document["prediction"] = to_json(std::span<const PredictorErrors>(summary.motion.prediction));
-  document["provenance"] = provenance(scene.source.hash);
-  return document;
-}
-
 // Writes one file after the other. If one file cannot be written, the others still are.
 class WriteAttempts {
  public:
@@ -118,9 +107,10 @@ int exit_code(const Globals& globals, const SessionResult& result, const Session
     warn(globals, fmt::format("{}: 0 of {} frames; the files of the run hold what was known at the start",
                               result.notes.front(), plan.frames));
   else
-    warn(globals, fmt::format("interrupted after {} of {} frames, {} states solved: the files of the run "
+    warn(globals, fmt::format("interrupted after {} of {}, {} solved: the files of the run "
                               "hold what was done until then",
-                              result.frames.size(), plan.frames, result.counts.solved));
+                              result.frames.size(), counted(plan.frames, "frame"),
+                              counted(result.counts.solved, "state")));
   flush_warnings();
   return 1;
 }
@@ -142,7 +132,8 @@ SessionPlan planned_run(const Globals& globals, const SessionArguments& given, c
   SessionPlan plan = plan_of(globals, given, scene, ranks, shapes, field);
   if (ranks) gather(globals, *ranks, scene);
   end_if_interrupted("the session began");
-  plan = take_states(scene, given, globals, std::move(plan));
+  plan =
+      take_states(scene, given.states, fs::path(given.output) / "session.states", globals, std::move(plan));
   plan = with_inputs_file(std::move(plan), fs::path(given.output) / inputs_file_name, program_text());
   keep_replayed(plan.options, given.output);
   return plan;
@@ -158,16 +149,11 @@ struct RunDocuments {
   RunView view;
   SessionSummary summary;
   std::optional<SessionField> field = {};
-  std::optional<Tolerance> tolerance = {};
   nlohmann::ordered_json document = {};
 
   void begin(const SessionShapes& shapes) {
-    document = document_of(summary, scene, field);
+    document = session_document(summary, result, scene, field);
     shapes.add_to(document);
-    tolerance = scene.written.tolerance;
-    if (tolerance)
-      document["tolerance"] =
-          document_of(tolerance_keys(), ToleranceShown{tolerance_share(result, *tolerance), *tolerance});
   }
 
   void write(const fs::path& run, const ReportPictures& pictures, WriteAttempts& files) {
@@ -183,7 +169,8 @@ struct RunDocuments {
   void show(const std::optional<std::string>& shapes, const fs::path& run) const {
     if (globals.json) return print_json(document);
     tell_session(globals, summary, shapes, run);
-    if (tolerance) say(globals, tolerance_in_words(tolerance_share(result, *tolerance), *tolerance));
+    if (const std::optional<Tolerance>& tolerance = scene.written.tolerance)
+      say(globals, tolerance_in_words(tolerance_share(result, *tolerance), *tolerance));
   }
 };
 
@@ -242,13 +229,10 @@ int run_session_command(const Globals& globals, const SessionArguments& given,
   if (field) pictures.sites = begin_sites(result, plan.input.touched.anywhere->field->rest());
   files.attempt("states.csv", [&] { meanwhile.states.get(); });
   files.attempt("the shapes", [&] { shapes.finish_files(run); });
-  RunDocuments documents{globals, given, scene, result, space, view, summarise(result, plan), field};
-  documents.summary.motion.prediction = predictions.report();
-  documents.summary.motion.away = away;
-  const MeshError by_mesh =
-      plan.input.foreign ? MeshError{.why = "the states are of another body"} : mesh.get();
-  documents.summary.error.mesh = {by_mesh.error, by_mesh.positions, measured_by(by_mesh), by_mesh.low,
-                                  by_mesh.high};
+  const MeshError by_mesh = plan.input.foreign ? MeshError{} : mesh.get();
+  RunDocuments documents{
+      globals, given, scene, result, space, view, whole_summary(result, plan, predictions, away, by_mesh),
+      field};
   documents.summary.run.failures = files.failures();
   documents.begin(shapes);
   documents.write(run, pictures, files);

@@ -21,6 +21,7 @@
 #include "apps/session/bars_card.hpp"
 #include "apps/session/report_figures.hpp"
 #include "apps/session/run_charts.hpp"
+#include "geometry/common/counted.hpp"
 #include "geometry/common/error.hpp"
 #include "geometry/common/output_file.hpp"
 #include "geometry/states/state_file.hpp"
@@ -76,7 +77,7 @@ std::string tiles(const SessionSummary& s) {
   html += tile(share_of_samples(visits.within_jnd, visits.samples),
                "first visits within the just noticeable difference", within(visits));
   html += tile(percent(samples.p95),
-               fmt::format("error of the rendered force, 95th percentile of {} samples", samples.samples),
+               "error of the rendered force, 95th percentile of " + counted(samples.samples, "sample"),
                small_is_good(samples.p95, 0.07, 0.3));
   const Card bars = bars_card(s.error.bars);
   html += tile(bars.value, bars.what, bars.judged);
@@ -86,32 +87,34 @@ std::string tiles(const SessionSummary& s) {
              "discretisation error of the mesh, not in the errors before: " + html_escaped(s.error.mesh.how),
              small_is_good(s.error.mesh.error, felt_share, 0.3));
   html += tile(shown(s.switching.frames_over_jnd),
-               fmt::format("of {} frames in which a switch exceeded its bound", s.run.frames),
+               fmt::format("of {} in which a switch exceeded its bound", counted(s.run.frames, "frame")),
                small_is_good(static_cast<double>(s.switching.frames_over_jnd), 0, 0));
   html += tile(with_unit(s.switching.max_jump, "N"),
-               fmt::format("largest change by one of {} switches in one frame; {} undamped",
-                           s.switching.count, with_unit(s.switching.max_jump_undamped, "N")));
+               fmt::format("largest change by one of {} in one frame; {} undamped",
+                           counted(s.switching.count, "switch", "switches"),
+                           with_unit(s.switching.max_jump_undamped, "N")));
   html += tile(percent(s.time_in[Label::safe]),
-               fmt::format("of {} frames in safe regions (densely known)", s.run.frames),
+               fmt::format("of {} in safe regions (densely known)", counted(s.run.frames, "frame")),
                small_is_good(1 - s.time_in[Label::safe], 0.5, 0.9));
   html += s.states.foreign
-              ? tile(shown(s.states.start), "states of another body are rendered; none was solved")
+              ? tile(shown(s.states.start), "known states of another body; none was solved")
               : tile(shown(s.states.solved), "states solved; " + shown(s.states.used) + " used by a model");
   html += tile(shown(s.load),
                "load: states that the motion needs over states that are solved; above 1 workers lag",
                small_is_good(s.load, 1, 3));
   html += tile(percent(s.safety.clamped_share),
-               fmt::format("of {} frames clamped at {}; {} at the slew limit", s.run.frames,
+               fmt::format("of {} clamped at {}; {} at the slew limit", counted(s.run.frames, "frame"),
                            with_unit(s.safety.force_limit, "N"), percent(s.safety.slewed_share)),
                small_is_good(s.safety.clamped_share, 0, clamped_too_often));
   if (std::isfinite(s.motion.outside))
-    html +=
-        tile(percent(s.motion.outside), fmt::format("of {} frames outside the box of states", s.run.frames),
-             small_is_good(s.motion.outside, 0, outside_too_often));
+    html += tile(percent(s.motion.outside),
+                 fmt::format("of {} outside the box of states", counted(s.run.frames, "frame")),
+                 small_is_good(s.motion.outside, 0, outside_too_often));
   if (s.settings.clock == Clock::real)
     html += tile(shown(s.deadline.missed),
-                 "deadlines missed of " + shown(s.run.frames) + " frames; a frame costs " +
-                     with_unit(s.deadline.cost_us.p50, "µs"),
+                 "deadlines missed of " + counted(s.run.frames, "frame") + "; a frame costs " +
+                     with_unit(s.deadline.cost_us.p50, "µs") + " (median; p99 " +
+                     with_unit(s.deadline.cost_us.p99, "µs") + ")",
                  small_is_good(static_cast<double>(s.deadline.missed) / frames, 0, 0.01));
   return html + "</div>\n";
 }
@@ -122,10 +125,11 @@ std::string touch_words(const SessionSummary& s) {
   if (!s.motion.touch) return "";
   const TouchNumbers& t = *s.motion.touch;
   std::string words = fmt::format(
-      "<p>{} touches in {} of the time; the site slid in {} of it, {:.3g} m in all, and lost {:.3g} J. {} "
-      "jets at "
-      "rest were made at the hand's place. Shares of labels and of trust are of the time in touch.",
-      t.count, percent(t.time), percent(t.slipping), t.slid, t.lost, t.jets);
+      "<p>{} in {} of the time; the site slid in {} of the time in touch, {:.3g} m in all, and lost {:.3g} "
+      "J. {} "
+      "made at the hand's place. Shares of labels and of trust are of the time in touch.",
+      counted(t.count, "touch", "touches"), percent(t.time), percent(t.slipping), t.slid, t.lost,
+      counted(t.jets, "jet at rest was", "jets at rest were"));
   if (std::isfinite(t.angle_p50))
     words += fmt::format(" Angle of the force to the normal: {:.0f} degrees at the median, {:.0f} at p95.",
                          t.angle_p50 * 57.29578, t.angle_p95 * 57.29578);
@@ -165,7 +169,8 @@ std::string pictures(const SessionSummary& summary, const ReportPictures& drawin
   if (drawings.slices.valid()) html += drawings.slices.get();
   if (drawings.sites.valid()) html += "<h2>Where the hand was</h2>\n" + drawings.sites.get();
   if (drawings.deadlines.valid())
-    html += fmt::format("<h2>Deadlines ({} frames)</h2>\n", summary.run.frames) + drawings.deadlines.get();
+    html += fmt::format("<h2>Deadlines ({})</h2>\n", counted(summary.run.frames, "frame")) +
+            drawings.deadlines.get();
   return html;
 }
 
@@ -176,9 +181,10 @@ std::string error_row(std::string_view name, const SessionSummary::Errors& row) 
 }
 
 std::string by_label_table(const SessionSummary& summary) {
-  std::string html = fmt::format("<h2>Error by label ({} samples)</h2>\n", summary.error.samples.samples) +
-                     "<table><tr><th>label</th><th>samples</th><th>p50</th><th>p95</th>"
-                     "<th>max</th><th>within the JND</th></tr>\n";
+  std::string html =
+      fmt::format("<h2>Error by label ({})</h2>\n", counted(summary.error.samples.samples, "sample")) +
+      "<table><tr><th>label</th><th>samples</th><th>p50</th><th>p95</th>"
+      "<th>max</th><th>within the JND</th></tr>\n";
   for (const Label label : all_labels) html += error_row(name(label), summary.error.by_label[label]);
   if (std::isfinite(summary.error.time_trusted)) {
     html += error_row("trusted", summary.error.by_trust[1]);
@@ -370,10 +376,12 @@ void write_report(const std::filesystem::path& run_folder, const SessionSummary&
                   const Scene& scene, const ReportPictures& drawings) {
   const std::string of_scene = html_escaped(scene.source.file.stem().string());
   const std::string how =
-      s.states.foreign ? fmt::format("box and motion of {}", of_scene)
-                       : fmt::format("policy {}, {} workers, seed {}; {} tetrahedra, {}",
-                                     html_escaped(s.settings.policy), s.settings.workers, s.settings.seed,
-                                     scene.body->mesh.tets.size(), name(scene.body->material.law));
+      s.states.foreign
+          ? fmt::format("box and motion of {}", of_scene)
+          : fmt::format("policy {}, {}, seed {}; {}, {}", html_escaped(s.settings.policy),
+                        counted(static_cast<std::size_t>(s.settings.workers), "worker"), s.settings.seed,
+                        counted(scene.body->mesh.tets.size(), "tetrahedron", "tetrahedra"),
+                        name(scene.body->material.law));
   std::string html =
       fmt::format("<h1>{}</h1>\n{}<p class=\"sub\">{} s, {} clock, switch {}, neighbours by {}; {}</p>\n",
                   s.states.foreign ? "States of another body" : of_scene, attention_box(s),

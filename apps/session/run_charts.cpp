@@ -17,6 +17,7 @@
 #include "apps/picture/plot.hpp"
 #include "apps/session/bad_moments.hpp"
 #include "geometry/common/base64.hpp"
+#include "geometry/common/counted.hpp"
 #include "scheduling/record/summary.hpp"
 
 namespace forefeel {
@@ -163,7 +164,7 @@ std::string compared_in_words(std::span<const FrameRecord> frames) {
   std::size_t samples = 0, visits = 0;
   for (const FrameRecord& f : frames)
     if (std::isfinite(f.judged.error)) ++(f.judged.sampled ? samples : visits);
-  return fmt::format("{} samples{}", samples,
+  return fmt::format("{}{}", counted(samples, "sample"),
                      visits > 0 ? fmt::format(", {} more at first visits", visits) : "");
 }
 
@@ -186,9 +187,9 @@ std::string curves(const std::string& compared, std::size_t ending_frames) {
       "states over time\" style=\"height:560px\"></canvas>\n<p id=\"run-read\" class=\"read\"></p>\n";
   const std::string end = ending_frames > 0
                               ? fmt::format(
-                                    "; in the last {} frames it shrinks to zero, as fast as the slew limit "
+                                    "; in the last {} it shrinks to zero, as fast as the slew limit "
                                     "allows, because the session ends",
-                                    ending_frames)
+                                    counted(ending_frames, "frame"))
                               : "";
   return html +
          "<figcaption>|force| of the body on the hand. Rendered: after the switch, before the safety rules; "

@@ -7,6 +7,7 @@
 #include <system_error>
 
 #include "apps/console/look_at_it.hpp"
+#include "geometry/common/counted.hpp"
 #include "scheduling/record/attention.hpp"
 #include "scheduling/record/notes.hpp"
 
@@ -70,14 +71,16 @@ void tell_session(const Globals& globals, const SessionSummary& s, const std::op
   for (const std::string& line : attention(s)) say(globals, "attention: " + line);
   const std::string states =
       s.states.foreign
-          ? fmt::format("of {} states of another body; none was solved", s.states.start)
+          ? fmt::format("of {} of another body; none was solved", counted(s.states.start, "state"))
           : fmt::format(
-                "{} states known at the start, {} solved{}, {} used", s.states.start, s.states.solved,
+                "{} known at the start, {} solved{}, {} used", counted(s.states.start, "state"),
+                s.states.solved,
                 s.states.inverted > 0 ? fmt::format(", {} with inverted elements", s.states.inverted) : "",
                 s.states.used);
-  say(globals, fmt::format("{:.3g} s rendered: {} frames ({} clock), {} missed deadlines; {}", s.run.seconds,
-                           s.run.frames, s.settings.clock == Clock::real ? "real" : "virtual",
-                           s.deadline.missed, states));
+  say(globals,
+      fmt::format("{:.3g} s rendered: {} ({} clock), {}; {}", s.run.seconds, counted(s.run.frames, "frame"),
+                  s.settings.clock == Clock::real ? "real" : "virtual",
+                  counted(s.deadline.missed, "missed deadline"), states));
   tell_figures(globals, s);
   say(globals, in_words(s.error.mesh));
   if (shapes) say(globals, *shapes);

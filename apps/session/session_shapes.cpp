@@ -14,6 +14,7 @@
 #include "apps/picture/page.hpp"
 #include "apps/picture/palette.hpp"
 #include "geometry/common/base64.hpp"
+#include "geometry/common/counted.hpp"
 #include "geometry/common/error.hpp"
 #include "scheduling/record/shape_files.hpp"
 
@@ -101,17 +102,17 @@ std::string shape_view(const ShapeLog& log, const ShapeSummary& s) {
   if (log.records().empty()) return "<h2>Shape of the body</h2>\n<p class=\"note\">No shape was made.</p>\n";
   const std::size_t last = shown_of(log) - 1;
   return fmt::format(
-             "<h2>Shape of the body ({} shapes at {:g} Hz)</h2>\n<p>The worst node is off by {} (median) and "
+             "<h2>Shape of the body ({} at {:g} Hz)</h2>\n<p>The worst node is off by {} (median) and "
              "{} (95th "
-             "percentile) of the largest displacement in {} shapes compared with tight solves.</p>\n<figure>"
+             "percentile) of the largest displacement in {} compared with tight solves.</p>\n<figure>"
              "<canvas id=\"shape-view\" role=\"img\" aria-label=\"the body's surface\" "
              "style=\"width:100%;height:360px;touch-action:none;cursor:grab\"></canvas>\n"
              "<input id=\"shape-clock\" type=\"range\" min=\"0\" max=\"{}\" value=\"{}\" style=\"width:70%\" "
              "aria-label=\"time\"> <span id=\"shape-now\"></span><figcaption>Drag to turn. Grey: at rest, "
              "{}: moved "
              "most. All shapes are in shape.pvd, for ParaView.</figcaption></figure>\n",
-             s.shapes, s.rate, percent_of_size(s.error.p50), percent_of_size(s.error.p95), s.error.samples,
-             last, last / 2,
+             counted(s.shapes, "shape"), s.rate, percent_of_size(s.error.p50), percent_of_size(s.error.p95),
+             counted(s.error.samples, "shape"), last, last / 2,
              palette_in_use() == palette_from_text(std::string(usual_palette)) ? "red" : "dark") +
          "<script type=\"application/json\" id=\"shape-data\">" + data_of(log) + "</script>\n<script>\n" +
          std::string(shape_script) + "</script>\n";
@@ -175,10 +176,11 @@ std::optional<std::string> SessionShapes::in_words() const {
     return std::isfinite(share) ? fmt::format("{:.2g} %", 100 * share) : "unknown";
   };
   return fmt::format(
-      "{} shapes at {:g} Hz of {} nodes{}; largest error of a node, of the largest displacement: p50 "
+      "{} at {:g} Hz of {}{}; largest error of a node, of the largest displacement: p50 "
       "{}, p95 {} of {} compared",
-      s.shapes, s.rate, s.nodes, s.missed > 0 ? fmt::format(", {} instants missed", s.missed) : "",
-      percent(s.error.p50), percent(s.error.p95), s.error.samples);
+      counted(s.shapes, "shape"), s.rate, counted(s.nodes, "node"),
+      s.missed > 0 ? ", " + counted(s.missed, "instant") + " missed" : "", percent(s.error.p50),
+      percent(s.error.p95), s.error.samples);
 }
 
 }  // namespace forefeel

@@ -14,6 +14,7 @@
 #include "approx/methods/field_states.hpp"
 #include "apps/scene/given_states.hpp"
 #include "apps/scene/scene_session.hpp"
+#include "geometry/common/counted.hpp"
 #include "geometry/common/error.hpp"
 #include "geometry/common/output_file.hpp"
 #include "geometry/states/heaps.hpp"
@@ -56,24 +57,49 @@ std::vector<State> field_of_measured(const Scene& scene, std::span<const State> 
   }
   if (!field) return {};
   say(globals, fmt::format("{}: forces without stiffness: their field (Gaussian process, noise {:.2g} N) is "
-                           "rendered, with its stiffness at {} of {} places{}",
-                           file, field->law.noise, field->states.size(), usable.size(),
+                           "rendered, with its stiffness at {} of {}{}",
+                           file, field->law.noise, field->states.size(), counted(usable.size(), "place"),
                            field->states.size() < usable.size()
                                ? ", a quarter of the spacing apart: between closer ones noise would be slope"
                                : ""));
   return std::move(field->states);
 }
 
+SessionPlan with_file(SessionPlan plan, const fs::path& own) {
+  return own.empty() ? std::move(plan) : with_state_file(std::move(plan), own);
+}
+
 }  // namespace
 
-SessionPlan take_states(const Scene& scene, const SessionArguments& given, const Globals& globals,
-                        SessionPlan plan) {
-  const KnownStatesArguments& states = given.states;
+SessionPlan take_foreign(const Scene& scene, const std::string& name, std::vector<State> given,
+                         const Globals& globals, SessionPlan plan) {
+  if (std::ranges::none_of(given, &State::usable))
+    throw InputError(name, "holds no usable state, expected some to render");
+  if (plan.input.touched.anywhere) {
+    given = states_for_touch(plan.input, std::move(given));
+    if (given.empty())
+      throw InputError(name, "holds no state with a site, expected some to render with contact.anywhere");
+    return with_foreign(std::move(plan), std::move(given));
+  }
+  if (std::ranges::any_of(given, &State::has_stiffness))
+    return with_foreign(std::move(plan), std::move(given));
+  plan = with_foreign(std::move(plan), {});  // refused before the work
+  JoinedHeaps joined = join_heaps(std::move(given));
+  if (joined.heaps > 0)
+    say(globals, fmt::format("{}: {} about one place count as one", name, counted(joined.rows, "row")));
+  std::vector<State> field = field_of_measured(scene, joined.states, name, globals);
+  if (field.empty()) return with_known(std::move(plan), std::move(joined.states));
+  plan = with_known(std::move(plan), std::move(field));
+  plan.input.measured = std::move(joined.states);
+  return plan;
+}
+
+SessionPlan take_states(const Scene& scene, const KnownStatesArguments& states, const fs::path& own,
+                        const Globals& globals, SessionPlan plan) {
   if (states.file.empty() && (states.extend || states.foreign))
     throw InputError(states.extend ? "--extend" : "--foreign",
                      "is about the file of --states, expected both");
-  const fs::path own = fs::path(given.output) / "session.states";
-  if (states.file.empty()) return with_state_file(std::move(plan), own);
+  if (states.file.empty()) return with_file(std::move(plan), own);
   if (states.extend) return extend_states(states.file, globals, std::move(plan));
   std::error_code error;
   if (fs::equivalent(states.file, own, error))
@@ -81,35 +107,13 @@ SessionPlan take_states(const Scene& scene, const SessionArguments& given, const
                      "is where this run keeps what it solves, expected --extend to append to it, or another "
                      "folder for -o");
   GivenStates known = given_states(globals, scene, states.file, states.foreign);
-  if (!plan.input.touched.anywhere && std::ranges::any_of(known.loaded.states, &State::has_site))
-    throw InputError(states.file, "holds states with sites, expected a scene with contact.anywhere = true");
-  if (known.belonging == Belonging::foreign) {
-    if (std::ranges::none_of(known.loaded.states, &State::usable))
-      throw InputError(states.file, "holds no usable state, expected some to render");
-    std::vector<State>& given_forces = known.loaded.states;
-    if (plan.input.touched.anywhere) {
-      given_forces = states_for_touch(plan.input, std::move(given_forces));
-      if (given_forces.empty())
-        throw InputError(states.file,
-                         "holds no state with a site, expected some to render with contact.anywhere");
-      return with_foreign(std::move(plan), std::move(given_forces));
-    }
-    if (std::ranges::any_of(given_forces, &State::has_stiffness))
-      return with_foreign(std::move(plan), std::move(given_forces));
-    plan = with_foreign(std::move(plan), {});  // refused before the work
-    JoinedHeaps joined = join_heaps(std::move(given_forces));
-    if (joined.heaps > 0)
-      say(globals, fmt::format("{}: {} rows about one place count as one", states.file, joined.rows));
-    given_forces = std::move(joined.states);
-    std::vector<State> field = field_of_measured(scene, given_forces, given.states.file, globals);
-    if (field.empty()) return with_known(std::move(plan), std::move(given_forces));
-    plan = with_known(std::move(plan), std::move(field));
-    plan.input.measured = std::move(given_forces);
-    return plan;
-  }
   std::vector<State>& states_known = known.loaded.states;
+  if (!plan.input.touched.anywhere && std::ranges::any_of(states_known, &State::has_site))
+    throw InputError(states.file, "holds states with sites, expected a scene with contact.anywhere = true");
+  if (known.belonging == Belonging::foreign)
+    return take_foreign(scene, states.file, std::move(states_known), globals, std::move(plan));
   if (plan.input.touched.anywhere) states_known = states_for_touch(plan.input, std::move(states_known));
-  return with_known(with_state_file(std::move(plan), own), std::move(states_known));
+  return with_known(with_file(std::move(plan), own), std::move(states_known));
 }
 
 }  // namespace forefeel

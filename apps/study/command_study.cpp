@@ -29,6 +29,7 @@
 #include "apps/study/study_meshes.hpp"
 #include "apps/study/study_report.hpp"
 #include "apps/study/study_table.hpp"
+#include "geometry/common/counted.hpp"
 #include "geometry/common/error.hpp"
 #include "geometry/common/output_file.hpp"
 #include "geometry/common/result_folder.hpp"
@@ -127,9 +128,10 @@ int run_gantt(const Globals& globals, const PlannedStudy& planned, const StudyAr
   if (std::ranges::find(formats, "svg") == formats.end()) formats.emplace_back("svg");
   const bool svg = write_figures(globals, folder, formats, {figure});
   if (globals.json) print_json(document);
-  say(globals, fmt::format("{}: {} solves of {} workers in {} s",
-                           (folder / (svg ? "gantt.svg" : "dispatch.csv")).string(), result.dispatch.size(),
-                           options.workers.count, options.clock.seconds));
+  say(globals,
+      fmt::format("{}: {} of {} in {} s", (folder / (svg ? "gantt.svg" : "dispatch.csv")).string(),
+                  counted(result.dispatch.size(), "solve"),
+                  counted(static_cast<std::size_t>(options.workers.count), "worker"), options.clock.seconds));
   return svg ? 0 : 1;
 }
 
@@ -151,7 +153,8 @@ void show_contrasts(const Globals& globals, const Study& study, const std::vecto
   for (const Contrast& c : compared) {
     const StudyMetric& metric = c.metric;
     const auto scaled = [&](double v) { return metric.ratio ? std::exp(v) : metric.scale * v; };
-    if (shown != metric.key) say(globals, metric.title + (metric.ratio ? ", factors:" : ", differences:"));
+    if (shown != metric.key)
+      say(globals, metric.title + (metric.ratio ? ", geometric mean factors:" : ", mean differences:"));
     shown = metric.key;
     const std::string where = c.slice ? fmt::format(" at {} = {}", study.axes[c.slice->axis].column,
                                                     study.axes[c.slice->axis].values[c.slice->value].text)
@@ -191,7 +194,7 @@ void tell(const Globals& globals, const Findings& found) {
   for (const std::string& line : found.meshes.others) say(globals, line);
   if (found.verdict) say(globals, *found.verdict);
   for (const std::string& line : found.advice) say(globals, line);
-  say(globals, fmt::format("{}", fmt::join(device_titles(), " | ")));
+  say(globals, fmt::format("{} (means over cells)", fmt::join(device_titles(), " | ")));
   for (const StudyDevice& device : found.devices)
     say(globals, fmt::format("  {}", fmt::join(device_row(device), " | ")));
 }
@@ -236,17 +239,17 @@ int tell_incomplete(const Globals& globals, const PlannedStudy& planned, const S
   const std::size_t all = planned.plan.cells.size(), done = result.resumed + result.ran;
   const std::size_t own = all - result.of_other_parts;
   if (result.interrupted)
-    warn(globals, fmt::format("interrupted after {} of {} cells, {} left; the same command resumes", done,
-                              own, own - done));
+    warn(globals, fmt::format("interrupted after {} of {}, {} left; the same command resumes", done,
+                              counted(own, "cell"), own - done));
   else if (arguments.part.empty())
     warn(globals,
          fmt::format("{} of {} cells are in none of these folders; forefeel study {} -o {} runs them",
                      all - done, all, planned.file.file.string(), arguments.output));
   else
-    say(globals,
-        fmt::format("{}: the {} cells of part {}, {} run in {:.1f} s; when all parts are done, forefeel "
-                    "study --merge {} … -o DIR compares them",
-                    arguments.output, own, arguments.part, result.ran, result.seconds, arguments.output));
+    say(globals, fmt::format("{}: the {} of part {}, {} run in {:.1f} s; when all parts are done, forefeel "
+                             "study --merge {} … -o DIR compares them",
+                             arguments.output, counted(own, "cell"), arguments.part, result.ran,
+                             result.seconds, arguments.output));
   if (globals.json) {
     nlohmann::ordered_json document = counts(planned.plan, result);
     document["files"] = nlohmann::ordered_json::array();
@@ -336,9 +339,8 @@ int run_command(const Globals& globals, const StudyArguments& arguments) {
   show_contrasts(globals, plan.study, compared);
   for (const std::string& note : sustained_notes(plan.study, result.cells)) say(globals, note);
   for (const std::string& note : notes_of(result.cells)) say(globals, note);
-  say(globals,
-      fmt::format("{}: {} cells, {} run in {:.1f} s, {} there before", (folder / "report.html").string(),
-                  plan.cells.size(), result.ran, result.seconds, result.resumed));
+  say(globals, fmt::format("{}: {}, {} run in {:.1f} s, {} there before", (folder / "report.html").string(),
+                           counted(plan.cells.size(), "cell"), result.ran, result.seconds, result.resumed));
   return drawn ? 0 : 1;
 }
 

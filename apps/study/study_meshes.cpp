@@ -7,6 +7,7 @@
 #include <utility>
 
 #include "apps/scene/scene_mesh_error.hpp"
+#include "geometry/common/counted.hpp"
 #include "geometry/common/quantiles.hpp"
 
 namespace forefeel {
@@ -52,9 +53,10 @@ MeshFindings measure_meshes(const Globals& globals, const PlannedStudy& planned,
     const MeshError mesh = MeshErrorTask(scene, MeshErrorTask::When::at_the_end).get();
     for (const std::size_t cell : among) fill(cells[cell], mesh);
     const double shown = usual_error(cells, among);
-    const std::string where = bodies.size() > 1 ? fmt::format(" ({} cells)", among.size()) : "";
+    const std::string where = bodies.size() > 1 ? " (" + counted(among.size(), "cell") + ")" : "";
     std::string line = discretisation_line(mesh, shown) + where;
-    if (std::isfinite(shown)) line += fmt::format("; the sessions show a p95 of {:.2g} %", 100 * shown);
+    if (std::isfinite(shown))
+      line += fmt::format("; the sessions show a p95 of {:.2g} % (median over cells)", 100 * shown);
     const bool felt = SessionSummary::Mesh{.error = mesh.error}.is_felt(shown);
     (felt ? found.above : found.others).push_back(std::move(line));
   }

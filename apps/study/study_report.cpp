@@ -13,6 +13,7 @@
 #include "apps/picture/plot.hpp"
 #include "apps/study/study_figures.hpp"
 #include "apps/study/study_table.hpp"
+#include "geometry/common/counted.hpp"
 
 namespace forefeel {
 namespace {
@@ -158,9 +159,9 @@ std::string ranking_table(const StudyResults& results, const AxisRanking& entry)
 
 std::string ranking_section(const StudyResults& results, const AxisRanking& entry, const Palette& palette) {
   const StudyAxis& axis = results.study.axes[entry.axis];
-  std::string html =
-      fmt::format("<h2>Ranking of {}: {} ({} motions and seeds)</h2>\n", html_escaped(axis.column),
-                  html_escaped(entry.metric.title), entry.ranking.blocks);
+  std::string html = fmt::format(
+      "<h2>Ranking of {}: {} ({})</h2>\n", html_escaped(axis.column), html_escaped(entry.metric.title),
+      counted(entry.ranking.blocks, "pair of motion and seed", "pairs of motion and seed"));
   if (entry.ranking.ranked.empty())
     return html + "<p class=\"note\">No motion and seed has a result for every value.</p>\n";
   html += picture(ranking_figure(results.study, entry, palette)) + ranking_table(results, entry);
@@ -176,7 +177,9 @@ std::string ranking_section(const StudyResults& results, const AxisRanking& entr
              "energy are "
              "means over all cells.{}</p>\n",
              entry.ranking.dropped > 0
-                 ? fmt::format(" {} motions and seeds lack a value and are left out.", entry.ranking.dropped)
+                 ? fmt::format(" {} a value and left out.",
+                               counted(entry.ranking.dropped, "pair of motion and seed lacks",
+                                       "pairs of motion and seed lack"))
                  : "");
 }
 
@@ -188,10 +191,10 @@ std::string contrast_section(const Study& study, const std::vector<Contrast>& co
   if (compared.empty()) return "";
   const StudyMetric metric = compared.front().metric;
   const StudyAxis& axis = study.axes.front();
-  std::string html =
-      fmt::format("<h2>{}: {} (up to {} pairs)</h2>\n",
-                  axis.column == "step" ? "What each step is worth" : "Pairwise comparisons",
-                  html_escaped(metric.title), std::ranges::max(compared, {}, pairs_of).comparison.pairs);
+  std::string html = fmt::format("<h2>{}: {} (up to {})</h2>\n",
+                                 axis.column == "step" ? "What each step is worth" : "Pairwise comparisons",
+                                 html_escaped(metric.title),
+                                 counted(std::ranges::max(compared, {}, pairs_of).comparison.pairs, "pair"));
   html += fmt::format(
       "<p class=\"muted\">{}; paired by motion and seed. \"Not significant\": at least one 95 % "
       "interval contains zero difference.</p>\n",
@@ -219,9 +222,9 @@ std::string metrics_section(const StudyResults& results) {
   if (results.study.axes.empty()) return "";
   const StudyAxis& axis = results.study.axes.front();
   std::string html = fmt::format(
-      "<h2>Every measure by {} ({} cells)</h2>\n<div class=\"scroll\"><table><tr><th>mean over all "
+      "<h2>Every measure by {} ({})</h2>\n<div class=\"scroll\"><table><tr><th>mean over all "
       "cells</th>",
-      html_escaped(axis.column), results.cells.size());
+      html_escaped(axis.column), counted(results.cells.size(), "cell"));
   for (const StudyValue& value : axis.values) html += "<th>" + html_escaped(value.text) + "</th>";
   html += "</tr>\n";
   for (const StudyMetric& metric : study_metrics(results.study)) {
@@ -289,9 +292,9 @@ std::vector<std::string> sustained_notes(const Study& study, const std::vector<S
       "All measures except the sustained speed are those of each session at its own sustained speed."};
   if (failed > 0)
     notes.push_back(fmt::format(
-        "In {} of {} cells not even the lowest speed tried, {:.3g} mm/s, is sustained. cells.csv gives 0 for "
+        "In {} of {} not even the lowest speed tried, {:.3g} mm/s, is sustained. cells.csv gives 0 for "
         "them. Here they count as that speed, which favours them: factors against them are lower bounds.",
-        failed, cells.size(), 1e3 * study.sustained->low));
+        failed, counted(cells.size(), "cell"), 1e3 * study.sustained->low));
   return notes;
 }
 
@@ -302,11 +305,12 @@ std::string study_page(const PlannedStudy& planned, const StudyResult& result,
   const StudyResults results{study, result.cells};
   const std::vector<StudyDevice> devices = study_devices(planned.plan, result.cells);
   std::string html = fmt::format(
-      "<h1>{}</h1>\n<p class=\"sub\">{} sessions under the virtual clock: {} combinations, {} seeds; scene "
+      "<h1>{}</h1>\n<p class=\"sub\">{} under the virtual clock: {}, {}; scene "
       "{}. "
       "One row each in cells.csv.</p>\n",
-      html_escaped(planned.file.file.stem().string()), planned.plan.cells.size(), study.combinations(),
-      study.seeds.size(), html_escaped(planned.file.scene.filename().string()));
+      html_escaped(planned.file.file.stem().string()), counted(planned.plan.cells.size(), "session"),
+      counted(study.combinations(), "combination"), counted(study.seeds.size(), "seed"),
+      html_escaped(planned.file.scene.filename().string()));
   html += verdict_section(results);
   std::vector<std::string> notes = first;
   std::ranges::copy(attention(devices), std::back_inserter(notes));

@@ -1,4 +1,5 @@
 #include "scheduling/record/attention.hpp"
+#include "geometry/common/counted.hpp"
 
 #include <fmt/format.h>
 
@@ -27,10 +28,11 @@ std::string far_from_states(const SessionSummary::AwayFromStates& away) {
   if (std::isnan(away.worst_share)) return "the hand was " + way + "; too few states for an error bar";
   std::string line = fmt::format("the hand was in {} for {:.2g} % of the time, where the states tell ",
                                  name(away.worst), 100 * away.worst_share);
-  line += std::isfinite(away.worst_bar) ? fmt::format("the force within {:.2g} N (95 %)", away.worst_bar)
-                                        : std::string("no bound of the force");
+  line += std::isfinite(away.worst_bar)
+              ? fmt::format("the force within {:.2g} N (p95 of the error bars of 95 %)", away.worst_bar)
+              : std::string("no bound of the force");
   if (std::isfinite(away.worst_bar) && std::isfinite(away.bar_at_states))
-    line += fmt::format(", against {:.2g} N at known places", away.bar_at_states);
+    line += fmt::format(", against {:.2g} N at known places (median)", away.bar_at_states);
   return line + "; it was " + way;
 }
 
@@ -63,25 +65,20 @@ void add_short_bars(const SessionSummary::ErrorBars& bars, std::vector<std::stri
   for (const Label label : all_labels) {
     const SessionSummary::Bars& b = bars.by_label[label];
     if (b.samples >= enough && b.inside[1] < least)
-      lines.push_back(fmt::format("the 95 % error bar held in only {:.3g} % of {} samples labelled {}",
-                                  100 * b.inside[1], b.samples, name(label)));
+      lines.push_back(fmt::format("the 95 % error bar held in only {:.3g} % of {} labelled {}",
+                                  100 * b.inside[1], counted(b.samples, "sample"), name(label)));
   }
 }
 
 std::string coarse(const SessionSummary::Mesh& mesh, double shown) {
   std::string line = fmt::format(
-      "the mesh itself errs by {:.2g} % of the force ({}), and a hand feels {:.2g} %; the errors below leave "
+      "the mesh itself errs by {:.3g} % of the force ({}), and a hand feels {:.2g} %; the errors below leave "
       "that out",
       100 * mesh.error, mesh.how, 100 * felt_share);
   if (std::isfinite(shown))
     line +=
         fmt::format(": the rendered force is within {:.2g} % of the force on this mesh (p95)", 100 * shown);
   return line;
-}
-
-// "3 frames", "1 frame".
-std::string counted(std::size_t n, const char* one, const char* several) {
-  return fmt::format("{} {}", n, n == 1 ? one : several);
 }
 
 // What went wrong around the loop, which ran on.
@@ -100,8 +97,8 @@ void add_faults(const SessionSummary::Loop& loop, std::vector<std::string>& line
       fmt::format(" the planner stood still until the force faded out, for up to {:.3g} s",
                   loop.planner_stall));
   if (loop.longest_pause > long_pause)
-    lines.push_back(fmt::format("the loop stood still for {:.3g} s, and {} were skipped", loop.longest_pause,
-                                counted(loop.skipped, "frame", "frames")));
+    lines.push_back(fmt::format("the loop stood still for {:.3g} s, and {} skipped", loop.longest_pause,
+                                counted(loop.skipped, "frame was", "frames were")));
   add(faults.clock_steps, "time", "times",
       " the clock of the day was set or the machine slept; times of the run are of a clock that is never "
       "set");
@@ -122,7 +119,7 @@ std::string controlled(const ControlSummary& control) {
 }
 
 std::string samples(const char* what, std::size_t n) {
-  return fmt::format("{} rest on {} sample{}", what, n, n == 1 ? "" : "s");
+  return fmt::format("{} rest on {}", what, counted(n, "sample"));
 }
 
 }  // namespace
@@ -144,8 +141,9 @@ std::vector<std::string> attention(const SessionSummary& summary) {
                     100 * motion.outside));
   add_faults(summary.loop, lines);
   if (states.inverted > 0)
-    lines.push_back(fmt::format("{} of {} solved states have inverted elements: no body takes that shape",
-                                states.inverted, states.solved + states.inverted));
+    lines.push_back(
+        fmt::format("{} of {} inverted elements: no body takes that shape", states.inverted,
+                    counted(states.solved + states.inverted, "solved state has", "solved states have")));
   if (summary.run.frames > 0 && states.start + states.solved + states.used == 0)
     lines.push_back("no state was solved: what was rendered is no force of the body");
   add_short_bars(summary.error.bars, lines);

@@ -1,4 +1,5 @@
 #include "scheduling/record/notes.hpp"
+#include "geometry/common/counted.hpp"
 
 #include <fmt/format.h>
 
@@ -54,7 +55,7 @@ std::vector<std::string> shortened_notes(std::span<const std::string> notes) {
     if (all <= most)
       lines.push_back(note);
     else if (before == 0)
-      lines.push_back(fmt::format("{} (and {} more lines like this)", note, all - 1));
+      lines.push_back(fmt::format("{} (and {} like this)", note, counted(all - 1, "more line")));
   }
   return lines;
 }
@@ -77,10 +78,9 @@ std::vector<std::string> notes_in_common(std::span<const std::vector<std::string
     }
   std::vector<std::string> lines;
   for (const Kind& kind : kinds)
-    lines.push_back(fmt::format("{} of {} cells: {}{}", kind.sessions, sessions.size(), kind.first,
-                                kind.lines > 1 ? fmt::format(" (and {} more line{} like this)",
-                                                             kind.lines - 1, kind.lines > 2 ? "s" : "")
-                                               : ""));
+    lines.push_back(fmt::format(
+        "{} of {}: {}{}", kind.sessions, counted(sessions.size(), "cell"), kind.first,
+        kind.lines > 1 ? fmt::format(" (and {} like this)", counted(kind.lines - 1, "more line")) : ""));
   return lines;
 }
 

@@ -2,10 +2,13 @@
 
 #include <fmt/format.h>
 
+#include <array>
 #include <cstring>
 #include <limits>
 #include <map>
 #include <memory>
+#include <sstream>
+#include <string>
 #include <utility>
 #include <vector>
 
@@ -191,6 +194,23 @@ std::string settings_in_words(const TouchedBody& touched) {
 
 namespace {
 
+// "friction: 0.3 in the record, 0.5 in the scene; depth: …": the lines that are not the same.
+std::string differences(const std::string& theirs, const std::string& ours) {
+  std::map<std::string, std::array<std::string, 2>> by_name;
+  for (const auto& [text, side] : {std::pair(&theirs, 0U), std::pair(&ours, 1U)}) {
+    std::istringstream lines(*text);
+    for (std::string line; std::getline(lines, line);)
+      if (const std::size_t colon = line.find(": "); colon != std::string::npos)
+        by_name[line.substr(0, colon)][side] = line.substr(colon + 2);
+  }
+  std::string found;
+  for (const auto& [name, values] : by_name)
+    if (values[0] != values[1])
+      found += fmt::format("{}{}: {} in the record, {} in the scene", found.empty() ? "" : "; ", name,
+                           values[0].empty() ? "none" : values[0], values[1].empty() ? "none" : values[1]);
+  return found;
+}
+
 std::shared_ptr<const TouchTask> surface_of(const std::filesystem::path& file, const InputRecord& record,
                                             const std::function<TouchedBody()>& touched) {
   if (!touched)
@@ -200,9 +220,8 @@ std::shared_ptr<const TouchTask> surface_of(const std::filesystem::path& file, c
   const std::string ours = given.anywhere ? settings_in_words(given) : "";
   const std::string theirs(record.content.begin(), record.content.end());
   if (ours != theirs)
-    throw InputError(
-        {.file = file.string()},
-        fmt::format("is of another body, pad or friction than the scene, expected one with\n{}", theirs));
+    throw InputError({.file = file.string()},
+                     "is of another body, pad or friction than the scene: " + differences(theirs, ours));
   return given.anywhere;
 }
 

@@ -19,6 +19,7 @@
 #include <thread>
 #include <utility>
 
+#include "geometry/common/counted.hpp"
 #include "scheduling/render/input_log.hpp"
 #include "scheduling/render/loop_thread.hpp"
 #include "scheduling/render/model_keeper.hpp"
@@ -116,10 +117,11 @@ void report(const FramePacer& pacer, const PlannerTimes& planner, std::size_t fr
   result.loop.planner_stalls = planner.stalls;
   result.loop.clock_steps = planner.clock.steps();
   if (pacer.skipped() > 0)
-    result.notes.push_back(fmt::format(
-        "{} of {} frames came a frame or more late and were skipped; the longest pause was {:.3g} s, at "
-        "{:.3f} s",
-        pacer.skipped(), frames, pacer.longest_pause(), pacer.paused_at()));
+    result.notes.push_back(
+        fmt::format("{} of {} a frame or more late and skipped; the longest pause was {:.3g} s, at "
+                    "{:.3f} s",
+                    pacer.skipped(), counted(frames, "frame was", "frames were"), pacer.longest_pause(),
+                    pacer.paused_at()));
   if (stall > stale)
     result.notes.push_back(fmt::format(
         "the planner stood still for {:.3g} s: the watchdog fades the force out after {:g} s of it", stall,
@@ -221,8 +223,9 @@ void report_workers(const RealWorkers& workers, int asked, SessionResult& result
     result.failures.push_back(failure_in_words("the workers", workers.failure(), "nothing more was solved"));
   for (std::string& note : workers.notes()) result.notes.push_back(std::move(note));
   if (workers.serves() && !result.interrupted() && workers.workers() < asked)
-    result.notes.push_back(fmt::format("{} of {} workers ran: the OpenMP runtime gave no more threads",
-                                       workers.workers(), asked));
+    result.notes.push_back(fmt::format("{} of {} ran: the OpenMP runtime gave no more threads",
+                                       workers.workers(),
+                                       counted(static_cast<std::size_t>(asked), "worker")));
 }
 
 // The calling thread and its team are the workers until they are stopped.

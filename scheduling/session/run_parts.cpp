@@ -7,6 +7,7 @@
 #include <new>
 #include <utility>
 
+#include "geometry/common/counted.hpp"
 #include "geometry/common/quantiles.hpp"
 #include "scheduling/render/input_log.hpp"
 #include "scheduling/session/session_setup.hpp"
@@ -85,7 +86,8 @@ void take_loop(RenderLoop& loop, std::size_t frames, SessionResult& result) {
   result.frames = loop.take_log();
   if (loop.next() < frames) {
     result.run.end = RunEnd::interrupted;
-    result.notes.push_back(fmt::format("interrupted after {} of {} frames", result.frames.size(), frames));
+    result.notes.push_back(
+        fmt::format("interrupted after {} of {}", result.frames.size(), counted(frames, "frame")));
   }
   result.loop.ending_frames = loop.safety().counts().ending;
   result.loop.last_force = loop.sent().norm();
@@ -101,10 +103,10 @@ void take_loop(RenderLoop& loop, std::size_t frames, SessionResult& result) {
                    .passivity = loop.passivity(),
                    .uncontrolled = loop.take_uncontrolled()};
   if (counts.clamped > 0)
-    result.notes.push_back(fmt::format(
-        "{} of {} frames were clamped by safety: the device got less force than was rendered; the error is "
-        "that of the rendered force",
-        counts.clamped, result.frames.size()));
+    result.notes.push_back(
+        fmt::format("{} of {} clamped by safety: the device got less force than was rendered; the error is "
+                    "that of the rendered force",
+                    counts.clamped, counted(result.frames.size(), "frame was", "frames were")));
 }
 
 }  // namespace forefeel

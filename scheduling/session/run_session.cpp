@@ -11,6 +11,8 @@
 #include <stdexcept>
 #include <utility>
 
+#include "approx/model/lattice_field.hpp"
+#include "geometry/common/counted.hpp"
 #include "geometry/common/dense.hpp"
 #include "geometry/common/error.hpp"
 #include "geometry/index/lattice_room.hpp"
@@ -69,10 +71,26 @@ void note_late_states(SessionResult& result) {
   if (result.frames.empty()) return;
   const std::size_t all = result.counts.start + result.counts.solved, seen = result.frames.back().known;
   if (all <= seen) return;
-  result.notes.push_back(fmt::format(
-      "{} of the {} solved states came after the last frame, which knew {}: states.csv and the file of "
-      "states hold them; pictures of the run leave out what came too late for them",
-      all - seen, result.counts.solved, seen));
+  result.notes.push_back(
+      fmt::format("{} of {} came after the last frame, which knew {}: states.csv and the file of "
+                  "states hold them; pictures of the run leave out what came too late for them",
+                  all - seen, counted(result.counts.solved, "solved state"), seen));
+}
+
+// Frames at which a lattice method had no cell to interpolate in. The states known first come first.
+void note_cells(const ModelRecipe& model, double spacing, SessionResult& result) {
+  if (model.method == SessionMethod::rbf) return;
+  LatticeCells cells(spacing);
+  std::size_t added = 0, without = 0;
+  for (const FrameRecord& frame : result.frames) {
+    for (; added < std::min<std::size_t>(frame.known, result.states.size()); ++added)
+      if (result.states[added].usable()) cells.add(result.states[added].at);
+    without += !cells.around(frame.at);
+  }
+  if (without > 0)
+    result.notes.push_back(
+        fmt::format("in {} of {} no full lattice cell of known states was about the tip: {}", without,
+                    counted(result.frames.size(), "frame"), instead_of_cells));
 }
 
 // What is particular of a session that touched a body anywhere.
@@ -96,14 +114,14 @@ void note_touches(SessionResult& result) {
   if (!touched) result.notes.push_back("the tip never entered the body");
   if (unfelt > 0)
     result.notes.push_back(
-        fmt::format("in {} frames the tip was inside the body and felt nothing: it had come "
+        fmt::format("in {} the tip was inside the body and felt nothing: it had come "
                     "through the clamp, or a touch had ended there under tension",
-                    unfelt));
+                    counted(unfelt, "frame")));
   if (jumps > 0)
-    result.notes.push_back(fmt::format(
-        "the site jumped in {} frames, by up to {:.1f} mm: the body snaps under the tip there, or the "
-        "model is wrong",
-        jumps, 1e3 * farthest));
+    result.notes.push_back(
+        fmt::format("the site jumped in {}, by up to {:.1f} mm: the body snaps under the tip there, or the "
+                    "model is wrong",
+                    counted(jumps, "frame"), 1e3 * farthest));
 }
 
 // Passes each position on to the caller.
@@ -162,6 +180,7 @@ SessionResult run_and_judge(const RunSetup& setup, ReferenceService& references,
   if (inputs && inputs->failure()) result.failures.push_back(*inputs->failure());
   if (hooks.when_run) hooks.when_run(result);
   note_late_states(result);
+  if (!surface) note_cells(setup.rendering.model, setup.bounds.space.spacing, result);
   note_stiffness(setup.motion.device->limits(), setup.motion.name, result);
   if (surface) note_touches(result);
   if (surface && shapes)

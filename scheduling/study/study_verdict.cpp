@@ -8,6 +8,7 @@
 #include <string_view>
 #include <utility>
 
+#include "geometry/common/counted.hpp"
 #include "scheduling/record/attention.hpp"
 
 namespace forefeel {
@@ -66,8 +67,7 @@ std::string difference_in_words(const StudyMetric& metric, const Comparison& d) 
 }
 
 std::string over(const Comparison& d) {
-  return fmt::format("{} pair{} on {} motion{}", d.pairs, d.pairs == 1 ? "" : "s", d.groups,
-                     d.groups == 1 ? "" : "s");
+  return counted(d.pairs, "pair") + " on " + counted(d.groups, "motion");
 }
 
 bool is_shown(const Comparison& d, const StudyMetric& metric) {
@@ -108,9 +108,10 @@ std::optional<std::string> study_verdict(const Study& study, const std::vector<S
     if (is_bound(axis, level)) bounds += (bounds.empty() ? "" : ", ") + axis.values[level].text;
   const bool tied = all.size() > 1 && !is_shown(compare_levels(seen, all[0].level, all[1].level), metric);
   return fmt::format(
-      "{} {}{}: {}, with {} ({}){}.{}", tied ? "No best" : "Best", axis.column,
-      tied ? " is shown. First" : "", axis.values[all[0].level].text, amount(metric, all[0].mean),
-      metric.title, all.size() > 1 ? against_next(axis, seen, metric, all) : std::string(),
+      "{} {}{}: {}, with a {}mean of {} ({}){}.{}", tied ? "No best" : "Best", axis.column,
+      tied ? " is shown. First" : "", axis.values[all[0].level].text, metric.ratio ? "geometric " : "",
+      amount(metric, all[0].mean), metric.title,
+      all.size() > 1 ? against_next(axis, seen, metric, all) : std::string(),
       bounds.empty() ? "" : fmt::format(" Not compared, because it knows the motion: {}.", bounds));
 }
 
@@ -143,8 +144,8 @@ std::string more_motions(const Comparison& d) {
   if (*needed <= d.groups)
     return "The spread over motions is small: more seeds and motions of other kinds decide.";
   return fmt::format(
-      "About {} more motions would show it with a chance of 80 %, if difference and spread stay as they are.",
-      *needed - d.groups);
+      "About {} would show it with a chance of 80 %, if difference and spread stay as they are.",
+      counted(*needed - d.groups, "more motion"));
 }
 
 // A load that tells the contenders apart better, from the mean load of the cells.
@@ -299,21 +300,23 @@ std::vector<std::string> attention(const std::vector<StudyDevice>& devices) {
   for (const StudyDevice& d : devices)
     if (d.unstable > 0)
       lines.push_back(
-          fmt::format("{}: {} of {} sessions were unstable (column stability.stable): their errors are those "
+          fmt::format("{}: {} of {} unstable (column stability.stable): their errors are those "
                       "of a vibrating tip",
-                      d.device, d.unstable, d.cells));
+                      d.device, d.unstable, counted(d.cells, "session was", "sessions were")));
   for (const StudyDevice& d : devices) {
     if (d.clamped > clamped_too_often)
-      lines.push_back(fmt::format(
-          "{}: {:.3g} % of the frames were clamped at the force limit: the device got less than was rendered",
-          d.device, 100 * d.clamped));
+      lines.push_back(
+          fmt::format("{}: {:.3g} % of the frames (mean of its sessions) were clamped at the force limit: "
+                      "the device got less than was rendered",
+                      d.device, 100 * d.clamped));
     if (d.outside > outside_too_often)
       lines.push_back(
-          fmt::format("{}: {:.3g} % of the time was outside the box of states: forces there are extrapolated",
+          fmt::format("{}: {:.3g} % of the time (mean of its sessions) was outside the box of states: forces "
+                      "there are extrapolated",
                       d.device, 100 * d.outside));
     if (d.cells > 0 && d.first_visits < few_samples)
-      lines.push_back(fmt::format("{}: {} first visits in {} sessions: a percentage of them says little",
-                                  d.device, d.first_visits, d.cells));
+      lines.push_back(fmt::format("{}: {} in {}: a percentage of them says little", d.device,
+                                  counted(d.first_visits, "first visit"), counted(d.cells, "session")));
   }
   return lines;
 }

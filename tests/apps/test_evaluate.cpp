@@ -262,7 +262,7 @@ TEST_CASE("the time of a fit is that of models that were made, and their number 
       shop.forefeel(
               "evaluate states.csv --points points.csv --kernel cubic --neighbours 216 --select nearest")
           .out,
-      Contains("models: 1 fitted, 8 reused, median fit"));
+      Contains("models: 1 fitted, 8 reused; medians: fit"));
 }
 
 TEST_CASE("evaluate says of every method what it uses, and keeps it below its bound", "[evaluate]") {
@@ -293,6 +293,14 @@ TEST_CASE("evaluate says of every method what it uses, and keeps it below its bo
   CHECK(uses("rbf-network --neighbours 5") == R"("cubic" "force" - 5 - -)");
   for (const std::string method : {"trilinear", "tricubic", "deflection", "two-force"})
     CHECK(uses(method) == R"(- "force" - - - -)");
+  shop.write("corner.csv", "x,y,z\n0.004,0.004,0.004\n0.002,0.001,0.001\n0.008,0,0\n");
+  shop.write("cell.csv",
+             "x,y,z,fx,fy,fz\n0,0,0,0,0,0\n0.004,0,0,-1,0,0\n0,0.004,0,0,-1,0\n0,0,0.004,0,0,-1\n"
+             "0.004,0.004,0,-1,-1,0\n0.004,0,0.004,-1,0,-1\n0,0.004,0.004,0,-1,-1\n"
+             "0.004,0.004,0.004,-1,-1,-1\n0.008,0,0,-2,0,0\n");
+  for (const std::string method : {"trilinear", "tricubic"})
+    CHECK_THAT(shop.forefeel("evaluate cell.csv --spacing 0.004 --points corner.csv --method " + method).err,
+               Contains("no full lattice cell holds 1 of 3 points"));
   CHECK_THAT(shop.forefeel(all + "trilinear --kernel cubic --ridge 1").err, Contains("--kernel, --ridge"));
 }
 

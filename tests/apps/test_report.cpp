@@ -79,7 +79,7 @@ TEST_CASE(
   result.frames[0].known = 1;
   CHECK_THAT(
       bad_moments(result, view)[0].why,
-      Catch::StartsWith("The nearest of 1 known states was 20 mm away. A state 1 mm away was asked for "
+      Catch::StartsWith("The only known state was 20 mm away. A state 1 mm away was asked for "
                         "0.5 s before and came 0.25 s too late."));
   result.dispatch[1].started = 2;
   CHECK_THAT(bad_moments(result, view)[0].why,
@@ -167,7 +167,7 @@ TEST_CASE(
   const std::size_t verdict = page.find("class=\"verdict"), devices = page.find("<h2>Devices</h2>");
   REQUIRE(verdict != std::string::npos);
   CHECK(verdict < devices);
-  CHECK_THAT(page, Contains("motions and seeds)</h2>", "energy given back [mJ]", "clamped [%]"));
+  CHECK_THAT(page, Contains("of motion and seed)</h2>", "energy given back [mJ]", "clamped [%]"));
   CHECK_THAT(shop.files(), Contains("out/figures/ranking-policy-0.pdf", "out/figures/over-workers.svg"));
   CHECK_THAT(shop.read("out/figures/ranking-policy-0.pdf"), Catch::StartsWith("%PDF"));
   CHECK_THAT(shop.read("out/figures/over-workers.svg"), Contains("18,  52,  86"));

@@ -101,6 +101,10 @@ TEST_CASE("runs, states and arrivals of the other contact are refused, and a fol
   const json touched = shop.run(any + "--device path:line,depth=0.003 -o touched --json").json();
   CHECK(touched["time_outside"].is_null());  // there is no box
   shop.run(one + "-o grasped --quiet");
+  const Workshop::Outcome slippery =
+      shop.forefeel("replay touched --scene any.toml --set contact.friction=0.5");
+  check_refused(slippery, "replay", {"friction: 0.3 in the record, 0.5 in the scene"});
+  CHECK_THAT(slippery.err, !Contains("depth") && !Contains("sha256"));
   check_refused(shop, any + "--replay grasped -o other", {"replay", "holds one place of the body"});
   check_refused(shop, one + "--replay touched -o other", {"replay", "sites", "contact.anywhere"});
   check_refused(shop, one + "--states touched/session.states --foreign -o other",

@@ -11,6 +11,9 @@ TEST_CASE("older methods render from the lattice cell around the HIP, and wait f
     options.workers.count = 4;
     const SessionResult r = run_session(small_input(), options);
     CHECK(r.states.size() == 125);
+    CHECK(std::ranges::any_of(r.notes, [](const std::string& note) {
+      return note.find("frames no full lattice cell of known states was about the tip") != std::string::npos;
+    }));
     double early = 0,
            late = 0;  // inside the full lattice the method is good, before it holds the nearest force
     const Box inner{Vec3::Constant(-0.011), Vec3::Constant(0.011)};

@@ -38,7 +38,7 @@ TEST_CASE("the verdict names the best policy, the next, their difference and whe
   const Study study = policies();
   const auto sure = study_verdict(study, cells_with(study, {0.6, 0.9, 0.5, 0.95}, 0.0002));
   REQUIRE(sure);
-  CHECK_THAT(*sure, Catch::StartsWith("Best policy: coverage, with 90") &&
+  CHECK_THAT(*sure, Catch::StartsWith("Best policy: coverage, with a mean of 90") &&
                         Contains("the next, nearest, has 60", "30 points", "12 pairs on 3 motions",
                                  "the difference is significant", "that to fifo is significant") &&
                         Catch::EndsWith("it knows the motion: clairvoyant."));

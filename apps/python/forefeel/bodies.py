@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import json
+import os
 from collections.abc import Callable, Iterable, Mapping
 from typing import Any
 
@@ -188,9 +189,10 @@ class Scene:
 
     def session(self, progress: Progress | None = None, **options: Any) -> Run:
         """A haptic session. Options as of `forefeel session`, by the same names: clock, seconds, device, policy,
-        predictor, workers, cost, latency, switch, select, seed, threads, arrivals, replay; states: States or
-        structured array known at the start; positions alone are refused. progress(share) is called meanwhile; Ctrl-C
-        ends it.
+        predictor, workers, cost, latency, switch, select, seed, threads, arrivals, replay; states: States,
+        structured array or file known at the start; positions alone are refused. extend=True: new states are appended
+        to that file; foreign=True: the states are of another body and alone are rendered. progress(share) is called
+        meanwhile; Ctrl-C ends it.
 
         policy, predictor and device may also be Python objects:
           policy.prioritise(candidates, view) -> (n,) priorities >= 0; the largest is solved next. candidates:
@@ -200,8 +202,11 @@ class Scene:
           device.position(t, force) -> (3,), at rest for t = 0; duration [s] and force_limit [N] if it has them
         Under the virtual clock the same options give the same arrays, bit by bit.
         """
-        if options.get("states") is not None:
-            options["states"] = known_rows(options["states"])
+        states = options.get("states")
+        if isinstance(states, (str, os.PathLike)):
+            options["states"] = os.fspath(states)
+        elif states is not None:
+            options["states"] = known_rows(states)
         return Run(_core._run_session(self._scene, progress, options))
 
 

@@ -1,0 +1,13 @@
+#pragma once
+// What `evaluate -o` writes: a row for each point.
+
+#include <string>
+#include <vector>
+
+#include "approx/methods/evaluate.hpp"
+
+namespace forefeel {
+
+void write_forces(const std::string& file, const std::vector<Vec3>& points, const Evaluation& found);
+
+}  // namespace forefeel
