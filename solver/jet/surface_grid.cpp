@@ -5,6 +5,8 @@
 #include <cmath>
 #include <numbers>
 
+#include "solver/body/pad_quadrature.hpp"
+
 namespace forefeel {
 namespace {
 
@@ -48,6 +50,9 @@ void SurfaceGrid::cut(std::int32_t facet) {
     Piece piece{.facet = facet, .corner = map_.corners(facet), .share = share};
     for (std::size_t i = 0; i < 3 && !flat; ++i) piece.corner[i] = map_.place(facet, share[i]).at;
     piece.normal = (piece.corner[1] - piece.corner[0]).cross(piece.corner[2] - piece.corner[0]).normalized();
+    const Vec3 middle = (piece.corner[0] + piece.corner[1] + piece.corner[2]) / 3;
+    if (!flat)
+      off_ = std::max(off_, 2 * (map_.place(facet, (share[0] + share[1] + share[2]) / 3).at - middle).norm());
     pieces_.push_back(piece);
   };
   const auto at = [&](int i, int j) { return Vec3(Vec3(parts - i - j, i, j) / parts); };
@@ -74,7 +79,7 @@ SurfaceGrid::SurfaceGrid(const SurfaceMap& map) : map_(map) {
   std::vector<std::vector<std::int32_t>> lists(all);
   for (std::size_t p = 0; p < pieces_.size(); ++p) {
     const std::array<Vec3, 3>& corner = pieces_[p].corner;
-    const Vec3 margin = Vec3::Constant(1e-6 * side_);
+    const Vec3 margin = Vec3::Constant(1e-6 * side_ + off_);
     const Cells reached = cells_of(corner[0].cwiseMin(corner[1]).cwiseMin(corner[2]) - margin,
                                    corner[0].cwiseMax(corner[1]).cwiseMax(corner[2]) + margin);
     for (int x = reached.low[0]; x <= reached.high[0]; ++x)
@@ -83,7 +88,7 @@ SurfaceGrid::SurfaceGrid(const SurfaceMap& map) : map_(map) {
           // The plane of the piece passes the cell.
           const Vec3 from_plane = centre(x, y, z) - corner[0];
           const Vec3& n = pieces_[p].normal;
-          if (std::abs(n.dot(from_plane)) <= 0.501 * side_ * n.cwiseAbs().sum())
+          if (std::abs(n.dot(from_plane)) <= 0.501 * side_ * n.cwiseAbs().sum() + off_)
             lists[number(x, y, z)].push_back(static_cast<std::int32_t>(p));
         }
   }
@@ -158,6 +163,7 @@ bool SurfaceGrid::inside(const Vec3& point) const {
   const std::size_t cell = number(at.low[0], at.low[1], at.low[2]);
   const bool as_middle = centre_is_inside_[cell] != 0;
   if (begin_[cell] == begin_[cell + 1]) return as_middle;
+  if (const std::optional<bool> by_foot = inside_by_foot(point, cell)) return *by_foot;
   const std::optional<int> count = crossings(middle, point, cell);
   return count ? as_middle == (*count % 2 == 0) : inside_by_angle(point);
 }
@@ -170,6 +176,23 @@ bool SurfaceGrid::inside_by_angle(const Vec3& point) const {
     angle += 2 * std::atan2(a.dot(b.cross(c)), la * lb * lc + a.dot(b) * lc + b.dot(c) * la + c.dot(a) * lb);
   }
   return angle > 2 * std::numbers::pi;
+}
+
+// None: no piece that is not flat is so near.
+std::optional<bool> SurfaceGrid::inside_by_foot(const Vec3& point, std::size_t cell) const {
+  double least = off_;
+  std::optional<bool> is_inside;
+  for (std::uint32_t i = begin_[cell]; i < begin_[cell + 1]; ++i) {
+    const Piece& piece = pieces_[static_cast<std::size_t>(reaching_[i])];
+    if (map_.smooth().is_flat(piece.facet)) continue;
+    const auto& [a, b, c] = piece.corner;
+    const Vec3 at = pad_quadrature::nearest_in_triangle(point, a, b, c);
+    if (!((at - point).norm() <= least)) continue;
+    least = (at - point).norm();
+    const SurfacePlace foot = map_.foot_near({piece.facet, at}, point);
+    is_inside = map_.spot(foot).normal.dot(point - foot.at) < 0;
+  }
+  return is_inside;
 }
 
 // Where the way meets the smooth surface near a point of a piece, by Newton's method.
@@ -190,6 +213,20 @@ SurfacePlace SurfaceGrid::on_surface(const Piece& piece, const Vec3& at, const V
 }
 
 std::optional<SurfacePlace> SurfaceGrid::crossing(const Vec3& outside, const Vec3& inside) const {
+  // A little longer, as the pieces may lie before or behind the surface.
+  const double length = (inside - outside).norm();
+  if (!(length > 0)) return {};
+  const Vec3 along = (inside - outside) / length;
+  for (const double more : {0.0, 3 * off_}) {
+    const std::optional<SurfacePlace> place = first_crossing(outside - more * along, inside + more * along);
+    if (!place) continue;
+    const double way = along.dot(place->at - outside);
+    if (way > -rim * length && way < (1 + rim) * length) return place;
+  }
+  return {};
+}
+
+std::optional<SurfacePlace> SurfaceGrid::first_crossing(const Vec3& outside, const Vec3& inside) const {
   const Piece* first = nullptr;
   double least = 1 + rim;
   const auto look = [&](const Piece& piece) {

@@ -3,6 +3,7 @@
 // crosses. A facet of the smooth surface that is not flat is cut into 16 pieces, plane triangles with their corners on
 // it. Each cell knows the pieces that it may hold, and whether its centre is inside. A point of the cell is inside as its
 // centre is, but for the pieces that the way between them crosses. Where that way meets an edge, the solid angle decides.
+// Nearer to a piece than the surface may be, its foot on the smooth surface decides.
 // Queries allocate nothing and may come from any thread.
 
 #include <cstdint>
@@ -18,8 +19,7 @@ class SurfaceGrid {
   explicit SurfaceGrid(const SurfaceMap& map);  // which must outlive this
 
   bool inside(const Vec3& point) const;
-  // Where the way from `outside` to `inside` crosses the surface inwards first; none if it does not. On the smooth
-  // surface, as far as that meets the way beside the piece that is crossed.
+  // Where the way from `outside` to `inside` crosses the surface inwards first; none if it does not.
   std::optional<SurfacePlace> crossing(const Vec3& outside, const Vec3& inside) const;
 
  private:
@@ -30,6 +30,8 @@ class SurfaceGrid {
     Vec3 normal = Vec3::Zero();
   };
   void cut(std::int32_t facet);
+  std::optional<SurfacePlace> first_crossing(const Vec3& outside, const Vec3& inside) const;
+  std::optional<bool> inside_by_foot(const Vec3& point, std::size_t cell) const;
   SurfacePlace on_surface(const Piece& piece, const Vec3& at, const Vec3& way) const;
   bool inside_by_angle(const Vec3& point) const;
   struct Cells {  // of a box, each end included
@@ -47,6 +49,7 @@ class SurfaceGrid {
 
   const SurfaceMap& map_;
   std::vector<Piece> pieces_;
+  double off_ = 0;  // how far the pieces may be from the smooth surface [m]
   Vec3 low_ = Vec3::Zero();
   double side_ = 1;  // of a cell [m]
   std::array<int, 3> cells_{1, 1, 1};

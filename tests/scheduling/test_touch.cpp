@@ -150,7 +150,7 @@ TEST_CASE("No touch begins through a clamped facet") {
 
 TEST_CASE("While a site slides, its drive is mu times the normal force, and energy is only lost") {
   std::mt19937_64 random(8);
-  int slips = 0, valleys = 0;
+  int slips = 0, rims = 0;
   for (int i = 0; i < 40; ++i) {
     const SurfacePlace place = liver().map().random(random);
     const Vec3 n = normal_at(place);
@@ -167,12 +167,12 @@ TEST_CASE("While a site slides, its drive is mu times the normal force, and ener
     const double ratio = drive(liver(), slip.site, after).norm() / limit;
     const bool on_edge = liver().map().barycentric(slip.site).minCoeff() < 1e-4;
     if (on_edge && ratio > 1.001)
-      ++valleys;  // both sides push to the edge
+      ++rims;  // both sides push to a kept edge
     else
       CHECK(std::abs(ratio - 1) < 1e-3);
   }
   CHECK(slips > 15);
-  CHECK(valleys < slips / 2);
+  CHECK(rims <= 2);
 }
 
 namespace {
