@@ -33,7 +33,7 @@ class Slider {
 
   Seen see(const SurfaceMap::Walk& walk) const {
     Seen seen{.walk = walk, .terms = field_.at(walk.end, tip_ - walk.end.at, false)};
-    seen.drive = drive(field_, walk.end, seen.terms);
+    seen.drive = drive(seen.terms);
     seen.limit = friction_ * std::max(0.0, push(seen));
     return seen;
   }
@@ -60,7 +60,7 @@ class Slider {
     double step = std::min(std::max(low_slope / guess, 10 * shortest), most);
     Seen best = from;
     for (int i = 0; i < most_halvings && (high < 0 || high - low > shortest); ++i) {
-      Seen seen = see(field_.map().walk(from.walk.end, step * way));
+      Seen seen = see(field_.map().walk(from.walk.end, from.walk.spot, step * way));
       const double slope = onward(seen, way);
       // No body has E < 0: there the model is wrong, and no site goes.
       const bool falls = seen.terms.at.energy <= best.terms.at.energy &&
@@ -133,16 +133,16 @@ Vec3 along_edge(const SurfaceMap& map, const Seen& seen) {
 
 }  // namespace
 
-Vec3 drive(const TouchField& field, const SurfacePlace& site, const TouchTerms& terms) {
+Vec3 drive(const TouchTerms& terms) {
   const Vec3 g = -(terms.at.by_site + terms.at.force);
-  const Vec3 n = field.map().spot(site).normal;
+  const Vec3& n = terms.across;
   return g - n.dot(g) * n;
 }
 
 Slip slide(const TouchField& field, const SurfacePlace& from, const Vec3& tip, double friction,
            double steepness, const std::optional<SlideLimit>& limit) {
   Slider slider(field, tip, friction, steepness, limit);
-  Seen here = slider.see({.end = from});
+  Seen here = slider.see({.end = from, .spot = field.map().spot(from)});
   slider.start(here);
   const bool pulled = Slider::push(here) < 0;
   Slip slip;
@@ -239,7 +239,7 @@ TouchFrame touch(const TouchField& field, const Touch& before, const Vec3& tip,
   frame.force = now.force = terms.at.force;
   frame.energy = terms.at.energy;
   frame.normal = terms.normal;
-  frame.drive = drive(field, now.site, terms);
+  frame.drive = drive(terms);
   return frame;
 }
 

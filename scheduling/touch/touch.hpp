@@ -53,8 +53,7 @@ struct Slip {
   double steepness = 0;  // how fast |g| - mu f . n fell along the last way [N/m]; 0: no way was gone
 };
 
-// g at (s, p - s).
-Vec3 drive(const TouchField& field, const SurfacePlace& site, const TouchTerms& terms);
+Vec3 drive(const TouchTerms& terms);  // g
 
 // friction: mu >= 0. steepness: of the last slide nearby, so that the first step is a good one; 0: not known.
 Slip slide(const TouchField& field, const SurfacePlace& from, const Vec3& tip, double friction,

@@ -18,6 +18,7 @@ namespace forefeel {
 struct TouchTerms {
   SiteTerms at;                // E, f, K and dE/ds
   Vec3 normal = Vec3::Zero();  // n(s), the mean normal under the pad
+  Vec3 across = Vec3::Zero();  // normal of the smooth surface at s
 };
 
 class TouchField {

@@ -11,6 +11,7 @@
 
 #include "geometry/common/dense.hpp"
 #include "solver/jet/site_turns.hpp"
+#include "solver/kernels/site_sums.hpp"
 
 namespace forefeel {
 namespace {
@@ -321,32 +322,40 @@ void FieldPatches::find_turns() {
 
 void FieldPatches::fill(const SurfacePlace& place, bool root, SiteModel& model) const {
   const SurfaceMap& map = field_->rest().map();
-  const SubFacet part = sub_facet_at(map.barycentric(place), parts_);
+  const SurfaceMap::OnFacet where = map.on_facet(place);
+  const SubFacet part = sub_facet_at(where.share, parts_);
   Shape shape = shape_at(part.share, degree_);
-  std::array<Vec3, 3> by = map.barycentric_slopes(place);
-  for (Vec3& row : by) row *= part.sign * parts_;
-  Quantities value = Quantities::Zero();
-  Eigen::Matrix<double, quantities, 3> slope = Eigen::Matrix<double, quantities, 3>::Zero();
-  const auto first = static_cast<std::size_t>(first_[static_cast<std::size_t>(place.facet)]);
-  const auto add = [&](std::size_t k, const Eigen::Map<const Quantities>& at) {
-    const Vec3 in_space = shape.slope[k][0] * by[0] + shape.slope[k][1] * by[1] + shape.slope[k][2] * by[2];
-    value += shape.value[k] * at;
-    for (int axis = 0; axis < 3; ++axis) slope.col(axis) += in_space[axis] * at;
-  };
-  std::size_t k = 0;
-  for (int i = 0; i <= degree_; ++i)
-    for (int j = 0; i + j <= degree_; ++j)
-      add(k++, row_of(values_, points_[first + number_of(part, i, j, degree_, parts_)]));
   const std::array<Vec3, 3> flat = map.flat_slopes(place.facet);
   const Vec3 heights(1 / flat[2].norm(), 1 / flat[0].norm(), 1 / flat[1].norm());
   add_ramps(part.share, heights / parts_, degree_, shape);
+  std::array<const double*, Shape::size> rows{};
+  std::array<double[4], Shape::size> weights{};  // of value, and of its slopes in space
+  int count = 0;
+  const double turn = part.sign * parts_;
+  const auto add = [&](std::size_t k, const double* row) {
+    const Vec3 slope = turn * (shape.slope[k][0] * where.by[0] + shape.slope[k][1] * where.by[1] +
+                               shape.slope[k][2] * where.by[2]);
+    double* weight = weights[static_cast<std::size_t>(count)];
+    weight[0] = shape.value[k], weight[1] = slope[0], weight[2] = slope[1], weight[3] = slope[2];
+    rows[static_cast<std::size_t>(count++)] = row;
+  };
+  const auto first = static_cast<std::size_t>(first_[static_cast<std::size_t>(place.facet)]);
+  std::size_t k = 0;
+  for (int i = 0; i <= degree_; ++i)
+    for (int j = 0; i + j <= degree_; ++j)
+      add(k++, row_of(values_, points_[first + number_of(part, i, j, degree_, parts_)]).data());
   const std::int32_t* edge =
       &edges_[static_cast<std::size_t>(first_edge_[static_cast<std::size_t>(place.facet)]) +
               3 * part_number(part, parts_)];
   for (int side = 0; side < 3; ++side)
     for (int power = 0; power < degree_ && edge[side] >= 0; ++power)
       add(static_cast<std::size_t>(most_places + side * most_patch_degree + power),
-          row_of(turns_, edge[side] * degree_ + power));
+          row_of(turns_, edge[side] * degree_ + power).data());
+  static_assert(quantities == place_terms);
+  double sums[4][place_terms];
+  site_kernels().places(rows.data(), weights.data(), count, sums);
+  const Eigen::Map<const Quantities> value(sums[0]);
+  const Eigen::Map<const Eigen::Matrix<double, quantities, 3>> slope(sums[1]);
   SiteRest rest;
   rest.stiffness = symmetric(value.data());
   for (int axis = 0; axis < 3; ++axis)
@@ -357,8 +366,8 @@ void FieldPatches::fill(const SurfacePlace& place, bool root, SiteModel& model) 
   if (length > 0)
     rest.normal_by =
         (Mat3::Identity() - rest.normal * rest.normal.transpose()) / length * slope.middleRows<3>(6);
-  model.take(rest, value.tail<static_cast<int>(jet_size)>(), slope.bottomRows<static_cast<int>(jet_size)>(),
-             root, field_->options().theta);
+  model.take(where, rest, value.tail<static_cast<int>(jet_size)>(),
+             slope.bottomRows<static_cast<int>(jet_size)>(), root, field_->options().theta);
 }
 
 }  // namespace forefeel

@@ -95,12 +95,14 @@ std::array<Vec3, 3> SurfaceMap::flat_slopes(std::int32_t number) const {
   return {Vec3(n.cross(c - b) / twice), Vec3(n.cross(a - c) / twice), Vec3(n.cross(b - a) / twice)};
 }
 
-std::array<Vec3, 3> SurfaceMap::barycentric_slopes(const SurfacePlace& place) const {
-  std::array<Vec3, 3> slopes = flat_slopes(place.facet);
-  if (smooth_.is_flat(place.facet)) return slopes;
-  const Mat3 back = spot(place).by.inverse().transpose();
-  for (Vec3& slope : slopes) slope = (back * slope).eval();
-  return slopes;
+SurfaceMap::OnFacet SurfaceMap::on_facet(const SurfacePlace& place) const {
+  OnFacet where{.share = barycentric(place), .by = flat_slopes(place.facet), .normal = facet(place).normal};
+  if (smooth_.is_flat(place.facet)) return where;
+  const SmoothSpot spot = smooth_.at(place.facet, where.share);
+  const Mat3 back = spot.by.inverse().transpose();
+  for (Vec3& slope : where.by) slope = (back * slope).eval();
+  where.normal = spot.normal;
+  return where;
 }
 
 SurfacePlace SurfaceMap::nearest(const Vec3& point) const {
@@ -123,12 +125,13 @@ SurfacePlace SurfaceMap::nearest(const Vec3& point) const {
 SurfacePlace SurfaceMap::foot_near(const SurfacePlace& on_facet, const Vec3& point) const {
   constexpr int most_steps = 60;
   SurfacePlace best = place(on_facet.facet, foot_share(on_facet.facet, on_facet.at));
+  SmoothSpot here = spot(best);
   for (int i = 0; i < most_steps && !facet(best).clamped; ++i) {
-    const Vec3 way = point - best.at, normal = spot(best).normal, step = way - normal.dot(way) * normal;
-    const SurfacePlace next = walk(best, step).end;
-    const double before = way.squaredNorm(), after = (point - next.at).squaredNorm();
+    const Vec3 way = point - best.at, step = way - here.normal.dot(way) * here.normal;
+    const Walk next = walk(best, here, step);
+    const double before = way.squaredNorm(), after = (point - next.end.at).squaredNorm();
     if (!(after < before)) break;
-    best = next;
+    best = next.end, here = next.spot;
     if (step.squaredNorm() < 1e-24 * before || step.norm() < 1e-13) break;
   }
   return best;
@@ -159,12 +162,12 @@ SurfacePlace SurfaceMap::random(std::mt19937_64& random) const {
   return place(f, {1 - root, root * (1 - t), root * t});
 }
 
-SurfaceMap::Walk SurfaceMap::walk(const SurfacePlace& from, const Vec3& step) const {
+SurfaceMap::Walk SurfaceMap::walk(const SurfacePlace& from, const SmoothSpot& start, const Vec3& step) const {
   constexpr int most_facets = 1000;
-  Walk walk{.end = from};
+  Walk walk{.end = from, .spot = start};
   Vec3& share = walk.end.share;
   share = barycentric(from);
-  SmoothSpot spot = smooth_.at(from.facet, share);
+  SmoothSpot& spot = walk.spot;
   Vec3 way = step - spot.normal.dot(step) * spot.normal, gone = Vec3::Zero();  // in the tangent plane
   std::int32_t came_from = -1;
   for (int count = 0; count < most_facets; ++count) {

@@ -40,8 +40,14 @@ class SurfaceMap {
   SmoothSpot spot(const SurfacePlace& place) const { return smooth_.at(place.facet, barycentric(place)); }
   // Of the three barycentric coordinates in the plane of a facet [1/m].
   std::array<Vec3, 3> flat_slopes(std::int32_t facet) const;
-  // The same by a way over the smooth surface from the place.
-  std::array<Vec3, 3> barycentric_slopes(const SurfacePlace& place) const;
+  // Where a place is on its facet.
+  struct OnFacet {
+    Vec3 share = Vec3::Zero();  // barycentric
+    std::array<Vec3, 3> by{Vec3::Zero(), Vec3::Zero(),
+                           Vec3::Zero()};  // of them, by a way over the smooth surface [1/m]
+    Vec3 normal = Vec3::Zero();            // of the smooth surface
+  };
+  OnFacet on_facet(const SurfacePlace& place) const;
   double free_area() const { return free_area_; }  // of the facets that are not clamped [m^2]
 
   SurfacePlace nearest(const Vec3& point) const;  // clamped facets too; O(facets)
@@ -57,9 +63,11 @@ class SurfaceMap {
     Vec3 step =
         Vec3::Zero();   // the part of the way that was gone, turned into the tangent plane at the end [m]
     bool whole = true;  // false: ended at a clamped facet or an open edge
+    SmoothSpot spot;    // at the end
   };
   // step [m]: only its part in the tangent plane counts. Its length over the surface is that of a short way.
-  Walk walk(const SurfacePlace& from, const Vec3& step) const;
+  Walk walk(const SurfacePlace& from, const Vec3& step) const { return walk(from, spot(from), step); }
+  Walk walk(const SurfacePlace& from, const SmoothSpot& spot, const Vec3& step) const;
 
  private:
   // Of the point's foot on the plane of a facet, barycentric.

@@ -164,7 +164,7 @@ TEST_CASE("While a site slides, its drive is mu times the normal force, and ener
     if (slip.slid == 0 || slip.end != SlipEnd::sticks) continue;
     ++slips;
     const double limit = friction * after.at.force.dot(after.normal);
-    const double ratio = drive(liver(), slip.site, after).norm() / limit;
+    const double ratio = drive(after).norm() / limit;
     const bool on_edge = liver().map().barycentric(slip.site).minCoeff() < 1e-4;
     if (on_edge && ratio > 1.001)
       ++rims;  // both sides push to a kept edge
