@@ -50,6 +50,7 @@ struct FieldNote {
   bool kept = false;                              // read from the cache
   double area = 0;                                // of the free surface [m^2]
   std::optional<StiffnessRange> with_pad, alone;  // nullopt: no free node on the surface
+  std::optional<double> friction = {};            // nullopt: bonded
 };
 // Solves the map of stiffness.
 FieldNote field_note(const Scene& scene, const FieldFound& found, const Globals& globals);
