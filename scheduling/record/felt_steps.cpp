@@ -62,7 +62,7 @@ std::string_view in_words(FeltCause cause) {
   constexpr std::string_view words[] = {"a switch of models",
                                         "a slip",
                                         "a snap",
-                                        "the begin of a touch",
+                                        "the begin of a touch or of the session",
                                         "the end of a touch or of the session",
                                         "the motion"};
   return words[static_cast<std::size_t>(cause)];

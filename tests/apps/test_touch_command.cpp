@@ -53,7 +53,7 @@ TEST_CASE("a session touches anywhere: columns, labels, errors, states that the 
 
 TEST_CASE("a linear body is exact everywhere, without a state") {
   const Workshop shop;
-  shop.write("any.toml", beam("linear"));
+  shop.write("any.toml", beam("linear", "bonded = true\n"));
   const auto run = shop.run(
       "session any.toml --device path:palpation,depth=0.003 --clock virtual --seconds 4 --switch none -o run "
       "--json");
