@@ -85,7 +85,8 @@ FieldNote field_note(const Scene& scene, const FieldFound& found, const Globals&
           .kept_edges = field.rest().map().smooth().kept_edges(),
           .faceted_nodes = field.rest().map().smooth().faceted_nodes(),
           .with_pad = range_over(map, &SurfaceStiffness::with_pad),
-          .alone = range_over(map, &SurfaceStiffness::alone)};
+          .alone = range_over(map, &SurfaceStiffness::alone),
+          .friction = scene.touch.anywhere->friction};
 }
 
 const JsonKeys<FieldNote>& field_keys() {
@@ -105,7 +106,9 @@ const JsonKeys<FieldNote>& field_keys() {
        "[least, median, greatest] over the surface's area, at rest, along the normal, with the pad",
        [](const F& f) { return range_json(f.with_pad); }},
       {"body_stiffness", "N/m", "the same of the body alone under the pad",
-       [](const F& f) { return range_json(f.alone); }}};
+       [](const F& f) { return range_json(f.alone); }},
+      {"friction", "1", "coefficient of tip and surface; null: bonded",
+       [](const F& f) { return f.friction; }}};
   return keys;
 }
 
@@ -126,6 +129,8 @@ std::vector<std::string> in_words(const FieldNote& note) {
   };
   add(note.with_pad, "with the pad");
   add(note.alone, "body alone");
+  lines.push_back(note.friction ? fmt::format("a tip slides beyond friction {:g}", *note.friction)
+                                : std::string("a tip is bonded: it never slides"));
   return lines;
 }
 

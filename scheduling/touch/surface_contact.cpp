@@ -25,6 +25,7 @@ ForceSwitch::Step SurfaceContact::step(const HipSample& tip, TouchRecord& record
   record = {.applies = true,
             .kind = touch_.kind,
             .inside = touch_.inside,
+            .tip_change = frame.tip_change,
             .energy = frame.energy,
             .lost = frame.lost};
   if (begins_) switch_ = ForceSwitch(options_);

@@ -146,7 +146,7 @@ Slip slide(const TouchField& field, const SurfacePlace& from, const Vec3& tip, d
   slider.start(here);
   const bool pulled = Slider::push(here) < 0;
   Slip slip;
-  slip.site = from, slip.pulled = pulled;
+  slip.site = from, slip.pulled = pulled, slip.held = here.terms.at.force;
   const double start = here.terms.at.energy;
   slip.end = SlipEnd::unsettled;
   for (int i = 0; i < most_steps; ++i) {
@@ -210,13 +210,22 @@ TouchFrame touch(const TouchField& field, const Touch& before, const Vec3& tip,
   if (!now.inside) {
     const std::optional<SurfacePlace> way_out = field.grid().crossing(tip, before.tip);
     frame.left = way_out ? way_out->at : tip;
-    frame.lost = std::max(0.0, field.at(now.site, *frame.left - now.site.at, false).at.energy);
+    const SiteTerms there = field.at(now.site, *frame.left - now.site.at, false).at;
+    frame.tip_change = (there.force - before.force).norm();
+    frame.lost = std::max(0.0, there.energy);
     now.kind = TouchKind::none;
     return frame;
   }
   now.kind = TouchKind::stick;
   TouchTerms terms;
-  if (!friction) terms = field.at(now.site, tip - now.site.at, false);
+  // A tip that is inside from the start had no way.
+  const auto by_tip = [&](const Vec3& force) {
+    return !frame.began ? (force - before.force).norm() : before.known ? force.norm() : 0;
+  };
+  if (!friction) {
+    terms = field.at(now.site, tip - now.site.at, false);
+    frame.tip_change = by_tip(terms.at.force);
+  }
   if (friction || terms.at.force.dot(terms.normal) < 0) {
     std::optional<SlideLimit> limit;
     if (!frame.began && before.known)
@@ -225,6 +234,7 @@ TouchFrame touch(const TouchField& field, const Touch& before, const Vec3& tip,
                .way = std::max(site_over_tip * (tip - before.tip).norm(), least_way)};
     const Slip slip = slide(field, now.site, tip, friction.value_or(0), now.steepness, limit);
     terms = slip.terms;
+    frame.tip_change = by_tip(slip.held);
     frame.snaps = slip.end == SlipEnd::limited;
     now.steepness = slip.steepness;
     frame.lost = slip.lost;

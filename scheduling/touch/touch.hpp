@@ -45,8 +45,9 @@ struct SlideLimit {
 
 struct Slip {
   SurfacePlace site;
-  double lost = 0;  // energy that sliding dissipated [J], >= 0
-  double slid = 0;  // way over the surface [m]
+  Vec3 held = Vec3::Zero();  // force at the start, before the site slides [N]
+  double lost = 0;           // energy that sliding dissipated [J], >= 0
+  double slid = 0;           // way over the surface [m]
   SlipEnd end = SlipEnd::sticks;
   bool pulled = false;   // the force was tensile at the start
   TouchTerms terms;      // at the end; K only nearly
@@ -75,6 +76,7 @@ struct TouchFrame {
   Vec3 normal = Vec3::Zero();         // mean normal under the pad
   Vec3 drive = Vec3::Zero();          // g of the slide [N]
   double energy = 0;                  // stored [J]
+  double tip_change = 0;              // of the force by the tip's way, at the site of the frame before [N]
   double lost = 0;                    // by sliding, and at the end of a touch [J]
   bool at_border = false;             // the slide ended at a clamped facet
   bool snaps = false;                 // the slide was limited

@@ -5,8 +5,12 @@
 
 namespace forefeel {
 
+double reach_of(double depth) {
+  return std::hypot(depth, 0.5 * depth);
+}
+
 double farthest_of(double depth) {
-  return 1.5 * std::hypot(depth, 0.5 * depth);
+  return 1.5 * reach_of(depth);
 }
 
 FieldOfSites::FieldOfSites(std::shared_ptr<const SiteField> field, std::shared_ptr<const SurfaceGrid> grid,

@@ -107,7 +107,7 @@ SurfacePlace place_near_tip() {
 
 }  // namespace
 
-TEST_CASE("A touch begins where the tip crosses the surface, sticks without friction, and ends outside") {
+TEST_CASE("A touch begins where the tip crosses the surface, sticks when bonded, and ends outside") {
   const SurfacePlace place = place_near_tip();
   const Vec3 n = liver().map().facet(place).normal;
   Touch now = touch(liver(), {}, place.at + 0.002 * n, {}).touch;
