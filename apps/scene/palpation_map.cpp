@@ -8,6 +8,7 @@
 #include <numeric>
 
 #include "apps/console/console.hpp"
+#include "geometry/common/counted.hpp"
 
 namespace forefeel {
 namespace {
@@ -80,8 +81,12 @@ FieldNote field_note(const Scene& scene, const FieldFound& found, const Globals&
           .seconds = found.seconds,
           .kept = found.kept,
           .area = field.rest().map().free_area(),
+          .lift = field.rest().map().smooth().farthest(),
+          .kept_edges = field.rest().map().smooth().kept_edges(),
+          .faceted_nodes = field.rest().map().smooth().faceted_nodes(),
           .with_pad = range_over(map, &SurfaceStiffness::with_pad),
-          .alone = range_over(map, &SurfaceStiffness::alone)};
+          .alone = range_over(map, &SurfaceStiffness::alone),
+          .friction = scene.touch.anywhere->friction};
 }
 
 const JsonKeys<FieldNote>& field_keys() {
@@ -92,18 +97,30 @@ const JsonKeys<FieldNote>& field_keys() {
       {"seconds", "s", "that making or reading it took", &F::seconds},
       {"kept", "", "true: it was read from the cache", &F::kept},
       {"area", "m^2", "of the surface that is not clamped", &F::area},
+      {"lift", "m", "of the smooth surface that a tip slides over from the mesh's facets, at most", &F::lift},
+      {"kept_edges", "", "edges of the mesh that the smooth surface keeps: sharper than 40 degrees",
+       &F::kept_edges},
+      {"faceted_nodes", "", "nodes around which it would fold and stays that of the facets",
+       &F::faceted_nodes},
       {"stiffness", "N/m",
        "[least, median, greatest] over the surface's area, at rest, along the normal, with the pad",
        [](const F& f) { return range_json(f.with_pad); }},
       {"body_stiffness", "N/m", "the same of the body alone under the pad",
-       [](const F& f) { return range_json(f.alone); }}};
+       [](const F& f) { return range_json(f.alone); }},
+      {"friction", "1", "coefficient of tip and surface; null: bonded",
+       [](const F& f) { return f.friction; }}};
   return keys;
 }
 
 std::vector<std::string> in_words(const FieldNote& note) {
-  std::vector<std::string> lines{fmt::format("{} sites {:.3g} mm apart over {:.3g} cm2, {} in {:.3g} s",
-                                             note.sites, 1e3 * note.spacing, 1e4 * note.area,
-                                             note.kept ? "read from the cache" : "solved", note.seconds)};
+  std::vector<std::string> lines{
+      fmt::format("{} sites {:.3g} mm apart over {:.3g} cm2, {} in {:.3g} s", note.sites, 1e3 * note.spacing,
+                  1e4 * note.area, note.kept ? "read from the cache" : "solved", note.seconds),
+      fmt::format("smooth surface within {:.2g} mm of the mesh, {} kept{}", 1e3 * note.lift,
+                  counted(note.kept_edges, "sharp edge"),
+                  note.faceted_nodes > 0
+                      ? fmt::format(", {} with flat facets", counted(note.faceted_nodes, "node"))
+                      : "")};
   const auto add = [&](const std::optional<StiffnessRange>& range, const char* what) {
     if (range)
       lines.push_back(
@@ -112,6 +129,8 @@ std::vector<std::string> in_words(const FieldNote& note) {
   };
   add(note.with_pad, "with the pad");
   add(note.alone, "body alone");
+  lines.push_back(note.friction ? fmt::format("a tip slides beyond friction {:g}", *note.friction)
+                                : std::string("a tip is bonded: it never slides"));
   return lines;
 }
 

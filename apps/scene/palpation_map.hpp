@@ -49,7 +49,11 @@ struct FieldNote {
   double seconds = 0;                             // that making or reading it took
   bool kept = false;                              // read from the cache
   double area = 0;                                // of the free surface [m^2]
+  double lift = 0;                                // of the smooth surface from the facets, at most [m]
+  std::size_t kept_edges = 0;                     // of the mesh, sharper than feature_angle
+  std::size_t faceted_nodes = 0;                  // around which the surface stays that of the facets
   std::optional<StiffnessRange> with_pad, alone;  // nullopt: no free node on the surface
+  std::optional<double> friction = {};            // nullopt: bonded
 };
 // Solves the map of stiffness.
 FieldNote field_note(const Scene& scene, const FieldFound& found, const Globals& globals);

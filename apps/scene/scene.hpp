@@ -63,7 +63,7 @@ struct FineBodies;  // scene_fine.hpp
 // What a scene with contact.anywhere = true says beside its pad.
 struct AnywhereKeys {
   double depth = usual_depth;                   // to which states are placed [m]
-  std::optional<double> friction = {};          // coefficient; nullopt: the tip sticks
+  std::optional<double> friction = {};          // coefficient; nullopt: bonded, the site never moves
   std::optional<double> site_spacing = {};      // [m]; nullopt: chosen
   std::shared_ptr<const FineBodies> fine = {};  // their pads stand anywhere; null: no fine body
 };

@@ -7,6 +7,7 @@
 
 #include "apps/scene/scene_fine.hpp"
 #include "apps/scene/scene_nodes.hpp"
+#include "scheduling/touch/surface_models.hpp"
 #include "solver/body/pad.hpp"
 #include "solver/jet/surface_map.hpp"
 
@@ -44,7 +45,7 @@ double depth_of(const Box& box) {
 std::optional<AnywhereKeys> read_anywhere(const SceneTable& contact, const SceneTable& state_space,
                                           std::vector<std::string>& warnings) {
   if (!is_anywhere(contact)) {
-    for (const char* key : {"friction", "site_spacing"})
+    for (const char* key : {"friction", "bonded", "site_spacing"})
       if (contact.has(key))
         throw InputError(contact.where(key), "is for a pad that moves, expected contact.anywhere = true");
     if (state_space.has("depth"))
@@ -61,6 +62,12 @@ std::optional<AnywhereKeys> read_anywhere(const SceneTable& contact, const Scene
                     state_space.where("box").text(), keys.depth));
   }
   keys.friction = contact.number("friction", not_negative());
+  const bool bonded = contact.boolean("bonded").value_or(false);
+  if (bonded && keys.friction)
+    throw InputError(contact.where("bonded"),
+                     "is true beside contact.friction, expected one of them: a bonded tip "
+                     "never slides");
+  if (!bonded && !keys.friction) keys.friction = usual_friction;
   keys.site_spacing = contact.number("site_spacing", positive());
   return keys;
 }

@@ -16,8 +16,8 @@ namespace forefeel {
 Scene load_scene_with_sites(const std::filesystem::path& file, std::span<const std::string> overrides,
                             const SceneUse& use, const Scene* like = nullptr);
 bool is_anywhere(const Scene& scene);
-// contact.friction, contact.site_spacing and state_space.depth; nullopt without contact.anywhere, and InputError for
-// one of these keys then. A box without a depth gives its own, and a warning says so.
+// contact.friction or bonded, contact.site_spacing and state_space.depth; nullopt without contact.anywhere, and
+// InputError for one of these keys then. A box without a depth gives its own, and a warning says so.
 std::optional<AnywhereKeys> read_anywhere(const SceneTable& contact, const SceneTable& state_space,
                                           std::vector<std::string>& warnings);
 // For the identity of a body: a pad without its site.

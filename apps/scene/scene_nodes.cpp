@@ -5,6 +5,7 @@
 #include <algorithm>
 
 #include "apps/scene/scene_declared.hpp"
+#include "scheduling/touch/surface_models.hpp"
 #include "solver/body/pad.hpp"
 #include "solver/jet/site_field.hpp"
 
@@ -159,7 +160,11 @@ const SceneRows<NodeSet>& rows_of_contact() {
           .row({"friction", "1", "",
                 "with anywhere: coefficient of friction, at least 0, of tip and surface; the tip slides "
                 "beyond it"})
-          .standard("none: the tip sticks")
+          .standard(fmt::format("{}, that of moist tissue", usual_friction))
+          .row({"bonded", "bool", "",
+                "with anywhere, in place of friction: true: the tip sticks where it came in, and "
+                "drags that place along"})
+          .standard("false")
           .row({"site_spacing", "m", "",
                 "with anywhere: distance of the sites whose jets at rest make the field of forces"})
           .standard(fmt::format("{}", SiteFieldOptions().spacing));

@@ -133,7 +133,7 @@ const JsonKeys<SessionField>& session_field_keys() {
        &N::sites},
       {"spacing", "m", "of these places", &N::spacing},
       {"depth", "m", "to which states are placed", &N::depth},
-      {"friction", "1", "coefficient; null: the tip sticks", [](const N& n) { return n.friction; }},
+      {"friction", "1", "coefficient; null: bonded", [](const N& n) { return n.friction; }},
       {"seconds", "s", "that making or reading it took", &N::seconds},
       {"patches", "s", "that making or reading its polynomials over the facets took", &N::patches},
       {"kept", "", "true: it was read from the cache", &N::kept}};

@@ -341,8 +341,7 @@ Picture begin_slices(const SessionResult& result, const StateSpaceOptions& space
 
 std::vector<Figure> run_figures(const SessionResult& result, const StateSpaceOptions& space,
                                 const RunView& view) {
-  std::vector<Figure> figures{time_figure(result.frames, view.force_limit),
-                              slice_figure(slices_of(result), space)};
+  std::vector<Figure> figures{time_figure(result, view), slice_figure(slices_of(result), space)};
   if (has_deadlines(result.frames)) figures.push_back(deadline_figure(result.frames));
   return figures;
 }
@@ -353,13 +352,14 @@ RunView view_of(const StateSpaceOptions& space, const SessionOptions& options, d
           .force_limit = force_limit,
           .jnd_share = options.switching.jnd_share,
           .jnd_floor = options.switching.jnd_floor,
+          .felt = felt_rule(options.switching, options.safety),
           .error_floor = options.judging.error_floor};
 }
 
 ReportPictures begin_pictures(const SessionResult& result, Picture slices, const RunView& view) {
   const std::span<const FrameRecord> frames = result.frames;
   ReportPictures drawings{.slices = std::move(slices),
-                          .still = drawn([=] { return time_figure(frames, view.force_limit); }),
+                          .still = drawn([&result, view] { return time_figure(result, view); }),
                           .deadlines = {},
                           .charts = {},
                           .moments = {}};

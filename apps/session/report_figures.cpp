@@ -70,7 +70,14 @@ struct Curves {
   std::vector<double> t, rendered, sent, undamped, reference;
   double limit = unknown;  // [N]
   double end = 1e-3;       // [s]
+  std::string felt;        // time and force of steps that a hand feels
 
+  Curves(const SessionResult& result, const RunView& view) : Curves(Frames(result.frames), view.force_limit) {
+    for (const FeltStep& step : felt_steps(result.frames, view.felt, result.loop.ending_frames)) {
+      const auto at = static_cast<std::size_t>(std::ranges::lower_bound(t, step.t) - t.begin());
+      felt += fmt::format("{:.6g} {:.6g}\n", step.t, sent[at]);
+    }
+  }
   Curves(Frames frames, double force_limit)
       : t(values_of(frames, [](const FrameRecord& f) { return f.t; })),
         rendered(norms(frames, [](const FrameRecord& f) -> const Vec3& { return f.force; })),
@@ -92,7 +99,8 @@ struct Curves {
     return data_block("rendered", thinned_curve(part(t), part(rendered), bins)) +
            data_block("sent", thinned_curve(part(t), part(sent), bins)) +
            data_block("undamped", thinned_curve(part(t), part(undamped), bins)) +
-           data_block("reference", scatter(t, reference));
+           data_block("reference", scatter(t, reference)) +
+           data_block("felt", felt.empty() ? "NaN NaN\n" : felt);
   }
   std::string plot(double from, double until) const {
     const auto [begin, last] = rows(from, until);
@@ -107,8 +115,9 @@ struct Curves {
                "plot $reference with points pt 7 ps 0.55 lc rgb '{}' title 'reference', $undamped with lines "
                "lw 1 lc rgb '{}' title 'newest model, undamped', "
                "$rendered with lines lw 1.3 lc rgb '{}' title 'rendered', $sent with lines lw 1 lc rgb '{}' "
-               "title 'sent to the device'\nunset arrow 1\nunset label 1\n",
-               ink("reference_light"), ink("undamped"), ink("rendered"), ink("sent"));
+               "title 'sent to the device', $felt with points pt 2 ps 0.9 lw 1.6 lc rgb '{}' title 'felt "
+               "step'\nunset arrow 1\nunset label 1\n",
+               ink("reference_light"), ink("undamped"), ink("rendered"), ink("sent"), ink("limit"));
   }
 
  private:
@@ -186,8 +195,9 @@ std::string histogram(const std::vector<double>& values, double& peak) {
 
 }  // namespace
 
-Figure time_figure(Frames frames, double force_limit) {
-  const Curves curves(frames, force_limit);
+Figure time_figure(const SessionResult& result, const RunView& view) {
+  const Frames frames = result.frames;
+  const Curves curves(result, view);
   const std::vector<double> states =
       values_of(frames, [](const FrameRecord& f) { return static_cast<double>(f.known); });
   std::string script = curves.blocks(0, curves.end, 1400) + plot_style + "set grid noxtics\n" +

@@ -7,14 +7,15 @@
 #include <vector>
 
 #include "apps/picture/figure.hpp"
+#include "apps/session/run_view.hpp"
 #include "scheduling/common/session_result.hpp"
 #include "solver/jet/surface_map.hpp"
 
 namespace forefeel {
 
-// Over one time axis: force with its limit [N], labels, number of known states, error and its parts. A limit
-// above the axis is named instead of drawn; NaN: none.
-Figure time_figure(std::span<const FrameRecord> frames, double force_limit);
+// Over one time axis: force with its limit and the steps that a hand feels [N], labels, number of known states, error
+// and its parts. A limit above the axis is named instead of drawn; NaN: none.
+Figure time_figure(const SessionResult& result, const RunView& view);
 // Cost and wake-up lateness of the loop; only with a real clock.
 bool has_deadlines(std::span<const FrameRecord> frames);
 Figure deadline_figure(std::span<const FrameRecord> frames);

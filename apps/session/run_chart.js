@@ -216,6 +216,12 @@
         this.curve(newest, sy, ink.newest, 1);
         this.curve(rendered, sy, ink.rendered, 1.4);
         this.curve(sent, sy, ink.sent, 1.6, [5, 3]);
+        pen.lineWidth = 2.4;
+        for (const [s, force, , , cause] of run.felt) {
+          if (s < this.view.from || s > this.view.to) continue;
+          pen.strokeStyle = ink.felt[cause];
+          this.line([[this.sx(s), sy(force) - 9], [this.sx(s), sy(force) + 9]]);
+        }
         pen.strokeStyle = ink.limit;
         pen.lineWidth = 1.2;
         pen.setLineDash([7, 4]);

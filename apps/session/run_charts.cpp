@@ -109,6 +109,25 @@ Json switches(std::span<const SwitchRecord> all) {
   return list;
 }
 
+// The ink of a cause.
+constexpr std::pair<FeltCause, const char*> felt_inks[] = {{FeltCause::change_of_model, "switching"},
+                                                           {FeltCause::slip, "approximation"},
+                                                           {FeltCause::snap, "staleness"},
+                                                           {FeltCause::begin, "within"},
+                                                           {FeltCause::end, "above"},
+                                                           {FeltCause::motion, "limit"}};
+
+// [t, |force sent|, change, share, cause]
+Json felt(const SessionResult& result, const RunView& view) {
+  Json list = Json::array();
+  for (const FeltStep& step : felt_steps(result.frames, view.felt, result.loop.ending_frames)) {
+    const auto frame = std::ranges::lower_bound(result.frames, step.t, {}, &FrameRecord::t);
+    list.push_back({moment(step.t), rounded(frame->sent.norm()), rounded(step.change), rounded(step.share),
+                    name(step.cause)});
+  }
+  return list;
+}
+
 Json corners(const Vec3& low, const Vec3& high) {
   return Json::array({Json::array({low[0], low[1], low[2]}), Json::array({high[0], high[1], high[2]})});
 }
@@ -119,6 +138,7 @@ Json inks() {
   for (const char* meaning : {"rendered", "sent", "limit", "approximation", "switching", "staleness", "bar",
                               "within", "above", "far_above"})
     out[meaning] = ink(meaning);
+  for (const auto& [cause, meaning] : felt_inks) out["felt"][std::string(name(cause))] = ink(meaning);
   return out;
 }
 
@@ -148,6 +168,7 @@ std::string run_data(const SessionResult& result, const RunView& view) {
   document["clamped"] = clamped(frames, view.force_limit);
   document["samples"] = samples(frames, view);
   document["switches"] = switches(result.switches);
+  document["felt"] = felt(result, view);
   document["columns"] = columns_of(frames, every);
   return json_text(document);
 }
@@ -168,16 +189,22 @@ std::string compared_in_words(std::span<const FrameRecord> frames) {
                      visits > 0 ? fmt::format(", {} more at first visits", visits) : "");
 }
 
-std::string curves(const std::string& compared, std::size_t ending_frames) {
+std::string curves(const std::string& compared, const FeltSteps& felt, std::size_t ending_frames) {
   std::string html = fmt::format("<h2>Force, label and error over time ({})</h2>\n", compared);
   html += "<p class=\"legend\">" + key(ink("rendered"), "line", "rendered, before the safety rules") +
           key(ink("sent"), "dash", "sent to the device") + key(ink("limit"), "dash", "force limit") +
           key(ink("limit") + "33", "box", "clamped") +
           key(ink("undamped"), "line", "newest model, undamped") +
           key(ink("reference_light"), "dot", "reference") + key(ink("bar") + "2e", "box", "error bar, 95 %") +
-          "</p>\n<p class=\"legend\"><span>error:</span>" + key(ink("rendered"), "line", "rendered") +
-          key(ink("approximation"), "dot", "approximation") + key(ink("switching"), "dot", "switch") +
-          key(ink("staleness"), "dot", "staleness") + key("#6a6a6a", "dash", "just noticeable") + "</p>\n";
+          "</p>\n<p class=\"legend\"><span>step that a hand feels, by</span>";
+  for (const auto& [cause, meaning] : felt_inks)
+    html += key(ink(meaning), "box", std::string(name(cause)).c_str());
+  html += "</p>\n<p class=\"muted\">Felt: " + in_words(felt) +
+          ". Counted are changes within 10 ms beyond what the motion explains.</p>\n<p "
+          "class=\"legend\"><span>error:</span>" +
+          key(ink("rendered"), "line", "rendered") + key(ink("approximation"), "dot", "approximation") +
+          key(ink("switching"), "dot", "switch") + key(ink("staleness"), "dot", "staleness") +
+          key("#6a6a6a", "dash", "just noticeable") + "</p>\n";
   html +=
       "<figure><p class=\"bar\"><button id=\"run-all\">whole run</button><button id=\"run-in\">+</button>"
       "<button id=\"run-out\">−</button><button id=\"run-here\">switch at the pointer</button>"
@@ -238,8 +265,8 @@ std::string run_charts(const SessionResult& result, const RunView& view, const s
   std::string data = run_data(result, view);
   for (std::size_t at = 0; (at = data.find("</", at)) != std::string::npos; at += 3)
     data.insert(at + 1, "\\");
-  return curves(compared, result.loop.ending_frames) + around_switch(result.switches.size()) +
-         maps(compared) + "<noscript>" + without_script +
+  return curves(compared, felt_steps_of(result, view.felt), result.loop.ending_frames) +
+         around_switch(result.switches.size()) + maps(compared) + "<noscript>" + without_script +
          "</noscript>\n<script type=\"application/json\" id=\"run-data\">" + data + "</script>\n<script>\n" +
          std::string(run_script) + "</script>\n";
 }

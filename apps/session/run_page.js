@@ -21,6 +21,11 @@
       ['states known', held(run.known, t[i])], ['model', held(run.models, t[i])],
       ['tip', [x, y, z].map(c => digits(1e3 * c[i])).join(', ') + ' mm']
     ];
+    const step = run.felt[nearest(run.felt, s)];
+    if (step && Math.abs(step[0] - s) < Math.max(0.01, 0.01 * (view.to - view.from)))
+      items.push([
+        'felt step', digits(step[2]) + ' N (' + percent(step[3]) + ') by ' + step[4] + ' at ' + digits(step[0], 5) + ' s'
+      ]);
     if (r)
       items.push([
         'nearest sample',

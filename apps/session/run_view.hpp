@@ -6,6 +6,7 @@
 
 #include "geometry/common/types.hpp"
 #include "scheduling/common/records.hpp"
+#include "scheduling/record/felt_steps.hpp"
 
 namespace forefeel {
 
@@ -15,6 +16,7 @@ struct RunView {
   double force_limit = unknown;  // largest force that is sent [N]
   double jnd_share = 0.07;       // just noticeable difference: max(jnd_share |F|, jnd_floor)
   double jnd_floor = 0.010;      // [N]
+  FeltRule felt = {};            // which steps of the force a hand feels
   double error_floor = 0.05;     // errors are relative to max(|reference|, error_floor) [N]
 };
 

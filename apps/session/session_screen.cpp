@@ -48,11 +48,13 @@ void tell_figures(const Globals& globals, const SessionSummary& s) {
                   share(s.time_in[Label::sparse]), share(s.time_in[Label::gap]),
                   share(s.time_in[Label::blank]),
                   std::isfinite(s.motion.outside) ? "; outside the box " + share(s.motion.outside) : ""));
-  tell_figure(
-      globals, "felt", std::to_string(s.switching.frames_over_jnd),
-      fmt::format("frames in which one of {} changes of model moved the force by more than its bound; "
-                  "clamped {}, slewed {} of the frames",
-                  s.switching.count, share(s.safety.clamped_share), share(s.safety.slewed_share)));
+  const std::string felt = in_words(s.safety.felt);
+  const std::size_t noun = felt.find(' ') + 1;
+  tell_figure(globals, "felt", felt.substr(0, noun - 1),
+              fmt::format("{}; of {} changes of model {} moved it by more than their bound in a frame; "
+                          "clamped {}, slewed {} of the frames",
+                          felt.substr(noun), s.switching.count, s.switching.frames_over_jnd,
+                          share(s.safety.clamped_share), share(s.safety.slewed_share)));
 }
 
 std::string in_words(const SessionSummary::Mesh& mesh) {

@@ -13,11 +13,14 @@ enum class Axis : std::uint8_t { x, y, z };
 
 // A point of a body's surface at rest; the facet is its number in SurfaceMap::facets() (solver/jet/surface_map.hpp).
 struct SurfacePlace {
-  std::int32_t facet = -1;  // -1: no place
-  Vec3 at = Vec3::Zero();   // [m]
+  std::int32_t facet = -1;    // -1: no place
+  Vec3 at = Vec3::Zero();     // [m]
+  Vec3 share = Vec3::Zero();  // where on its facet, barycentric; zero: to be found from `at`
 
   bool exists() const { return facet >= 0; }
-  friend bool operator==(const SurfacePlace&, const SurfacePlace&) = default;
+  friend bool operator==(const SurfacePlace& a, const SurfacePlace& b) {
+    return a.facet == b.facet && a.at == b.at;
+  }
 };
 
 // Axis-aligned box, low <= high per axis [m].

@@ -57,11 +57,13 @@ struct TouchRecord {
   TouchKind kind = TouchKind::none;
   bool inside = false;         // the tip, of the body at rest
   SurfacePlace site = {};      // none without a touch
+  double tip_change = 0;       // of the force by the tip's way, were the site to stay [N]
   Vec3 normal = Vec3::Zero();  // mean normal under the pad
   double energy = 0;           // stored by body and pad [J]
   double lost = 0;             // by sliding, and at the end of a touch, in this frame [J]
   double slope = unknown;      // |g| / (f . n), g of touch/touch.hpp [1]
   bool at_border = false;      // the slide ended at a clamped facet
+  bool snaps = false;          // the slide is not at its end yet
 };
 
 struct FrameRecord {

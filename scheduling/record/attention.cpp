@@ -58,6 +58,19 @@ std::string unstable(const StabilityReport& report, const SessionSummary::Safety
   return line;
 }
 
+// A site that does not follow the tip.
+std::string dragged(const TouchNumbers& touch) {
+  const std::string share = fmt::format(
+      "the tip was farther from its site than any state is placed for {:.2g} % of the time in touch, and the "
+      "force "
+      "there is extrapolated: ",
+      100 * touch.beyond);
+  if (!std::isfinite(touch.friction))
+    return share + "contact.bonded = true holds the site; without it the site slides after the tip";
+  return share + fmt::format("contact.friction = {:g} holds the site; lower it, or raise state_space.depth",
+                             touch.friction);
+}
+
 // A label whose 95 % bars held far less often than they say, with enough samples to tell.
 void add_short_bars(const SessionSummary::ErrorBars& bars, std::vector<std::string>& lines) {
   constexpr double least = 0.85;
@@ -127,6 +140,7 @@ std::string samples(const char* what, std::size_t n) {
 std::vector<std::string> attention(const SessionSummary& summary) {
   const auto& [motion, safety, states] = std::tie(summary.motion, summary.safety, summary.states);
   std::vector<std::string> lines;
+  if (motion.touch && motion.touch->beyond >= beyond_too_often) lines.push_back(dragged(*motion.touch));
   const std::optional<StabilityReport>& stability = summary.energy.stability;
   if (stability && !stability->stable) lines.push_back(unstable(*stability, safety));
   if (std::isfinite(motion.away.median)) lines.push_back(far_from_states(motion.away));

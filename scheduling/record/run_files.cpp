@@ -92,6 +92,11 @@ constexpr Field<Frame> of_frames[] = {
     {"slope", "1",
      "|g| / (f . n): a touch slides where it exceeds contact.friction, but not out of a kink of E on an edge",
      [](Cells& o, const Frame& f) { put(o, f.touch.slope); }, "", Only::anywhere},
+    {"tip_change", "N",
+     "change of the newest model's force by the way of the tip, were the site to stay: what the motion "
+     "explains in "
+     "felt_steps (motion_change holds the slide too)",
+     [](Cells& o, const Frame& f) { put(o, f.touch.tip_change); }, "", Only::anywhere},
     {"elastic_x,elastic_y,elastic_z", "N", "rendered force before the relaxation function",
      [](Cells& o, const Frame& f) { put(o, f.elastic); }, "elastic", Only::viscous},
     {"elastic_rx,elastic_ry,elastic_rz", "N", "force of the tight solve before the relaxation function",

@@ -329,15 +329,15 @@ SessionSummary::Loop loop_of(const SessionResult& result, const SessionOptions& 
           .faults = faults_of(result)};
 }
 
-SessionSummary::Safety safety_of(const SessionResult& result) {
+SessionSummary::Safety safety_of(const SessionResult& result, const SessionOptions& options) {
   const SafetyReport& report = result.safety;
-  const auto frames = static_cast<double>(std::max<std::size_t>(1, result.frames.size()));
   return {.clamped = report.clamped,
           .slewed = report.slewed,
           .stale = report.stale,
           .non_finite = report.non_finite,
-          .clamped_share = static_cast<double>(report.clamped) / frames,
-          .slewed_share = static_cast<double>(report.slewed) / frames};
+          .clamped_share = share_of(report.clamped, result.frames.size()),
+          .slewed_share = share_of(report.slewed, result.frames.size()),
+          .felt = felt_steps_of(result, felt_rule(options.switching, options.safety))};
 }
 
 SessionSummary::Motion motion_of(const SessionResult& result, const StateSpaceOptions& space,
@@ -378,7 +378,7 @@ SessionSummary summarise(const SessionResult& result, const SessionInput& input,
                                            input.touched.anywhere != nullptr),
                          .load = load_of(result, input, options),
                          .energy = energy_of(result, input, options),
-                         .safety = safety_of(result),
+                         .safety = safety_of(result, options),
                          .loop = loop_of(result, options),
                          .motion = motion_of(result, input.touched.space, options)};
   if (!input.touched.anywhere) return summary;

@@ -24,6 +24,7 @@
 
 #include "geometry/coverage/coverage.hpp"
 #include "scheduling/motion/prediction_score.hpp"
+#include "scheduling/record/felt_steps.hpp"
 #include "scheduling/record/stability.hpp"
 #include "scheduling/record/summary_parts.hpp"
 #include "scheduling/session/session_options.hpp"
@@ -123,6 +124,7 @@ struct SessionSummary {
     double clamped_share = 0, slewed_share = 0;
     // The limit behind `clamped`: the lower one of options and device [N]. Known only if the plan is given.
     double force_limit = unknown;
+    FeltSteps felt = {};  // of the force that was sent
   };
   // Of a session whose states are of another body: how far the hand was from them, and the median 95 % error bars of
   // the force that they tell there and at the states themselves. Then the label under which they tell least: its share

@@ -249,6 +249,28 @@ void add_control(std::vector<Column>& columns, const ControlSummary& control) {
               "least energy in the tank; below zero: it could not be held");
 }
 
+void add_felt_steps(std::vector<Column>& columns, const FeltSteps& felt) {
+  constexpr std::array<std::string_view, all_felt_causes.size()> meanings = {
+      "steps by a change of models",
+      "by a site that slid",
+      "by a site that snaps, in several frames",
+      "by the begin of a touch, or the start-up ramp",
+      "by the end of a touch, or of the session, where the force shrinks at the slew limit",
+      "by the motion itself or another safety rule"};
+  Group group(columns, "felt_steps");
+  group
+      .count("count", felt.count,
+             "steps of the force sent that a hand feels: runs of windows of 10 ms in which it changes, "
+             "beyond what "
+             "the model gives for the tip's way, by more than the just noticeable difference (7 %, 10 mN)")
+      .number("largest_N", felt.largest, "N", "largest of these changes")
+      .number("largest_share", felt.largest_share, "1", "largest of them over the force");
+  for (const FeltCause cause : all_felt_causes) {
+    const auto i = static_cast<std::size_t>(cause);
+    group.count("by_cause." + std::string(name(cause)), felt.by_cause[i], meanings[i]);
+  }
+}
+
 void add_touches(std::vector<Column>& columns, const std::optional<TouchNumbers>& touch) {
   const TouchNumbers t = touch.value_or(TouchNumbers());
   const auto known = [&](auto value) { return touch ? static_cast<double>(value) : unknown; };
@@ -266,7 +288,10 @@ void add_touches(std::vector<Column>& columns, const std::optional<TouchNumbers>
       .number("angle_p50", t.angle_p50, "rad", "median angle of the force to the normal")
       .number("angle_p95", t.angle_p95, "rad", "95th percentile of it")
       .number("jets", known(t.jets), "",
-              "jets at rest that were made at the hand's place; not in states.solved");
+              "jets at rest that were made at the hand's place; not in states.solved")
+      .number(
+          "beyond", t.beyond, "1",
+          "share of the time in touch in which the tip is farther from its site than any state is placed");
 }
 
 }  // namespace
@@ -316,6 +341,7 @@ std::vector<Column> later_columns(const SessionSummary& summary) {
       .text("discretisation_by", mesh.how, "finer body that it was measured with, or why it was not");
   add_faults(columns, summary.loop.faults);
   add_touches(columns, summary.motion.touch);
+  add_felt_steps(columns, summary.safety.felt);
   return columns;
 }
 

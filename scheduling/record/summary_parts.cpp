@@ -77,8 +77,7 @@ void add_sliding(const FrameRecord& frame, const FrameRecord* before, const Touc
   if (before && before->touch.kind != TouchKind::none)
     touches.slid += (frame.touch.site.at - before->touch.site.at).norm();
   const double friction = task.friction.value_or(0);
-  if (!(friction > 0) || !std::isfinite(frame.touch.slope) || frame.touch.at_border ||
-      (task.patches && task.patches->is_on_edge(frame.touch.site)))
+  if (!(friction > 0) || !std::isfinite(frame.touch.slope) || frame.touch.at_border || frame.touch.snaps)
     return;
   const double off = std::abs(frame.touch.slope - friction) / friction;
   touches.cone = std::isfinite(touches.cone) ? std::max(touches.cone, off) : off;
@@ -89,12 +88,15 @@ void add_sliding(const FrameRecord& frame, const FrameRecord* before, const Touc
 TouchNumbers touches_of(const SessionResult& result, const TouchTask& task) {
   TouchNumbers touches;
   std::vector<double> angles;
-  std::size_t touching = 0, slipping = 0;
+  std::size_t touching = 0, slipping = 0, beyond = 0;
+  const double reach = reach_of(task.depth);
+  touches.friction = task.friction.value_or(unknown);
   const FrameRecord* before = nullptr;
   for (const FrameRecord& frame : result.frames) {
     touches.lost += frame.touch.lost;
     if (frame.touch.kind != TouchKind::none) {
       ++touching;
+      beyond += (frame.at - frame.touch.site.at).norm() > reach;
       touches.count += !before || before->touch.kind == TouchKind::none;
       touches.stored = std::max(touches.stored, frame.touch.energy);
       const double push = frame.undamped.dot(frame.touch.normal), size = frame.undamped.norm();
@@ -105,7 +107,10 @@ TouchNumbers touches_of(const SessionResult& result, const TouchTask& task) {
   }
   touches.time =
       static_cast<double>(touching) / static_cast<double>(std::max<std::size_t>(1, result.frames.size()));
-  touches.slipping = touching > 0 ? static_cast<double>(slipping) / static_cast<double>(touching) : unknown;
+  if (touching > 0) {
+    touches.slipping = static_cast<double>(slipping) / static_cast<double>(touching);
+    touches.beyond = static_cast<double>(beyond) / static_cast<double>(touching);
+  }
   if (!angles.empty())
     touches.angle_p50 = quantile_of(angles, 0.5), touches.angle_p95 = quantile_of(angles, 0.95);
   touches.jets = jets_at_rest(result);

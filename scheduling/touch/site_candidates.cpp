@@ -20,7 +20,7 @@ SiteCandidates::SiteCandidates(const StateSpace& space, SurfaceModels& models)
     for (std::size_t i = 0; i < task.field->size(); ++i) jets_.push_back(task.field->place(i));
 }
 
-// Where the tip will press. Without friction a touch keeps its site; with it, the site is taken to follow the tip.
+// Where the tip will press. A bonded touch keeps its site; else the site is taken to follow the tip.
 void SiteCandidates::predict_visits(std::span<const Prediction> path, const HipSample& hip) {
   const TouchTask& task = models_.task();
   const SurfaceMap& map = field_.map();

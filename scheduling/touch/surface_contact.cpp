@@ -25,6 +25,7 @@ ForceSwitch::Step SurfaceContact::step(const HipSample& tip, TouchRecord& record
   record = {.applies = true,
             .kind = touch_.kind,
             .inside = touch_.inside,
+            .tip_change = frame.tip_change,
             .energy = frame.energy,
             .lost = frame.lost};
   if (begins_) switch_ = ForceSwitch(options_);
@@ -33,12 +34,13 @@ ForceSwitch::Step SurfaceContact::step(const HipSample& tip, TouchRecord& record
     return {};
   }
   record.site = touch_.site, record.normal = frame.normal, record.at_border = frame.at_border;
+  record.snaps = frame.snaps;
   const double push = frame.force.dot(frame.normal);
   if (push > 0) record.slope = frame.drive.norm() / push;
   Vec3 now = frame.force;
   if (came) {
     take(came);
-    now = field_.at(touch_.site, tip.at - touch_.site.at, false).at.force;
+    now = touch_.force = field_.at(touch_.site, tip.at - touch_.site.at, false).at.force;
   }
   return switch_.step(frame.force, now, came_, (tip.at - before).norm());
 }

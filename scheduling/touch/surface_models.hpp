@@ -15,16 +15,18 @@
 
 namespace forefeel {
 
+inline constexpr double usual_friction = 0.2;  // of moist tissue
+
 // What is known of the body, and wanted of its states.
 struct TouchTask {
   std::shared_ptr<const SiteField> field;
   std::shared_ptr<const SurfaceGrid> grid;
-  std::shared_ptr<const FieldPatches> patches;  // of the field
-  std::shared_ptr<const TouchSurface> surface;  // for paths of the hand
-  double depth = 0.025;                         // of states [m]
-  std::optional<double> friction;               // coefficient; none: the tip sticks
-  double tolerance = 0.07;                      // of the relative error [1]
-  double floor = 0.05;                          // f0 [N]
+  std::shared_ptr<const FieldPatches> patches;      // of the field
+  std::shared_ptr<const TouchSurface> surface;      // for paths of the hand
+  double depth = 0.025;                             // of states [m]
+  std::optional<double> friction = usual_friction;  // coefficient; none: bonded, the site never moves
+  double tolerance = 0.07;                          // of the relative error [1]
+  double floor = 0.05;                              // f0 [N]
 
   double site_spacing() const { return field->options().spacing; }  // [m]
   FieldOfSites field_of_sites() const { return {field, grid, farthest_of(depth), patches}; }

@@ -12,6 +12,10 @@ constexpr double settled = 5e-4;   // of mu f . n, or of |f| where the force pul
 constexpr double shortest = 1e-9;  // step [m]
 constexpr double longest = 2e-3;   // step [m]; a longer way has several
 constexpr int most_steps = 200, most_halvings = 60;
+constexpr double near_limit = 0.1;                   // of what the force may change by: close enough
+constexpr double site_over_tip = 3;                  // most way of the site in a frame, over the tip's
+constexpr double least_way = 1e-4;                   // of a site that follows a tip at rest [m]
+constexpr double bound = 0.007, bound_floor = 1e-3;  // of |f|, and [N]: of the damped switch, a frame
 
 // One site, seen along a direction of its facet.
 struct Seen {
@@ -23,12 +27,13 @@ struct Seen {
 
 class Slider {
  public:
-  Slider(const TouchField& field, const Vec3& tip, double friction, double steepness)
-      : field_(field), tip_(tip), friction_(friction), steepness_(steepness) {}
+  Slider(const TouchField& field, const Vec3& tip, double friction, double steepness,
+         std::optional<SlideLimit> limit)
+      : field_(field), tip_(tip), friction_(friction), steepness_(steepness), limit_(limit) {}
 
   Seen see(const SurfaceMap::Walk& walk) const {
     Seen seen{.walk = walk, .terms = field_.at(walk.end, tip_ - walk.end.at, false)};
-    seen.drive = drive(field_, walk.end, seen.terms);
+    seen.drive = drive(seen.terms);
     seen.limit = friction_ * std::max(0.0, push(seen));
     return seen;
   }
@@ -37,36 +42,62 @@ class Slider {
     return settled * (seen.limit > 0 ? seen.limit : seen.terms.at.force.norm()) + 1e-12;
   }
 
-  // The farthest place along `way` (length 1) to which E falls by more than friction takes. `from` if there is none.
-  // By secants of the slope, kept between the last place before it and the first one behind.
+  // By how much the force has changed more than it may [N].
+  double excess(const Seen& seen) const {
+    return limit_ ? (seen.terms.at.force - limit_->before).norm() - limit_->change : -1;
+  }
+  void start(const Seen& at) {
+    if (limit_) limit_->change += (at.terms.at.force - limit_->before).norm();
+  }
+  bool limited() const { return limited_; }
+
+  // The farthest place along `way` (length 1) to which E falls by more than friction takes, within the limit. `from` if
+  // there is none. By secants of the slope, kept between the last place before it and the first one behind.
   Seen advance(const Seen& from, const Vec3& way) {
-    double low = 0, low_slope = from.drive.dot(way) - from.limit, high = -1;
+    double low = 0, low_slope = from.drive.dot(way) - from.limit, high = -1, low_excess = excess(from);
     const double guess = steepness_ > 0 ? steepness_ : from.terms.at.stiffness.norm() + 1e-300;
-    double step = std::clamp(low_slope / guess, 10 * shortest, longest);
+    const double most = limit_ ? std::min(longest, limit_->way - gone_) : longest;
+    double step = std::min(std::max(low_slope / guess, 10 * shortest), most);
     Seen best = from;
     for (int i = 0; i < most_halvings && (high < 0 || high - low > shortest); ++i) {
-      Seen seen = see(field_.map().walk(from.walk.end, step * way));
+      Seen seen = see(field_.map().walk(from.walk.end, from.walk.spot, step * way));
       const double slope = onward(seen, way);
       // No body has E < 0: there the model is wrong, and no site goes.
       const bool falls = seen.terms.at.energy <= best.terms.at.energy &&
-                         seen.terms.at.energy >= std::min(0.0, best.terms.at.energy),
-                 before = falls && slope >= -tolerance(seen);
+                         seen.terms.at.energy >= std::min(0.0, best.terms.at.energy);
+      const double over = excess(seen);
+      if (falls && over > 0 && slope >= -tolerance(seen)) {  // back to where the force has changed enough
+        high = step;
+        limited_ = true;
+        if (low_excess >= -near_limit * limit_->change && low > 0) break;
+        step = low + std::clamp((0.5 * near_limit * limit_->change - low_excess) / (over - low_excess), 0.05,
+                                0.95) *
+                         (high - low);
+        continue;
+      }
+      const bool before = falls && slope >= -tolerance(seen);
       // Where the slope would vanish.
       const double steepness = (low_slope - slope) / (step - low);
       const double wanted = falls && steepness > 0 ? step + slope / steepness : -1;
       if (wanted > 0) steepness_ = steepness;
       if (before) {
-        best = seen, low = step, low_slope = slope;
-        if (slope <= tolerance(seen) || !seen.walk.whole || low >= longest) break;
+        best = seen, low = step, low_slope = slope, low_excess = over;
+        if (slope <= tolerance(seen) || !seen.walk.whole) break;
+        if (low >= most) {
+          limited_ = most < longest;
+          break;
+        }
+        if (limited_ && over >= -near_limit * limit_->change) break;
       } else {
         high = step;
       }
       if (high < 0)
-        step = std::min(wanted > low ? std::min(wanted, 4 * low) : 2 * low, longest);
+        step = std::min(wanted > low ? std::min(wanted, 4 * low) : 2 * low, most);
       else
         step = wanted > low + 0.02 * (high - low) && wanted < high - 0.02 * (high - low) ? wanted
                                                                                          : 0.5 * (low + high);
     }
+    gone_ += best.walk.step.norm();
     return best;
   }
   double steepness() const { return steepness_; }
@@ -80,7 +111,9 @@ class Slider {
 
   const TouchField& field_;
   Vec3 tip_;
-  double friction_, steepness_;
+  double friction_, steepness_, gone_ = 0;
+  std::optional<SlideLimit> limit_;
+  bool limited_ = false;
 };
 
 // Along the edge of the facet that the site stands on, downhill; zero if it is on none.
@@ -100,19 +133,20 @@ Vec3 along_edge(const SurfaceMap& map, const Seen& seen) {
 
 }  // namespace
 
-Vec3 drive(const TouchField& field, const SurfacePlace& site, const TouchTerms& terms) {
+Vec3 drive(const TouchTerms& terms) {
   const Vec3 g = -(terms.at.by_site + terms.at.force);
-  const Vec3& n = field.map().facet(site).normal;
+  const Vec3& n = terms.across;
   return g - n.dot(g) * n;
 }
 
 Slip slide(const TouchField& field, const SurfacePlace& from, const Vec3& tip, double friction,
-           double steepness) {
-  Slider slider(field, tip, friction, steepness);
-  Seen here = slider.see({.end = from});
+           double steepness, const std::optional<SlideLimit>& limit) {
+  Slider slider(field, tip, friction, steepness, limit);
+  Seen here = slider.see({.end = from, .spot = field.map().spot(from)});
+  slider.start(here);
   const bool pulled = Slider::push(here) < 0;
   Slip slip;
-  slip.site = from, slip.pulled = pulled;
+  slip.site = from, slip.pulled = pulled, slip.held = here.terms.at.force;
   const double start = here.terms.at.energy;
   slip.end = SlipEnd::unsettled;
   for (int i = 0; i < most_steps; ++i) {
@@ -138,8 +172,8 @@ Slip slide(const TouchField& field, const SurfacePlace& from, const Vec3& tip, d
     const bool border = !next.walk.whole;
     here = next;
     here.walk.step.setZero(), here.walk.whole = true;
-    if (border) {
-      slip.end = SlipEnd::border;
+    if (border || slider.limited()) {
+      slip.end = border ? SlipEnd::border : SlipEnd::limited;
       break;
     }
   }
@@ -176,30 +210,46 @@ TouchFrame touch(const TouchField& field, const Touch& before, const Vec3& tip,
   if (!now.inside) {
     const std::optional<SurfacePlace> way_out = field.grid().crossing(tip, before.tip);
     frame.left = way_out ? way_out->at : tip;
-    frame.lost = std::max(0.0, field.at(now.site, *frame.left - now.site.at, false).at.energy);
+    const SiteTerms there = field.at(now.site, *frame.left - now.site.at, false).at;
+    frame.tip_change = (there.force - before.force).norm();
+    frame.lost = std::max(0.0, there.energy);
     now.kind = TouchKind::none;
     return frame;
   }
   now.kind = TouchKind::stick;
   TouchTerms terms;
-  if (!friction) terms = field.at(now.site, tip - now.site.at, false);
+  // A tip that is inside from the start had no way.
+  const auto by_tip = [&](const Vec3& force) {
+    return !frame.began ? (force - before.force).norm() : before.known ? force.norm() : 0;
+  };
+  if (!friction) {
+    terms = field.at(now.site, tip - now.site.at, false);
+    frame.tip_change = by_tip(terms.at.force);
+  }
   if (friction || terms.at.force.dot(terms.normal) < 0) {
-    const Slip slip = slide(field, now.site, tip, friction.value_or(0), now.steepness);
+    std::optional<SlideLimit> limit;
+    if (!frame.began && before.known)
+      limit = {.before = before.force,
+               .change = std::max(bound * before.force.norm(), bound_floor),
+               .way = std::max(site_over_tip * (tip - before.tip).norm(), least_way)};
+    const Slip slip = slide(field, now.site, tip, friction.value_or(0), now.steepness, limit);
     terms = slip.terms;
+    frame.tip_change = by_tip(slip.held);
+    frame.snaps = slip.end == SlipEnd::limited;
     now.steepness = slip.steepness;
     frame.lost = slip.lost;
     frame.at_border = slip.end == SlipEnd::border;
     if (slip.slid > 0) now.kind = TouchKind::slip, now.site = slip.site;
-    if (slip.pulled && slip.end != SlipEnd::sticks) {
+    if (slip.pulled && slip.end != SlipEnd::sticks && slip.end != SlipEnd::limited) {
       frame.lost += std::max(0.0, terms.at.energy);
       now.kind = TouchKind::none;
       return frame;
     }
   }
-  frame.force = terms.at.force;
+  frame.force = now.force = terms.at.force;
   frame.energy = terms.at.energy;
   frame.normal = terms.normal;
-  frame.drive = drive(field, now.site, terms);
+  frame.drive = drive(terms);
   return frame;
 }
 

@@ -5,8 +5,12 @@
 
 namespace forefeel {
 
+double reach_of(double depth) {
+  return std::hypot(depth, 0.5 * depth);
+}
+
 double farthest_of(double depth) {
-  return 1.5 * std::hypot(depth, 0.5 * depth);
+  return 1.5 * reach_of(depth);
 }
 
 FieldOfSites::FieldOfSites(std::shared_ptr<const SiteField> field, std::shared_ptr<const SurfaceGrid> grid,
@@ -39,12 +43,12 @@ double FieldOfSites::estimate(const SurfacePlace& site, const Vec3& x) const {
 }
 
 TouchTerms FieldOfSites::at(const SurfacePlace& site, const Vec3& x, bool stiff) const {
-  const Vec3 normal = model(site).rest().normal;
+  const Vec3 normal = model(site).rest().normal, across_site = model(site).where().normal;
   const double r = x.norm();
-  if (!(r > farthest_)) return {terms(site, x, stiff), normal};
+  if (!(r > farthest_)) return {terms(site, x, stiff), normal, across_site};
   const Vec3 n = x / r;
   const double beyond = r - farthest_, step = 1e-4 * farthest_;
-  TouchTerms at{terms(site, farthest_ * n, true), normal};
+  TouchTerms at{terms(site, farthest_ * n, true), normal, across_site};
   const Vec3 outer = terms(site, (farthest_ + step) * n, false).by_site,
              inner = terms(site, (farthest_ - step) * n, false).by_site;
   const Vec3 across = at.at.stiffness * n;

@@ -18,6 +18,7 @@ namespace forefeel {
 struct TouchTerms {
   SiteTerms at;                // E, f, K and dE/ds
   Vec3 normal = Vec3::Zero();  // n(s), the mean normal under the pad
+  Vec3 across = Vec3::Zero();  // normal of the smooth surface at s
 };
 
 class TouchField {
@@ -30,8 +31,8 @@ class TouchField {
   virtual const SurfaceGrid& grid() const = 0;
 };
 
-// R for states to this depth [m]: half as far again as the farthest of them.
-double farthest_of(double depth);
+double reach_of(double depth);     // of the farthest state from its site, for states to this depth [m]
+double farthest_of(double depth);  // R [m]: half as far again
 
 // A field of sites with states that correct it, for one thread. Where the facet has a patch it answers from that, in a
 // few microseconds and without allocation; else from the field itself, whose cost is hundreds.

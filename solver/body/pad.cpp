@@ -72,12 +72,17 @@ std::vector<std::size_t> component_at(const TetMesh& mesh, const Pad& pad,
   const auto take = [&](std::size_t t) {
     if (taken[t] == 0) taken[t] = 1, found.push_back(t);
   };
+  const auto distance = [&](const Triangle& t) {
+    return (corners_of(mesh, t).nearest(pad.site) - pad.site).norm();
+  };
+  double least = pad.radius;
+  for (const Triangle& t : near) least = std::min(least, distance(t));
   for (std::size_t t = 0; t < near.size(); ++t) {
     for (std::size_t e = 0; e < 3; ++e) {
       const NodeIndex a = near[t][e], b = near[t][(e + 1) % 3];
       beside[{std::min(a, b), std::max(a, b)}].push_back(t);
     }
-    if ((corners_of(mesh, near[t]).nearest(pad.site) - pad.site).norm() <= 1e-7 * pad.radius) take(t);
+    if (distance(near[t]) <= least + 1e-7 * pad.radius) take(t);
   }
   for (std::size_t next = 0; next < found.size(); ++next)
     for (std::size_t e = 0; e < 3; ++e) {

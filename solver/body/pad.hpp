@@ -1,6 +1,6 @@
 #pragma once
 // A compliant pad: springs between the rest surface and the tip of the device, about a fingertip. They act over the
-// component S of {y on the surface : |y - s| < r} that holds the site s:
+// component S of {y on the surface : |y - s| < r} that holds the site s, or the surface nearest to it:
 //   a(y) = 3 k_p / (pi r^2) (1 - |y - s|^2 / r^2)^2 g(n . m)    [N/m^3]
 //   g(t) = 3 tau^2 - 2 tau^3, tau = 2 t clamped to [0, 1]
 //   m    = mean of n over S, weighted by (1 - |y - s|^2 / r^2)^2, normalised
@@ -34,7 +34,7 @@ struct PadSurface {
 };
 
 // nodes_per_facet: 3 for linear elements, 6 for quadratic ones. Gauss quadrature over facet and ball, exact to 1e-10
-// of k_p. Throws nothing: a site off the surface has no facets.
+// of k_p. Throws nothing: a site farther than r from the surface has no facets.
 PadSurface pad_surface(const TetMesh& mesh, const Pad& pad, int nodes_per_facet = 3);
 
 // a(y) [N/m^3] at a point of a facet of S with this normal (outward, of length 1), and its peak 3 k_p / (pi r^2).

@@ -280,7 +280,7 @@ DeepStates::Rest DeepStates::before(const SiteModel& model, const SurfacePlace& 
   double weights = options_.rest_weight;
   Rest sum;
   const Vec3& normal = model.rest().normal;
-  const Vec3 share = field_->rest().map().barycentric(place);
+  const Vec3& share = model.where().share;
   for (const Pack* pack = near_[2 * static_cast<std::size_t>(place.facet)].get(); pack;
        pack = pack->next.get())
     for (int i = 0; i < pack->count; ++i) {
@@ -303,12 +303,10 @@ DeepStates::Rest DeepStates::before(const SiteModel& model, const SurfacePlace& 
 // Of jets at rest and of states.
 std::array<SiteSums, 2> DeepStates::sums(const SiteModel& model, const SurfacePlace& place, const Vec3& x,
                                          bool bend) const {
-  const SurfaceMap& map = field_->rest().map();
   SiteQuestion asked;
   put(place.at, asked.at), put(model.rest().normal, asked.normal), put(model.root() * x, asked.u);
-  put(map.barycentric(place), asked.share);
-  const std::array<Vec3, 3> share_by = barycentric_slopes(map, place.facet);
-  for (std::size_t i = 0; i < 3; ++i) put(share_by[i], asked.share_by + 3 * i);
+  put(model.where().share, asked.share);
+  for (std::size_t i = 0; i < 3; ++i) put(model.where().by[i], asked.share_by + 3 * i);
   std::copy_n(model.root().data(), 9, asked.root);  // symmetric
   asked.square = length_ * length_, asked.far = far_;
   std::array<SiteSums, 2> both;

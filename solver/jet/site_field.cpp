@@ -98,9 +98,10 @@ SiteTerms SiteModel::at(const Vec3& x, int degree) const {
   return terms;
 }
 
-void SiteModel::take(const SiteRest& rest, const JetCoefficients& polynomial,
-                     const JetGradient& polynomial_by, bool root, double theta) {
-  rest_ = rest;
+void SiteModel::take(const SurfaceMap::OnFacet& where, const SiteRest& rest,
+                     const JetCoefficients& polynomial, const JetGradient& polynomial_by, bool root,
+                     double theta) {
+  where_ = where, rest_ = rest;
   whole_ = polynomial, whole_by_ = polynomial_by;
   is_whole_ = slopes_ = true;
   parts_.clear();
@@ -265,9 +266,9 @@ void SiteField::follow_neighbours(std::size_t i) {
 
 void SiteField::add_parts(const SurfacePlace& place, const SiteRest& rest, SiteModel& model) const {
   const Triangle& corner = rest_->map().facet(place).corners;
-  const Vec3 share = rest_->map().barycentric(place);
+  const Vec3& share = model.where_.share;
   // Over the way along the surface, interpolated from the corners.
-  const std::array<Vec3, 3> by = barycentric_slopes(rest_->map(), place.facet);
+  const std::array<Vec3, 3>& by = model.where_.by;
   const double reach = options_.reach * options_.spacing;
   double sum = 0;
   Vec3 sum_by = Vec3::Zero();
@@ -320,6 +321,7 @@ void SiteField::add_parts(const SurfacePlace& place, const SiteRest& rest, SiteM
 SiteModel SiteField::at(const SurfacePlace& place, bool slopes) const {
   SiteModel model;
   model.slopes_ = slopes;
+  model.where_ = rest_->map().on_facet(place);
   model.rest_ = rest_->at(place, slopes);
   model.set_root(options_.theta);
   add_parts(place, model.rest_, model);

@@ -61,12 +61,13 @@ class SiteModel {
   double scale() const { return scale_; }                          // c^2
   const Vec3& scale_by() const { return scale_by_; }
   bool has_slopes() const { return slopes_; }
+  const SurfaceMap::OnFacet& where() const { return where_; }  // the place
   std::size_t neighbours() const { return parts_.size(); }
 
   // In place of neighbours: degrees 3 to 5 as one polynomial in x, with its derivatives by s, at a place of which
   // `rest` is known with slopes. root: also B and c^2. Allocates nothing.
-  void take(const SiteRest& rest, const JetCoefficients& polynomial, const JetGradient& polynomial_by,
-            bool root, double theta);
+  void take(const SurfaceMap::OnFacet& where, const SiteRest& rest, const JetCoefficients& polynomial,
+            const JetGradient& polynomial_by, bool root, double theta);
 
  private:
   friend class SiteField;
@@ -80,6 +81,7 @@ class SiteModel {
   };
   void set_root(double theta);
 
+  SurfaceMap::OnFacet where_;
   SiteRest rest_;
   Mat3 root_ = Mat3::Zero();  // B
   std::array<Mat3, 3> root_by_{Mat3::Zero(), Mat3::Zero(), Mat3::Zero()};

@@ -1,11 +1,11 @@
 #pragma once
-// What the sums over sites share: turns between two normals, a cut-off, and the gradients of barycentric coordinates.
+// What the sums over sites share: turns between two normals, and a cut-off.
 
 #include <Eigen/Geometry>
 #include <algorithm>
 #include <array>
 
-#include "solver/jet/surface_map.hpp"
+#include "geometry/common/types.hpp"
 
 namespace forefeel {
 
@@ -36,14 +36,6 @@ inline double fade(double t) {
 inline double fade_slope(double t) {
   t = std::clamp(t, 0.0, 1.0);
   return -30 * t * t * (1 - t) * (1 - t);
-}
-
-// Of the three barycentric coordinates in a facet's plane [1/m].
-inline std::array<Vec3, 3> barycentric_slopes(const SurfaceMap& map, std::int32_t facet) {
-  const auto [a, b, c] = map.corners(facet);
-  const Vec3& n = map.facets()[static_cast<std::size_t>(facet)].normal;
-  const double twice = n.dot((b - a).cross(c - a));
-  return {Vec3(n.cross(c - b) / twice), Vec3(n.cross(a - c) / twice), Vec3(n.cross(b - a) / twice)};
 }
 
 }  // namespace forefeel

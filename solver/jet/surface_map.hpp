@@ -1,10 +1,10 @@
 #pragma once
-// The rest surface of a body as a place to touch: its facets, which of them are clamped, the nearest place to a point,
-// and walks that cross from facet to facet.
+// The rest surface of a body as a place to touch: the smooth surface over its facets (smooth_surface.hpp), which of them
+// are clamped, the nearest place to a point, and walks that cross from facet to facet.
 //
-// A place is a point on a facet. A facet is clamped if all its corners are; no site is there. A walk goes straight on a
-// facet; at an edge it turns with the surface, about the edge (a geodesic unless it meets a corner), and ends where a
-// clamped facet begins.
+// A place is a point of the smooth surface over a facet. A facet is clamped if all its corners are; no site is there. A
+// walk goes straight on a facet; at a kept edge it turns with the surface, about the edge, and it ends where a clamped
+// facet begins.
 
 #include <array>
 #include <cstdint>
@@ -12,6 +12,7 @@
 #include <vector>
 
 #include "solver/body/body.hpp"
+#include "solver/jet/smooth_surface.hpp"
 
 namespace forefeel {
 
@@ -32,11 +33,26 @@ class SurfaceMap {
     return facets_[static_cast<std::size_t>(place.facet)];
   }
   std::array<Vec3, 3> corners(std::int32_t facet) const;
+  const SmoothSurface& smooth() const { return smooth_; }
+  SurfacePlace place(std::int32_t facet, const Vec3& share) const;
+  // Where on its facet, in barycentric coordinates; of a point beside the surface, of that under it.
   Vec3 barycentric(const SurfacePlace& place) const;
+  SmoothSpot spot(const SurfacePlace& place) const { return smooth_.at(place.facet, barycentric(place)); }
+  // Of the three barycentric coordinates in the plane of a facet [1/m].
+  std::array<Vec3, 3> flat_slopes(std::int32_t facet) const;
+  // Where a place is on its facet.
+  struct OnFacet {
+    Vec3 share = Vec3::Zero();  // barycentric
+    std::array<Vec3, 3> by{Vec3::Zero(), Vec3::Zero(),
+                           Vec3::Zero()};  // of them, by a way over the smooth surface [1/m]
+    Vec3 normal = Vec3::Zero();            // of the smooth surface
+  };
+  OnFacet on_facet(const SurfacePlace& place) const;
   double free_area() const { return free_area_; }  // of the facets that are not clamped [m^2]
 
   SurfacePlace nearest(const Vec3& point) const;  // clamped facets too; O(facets)
-  bool inside(const Vec3& point) const;           // of the body at rest, by the solid angle of its surface
+  // The foot of a point near a place of a facet, on the smooth surface about it.
+  SurfacePlace foot_near(const SurfacePlace& on_facet, const Vec3& point) const;
   SurfacePlace random(std::mt19937_64& random) const;  // uniform by area, not clamped
   // Of the body at rest under a place, against `normal`: to where the way leaves it first [m]; infinite where that goes
   // out at once, as beside a sharp rim. O(facets).
@@ -45,17 +61,23 @@ class SurfaceMap {
   struct Walk {
     SurfacePlace end;
     Vec3 step =
-        Vec3::Zero();   // the part of the way that was gone, turned into the plane of the last facet [m]
+        Vec3::Zero();   // the part of the way that was gone, turned into the tangent plane at the end [m]
     bool whole = true;  // false: ended at a clamped facet or an open edge
+    SmoothSpot spot;    // at the end
   };
-  // step [m]: only its part in the facet's plane counts.
-  Walk walk(const SurfacePlace& from, const Vec3& step) const;
+  // step [m]: only its part in the tangent plane counts. Its length over the surface is that of a short way.
+  Walk walk(const SurfacePlace& from, const Vec3& step) const { return walk(from, spot(from), step); }
+  Walk walk(const SurfacePlace& from, const SmoothSpot& spot, const Vec3& step) const;
 
  private:
+  // Of the point's foot on the plane of a facet, barycentric.
+  Vec3 foot_share(std::int32_t facet, const Vec3& at) const;
+
   const TetMesh mesh_;
   std::vector<Facet> facets_;
   std::vector<double> sums_;  // of the areas that are not clamped
   double free_area_ = 0;
+  SmoothSurface smooth_;
 };
 
 }  // namespace forefeel

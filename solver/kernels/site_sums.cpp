@@ -321,10 +321,22 @@ void site_sums(const SitePack* pack, const SiteQuestion& asked, SiteSums& out) {
   if (bend) add_to(out.weights.bend, sum.weight_bend), add_to(out.values.bend, sum.value_bend);
 }
 
+void place_sums(const double* const* row, const double (*weight)[4], int count, double (*out)[place_terms]) {
+  for (int first = 0; first < place_terms; first += width) {
+    const int at = first + width <= place_terms ? first : place_terms - width;  // the last ones again
+    Wide sum[4] = {};
+    for (int k = 0; k < count; ++k) {
+      const Wide part = load_wide(row[k] + at);
+      for (int j = 0; j < 4; ++j) sum[j] += weight[k][j] * part;
+    }
+    for (int j = 0; j < 4; ++j) __builtin_memcpy(out[j] + at, &sum[j], sizeof(Wide));
+  }
+}
+
 }  // namespace
 
 namespace FOREFEEL_ISA {
 extern const SiteKernels site_kernels;
-const SiteKernels site_kernels{site_sums<false>, site_sums<true>};
+const SiteKernels site_kernels{site_sums<false>, site_sums<true>, place_sums};
 }  // namespace FOREFEEL_ISA
 }  // namespace forefeel

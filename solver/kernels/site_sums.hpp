@@ -49,10 +49,15 @@ struct SiteSums {
   double square = 0;     // sum of p_k |B dC_k/du|^2
 };
 
+// What is kept of one place of a field over facets (solver/jet/field_patches.hpp).
+inline constexpr int place_terms = 55;
+
 struct SiteKernels {
   // Adds. The second has bend, too.
   void (*slopes)(const SitePack*, const SiteQuestion&, SiteSums&);
   void (*bends)(const SitePack*, const SiteQuestion&, SiteSums&);
+  // out[j] = sum_k weight[k][j] row[k], of rows of place_terms numbers.
+  void (*places)(const double* const* row, const double (*weight)[4], int count, double (*out)[place_terms]);
 };
 const SiteKernels& site_kernels();  // for instruction_set_in_use()
 

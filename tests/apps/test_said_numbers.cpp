@@ -5,6 +5,7 @@
 
 #include "geometry/common/csv_rows.hpp"
 #include "scheduling/motion/halton.hpp"
+#include "tests/apps/felt_in_table.hpp"
 #include "tests/support/executable.hpp"
 
 namespace {
@@ -107,6 +108,8 @@ void check_session(const Workshop& shop, const std::string& out, double limit) {
       frames.count([&](Row i) { return frames.at(i, "switch_change") > frames.at(i, "switch_bound"); });
   const auto solved = solves.count([&](Row i) { return solves.csv.text(i, "status") == "solved"; });
   const auto used = solves.count([&](Row i) { return std::isfinite(solves.at(i, "first_used")); });
+  const test::FeltInTable felt = test::felt_in(frames.csv);
+  REQUIRE(felt.count > 0);
   REQUIRE(clamped > 0.05);
   REQUIRE(outside > 0.05);
   REQUIRE(visits > 0);
@@ -127,8 +130,9 @@ void check_session(const Workshop& shop, const std::string& out, double limit) {
             fmt::format("{:>8}  of the time among densely known states; sparse {}, gap {}, blank {}; outside "
                         "the box {}",
                         in("safe"), in("sparse"), in("gap"), in("blank"), percent(outside)),
-            fmt::format("{:>8}  frames in which one of {} changes of model moved the force", over,
-                        switches.csv.rows()),
+            fmt::format("felt      {:>8}  step{} of the force that a hand feels, the largest {:.2g} N",
+                        felt.count, felt.count == 1 ? "" : "s", felt.largest),
+            fmt::format("of {} changes of model {} moved it by more", switches.csv.rows(), over),
             fmt::format("clamped {}", percent(clamped))});
   const auto tile = [](const std::string& value, const std::string& what) {
     return fmt::format("<b>{}</b><span>{}", value, what);

@@ -46,7 +46,8 @@ TEST_CASE("friction, spacing of sites and depth are what the scene gives", "[sce
               scene =
                   load(shop, {"contact.friction=0.4", "contact.site_spacing=0.02", "state_space.depth=0.01"});
   REQUIRE(plain.touch.anywhere);
-  CHECK_FALSE(plain.touch.anywhere->friction);
+  CHECK(plain.touch.anywhere->friction == 0.2);
+  CHECK_FALSE(load(shop, {"contact.bonded=true"}).touch.anywhere->friction);
   CHECK_FALSE(plain.touch.anywhere->site_spacing);
   CHECK(plain.touch.anywhere->depth == usual_depth);
   CHECK(scene.touch.anywhere->friction == 0.4);

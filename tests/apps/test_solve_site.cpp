@@ -70,13 +70,14 @@ TEST_CASE("keys that say nothing beside contact.anywhere are refused") {
   CHECK(taken.err.find("states are placed to its depth, 0.004 m") != std::string::npos);
   refused("[state_space]\ndepth = -0.01\n", {"state_space.depth", "above 0"});
   refused("friction = -0.1\n", {"contact.friction", "at least 0"});
+  refused("friction = 0.2\nbonded = true\n", {"contact.bonded", "contact.friction"});
   refused("site_spacing = 0\n", {"contact.site_spacing", "above 0"});
   shop.write("beam.toml", beam + "[contact]\nanywhere = true\n");
   check_refused(shop, "solve beam.toml --site=0.06,0,0.02 --at=0,0,0", {"contact.pad: missing", "anywhere"});
   shop.write("plain.toml", beam_scene());
   check_refused(shop, "solve plain.toml --at=0,0,0 --set state_space.depth=0.01",
                 {"state_space.depth", "contact.anywhere"});
-  for (const std::string key : {"friction", "site_spacing"})
-    check_refused(shop, "solve plain.toml --at=0,0,0 --set contact." + key + "=0.01",
-                  {"contact." + key, "contact.anywhere"});
+  for (const std::string key : {"friction=0.01", "site_spacing=0.01", "bonded=true"})
+    check_refused(shop, "solve plain.toml --at=0,0,0 --set contact." + key,
+                  {"contact." + key.substr(0, key.find('=')), "contact.anywhere"});
 }

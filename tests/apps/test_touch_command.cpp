@@ -5,6 +5,7 @@
 #include <unistd.h>
 
 #include "geometry/common/csv_rows.hpp"
+#include "tests/apps/felt_in_table.hpp"
 #include "tests/support/executable.hpp"
 
 namespace {
@@ -36,6 +37,10 @@ TEST_CASE("a session touches anywhere: columns, labels, errors, states that the 
   const CsvTable frames =
       read_csv(shop.path() / "run/frames.csv", std::array<std::string_view, 2>{"x", "fx"});
   CHECK(frames.rows() == 3000);
+  const test::FeltInTable felt = test::felt_in(CsvText::read(shop.path() / "run/frames.csv", "a table"));
+  CHECK(said["felt_steps"]["count"] == felt.count);
+  CHECK(said["felt_steps"]["largest_N"].get<double>() == Approx(felt.largest).margin(1e-12));
+  CHECK(said["felt_steps"]["largest_share"].get<double>() == Approx(felt.largest_share).margin(1e-12));
   const std::string text = shop.read("run/frames.csv");
   for (const char* word : {"touch", ",slip,", ",stick,", ",none,", "trusted", "sx,sy,sz"})
     CHECK_THAT(text, Contains(word));
@@ -48,7 +53,7 @@ TEST_CASE("a session touches anywhere: columns, labels, errors, states that the 
 
 TEST_CASE("a linear body is exact everywhere, without a state") {
   const Workshop shop;
-  shop.write("any.toml", beam("linear"));
+  shop.write("any.toml", beam("linear", "bonded = true\n"));
   const auto run = shop.run(
       "session any.toml --device path:palpation,depth=0.003 --clock virtual --seconds 4 --switch none -o run "
       "--json");

@@ -1,10 +1,13 @@
 // Sessions that touch a body anywhere: paths over the surface, the loop, states that are solved, the judged error.
+#include <fmt/format.h>
+
 #include <Eigen/Geometry>
 
 #include "allocation_count.hpp"
 #include "scheduling/judge/surface_judge.hpp"
 #include "scheduling/motion/device.hpp"
 #include "scheduling/motion/surface_shapes.hpp"
+#include "scheduling/record/attention.hpp"
 #include "scheduling/render/render_loop.hpp"
 #include "scheduling/session/session.hpp"
 #include "scheduling/touch/surface_contact.hpp"
@@ -66,6 +69,7 @@ TEST_CASE("A line with friction slides on the cone, and gains no work", "[touch 
   SessionOptions options = options_for(PathName::line, 0.008, 3);
   options.workers.cost = ConstantCost{1e5};  // no state arrives, so the potential stays
   const SessionResult run = run_session(input, options);
+  const FieldOfSites field = input.touched.anywhere->field_of_sites();
   std::size_t slipping = 0;
   double stored = 0, given = 0, lost = 0, most = 0;
   const FrameRecord* before = nullptr;
@@ -75,9 +79,11 @@ TEST_CASE("A line with friction slides on the cone, and gains no work", "[touch 
     if (before) given -= 0.5 * (frame.undamped + before->undamped).dot(frame.at - before->at);
     if (before && frame.touch.kind == TouchKind::slip && before->touch.kind == TouchKind::slip) {
       ++slipping;
-      // On an edge a site may stop although another part's force would drive it on.
-      if (!liver_task().patches->is_on_edge(frame.touch.site))
-        CHECK(frame.touch.slope == Approx(0.3).epsilon(1e-3));
+      const SurfacePlace& site = before->touch.site;
+      const Vec3 way = frame.at - before->at, half_way = 0.5 * (frame.at + before->at) - site.at;
+      CHECK(frame.touch.tip_change ==
+            Approx((field.at(site, half_way).at.stiffness * way).norm()).epsilon(0.02).margin(1e-4));
+      if (!frame.touch.snaps) CHECK(frame.touch.slope == Approx(0.3).epsilon(1e-3));
     }
     before = &frame, stored = frame.touch.energy;
   }
@@ -90,7 +96,7 @@ TEST_CASE("A line with friction slides on the cone, and gains no work", "[touch 
   CHECK(worst(run) < 0.1);
 }
 
-TEST_CASE("Without friction the site stays, and deep states are solved where the field is not trusted",
+TEST_CASE("A bonded site stays, and deep states are solved where the field is not trusted",
           "[touch session]") {
   SessionInput input = liver_with([](TouchTask& task) { task.tolerance = 0.002; });
   const SessionResult run = run_session(input, options_for(PathName::palpation, 0.018, 6));
@@ -175,6 +181,33 @@ TEST_CASE("Factors of the bars become those of the session's own states", "[touc
   CHECK(own[2] == Approx(3.96).epsilon(0.02));
   CHECK(prior[0] < prior[1]);
   CHECK(prior[1] < prior[2]);
+}
+
+TEST_CASE("A tip that drags its site along says so first, one that slides does not", "[touch session]") {
+  SessionOptions options = options_for(PathName::line, 0.008, 4);
+  options.workers.cost = ConstantCost{1e5};
+  for (const bool bonded : {true, false}) {
+    const SessionInput input = liver_with([&](TouchTask& task) {
+      task.depth = 0.012;
+      if (!bonded) task.friction = usual_friction;
+    });
+    const SessionResult run = run_session(input, options);
+    std::size_t touching = 0, beyond = 0;
+    for (const FrameRecord& frame : run.frames)
+      if (frame.touch.kind != TouchKind::none)
+        ++touching, beyond += (frame.at - frame.touch.site.at).norm() > std::hypot(0.012, 0.006);
+    const SessionSummary summary = summarise(run, input, options);
+    REQUIRE(summary.motion.touch);
+    CHECK(summary.motion.touch->beyond == Approx(double(beyond) / double(touching)));
+    const std::vector<std::string> lines = attention(summary);
+    const std::string first = lines.empty() ? "" : lines.front();
+    const std::string said = fmt::format("than any state is placed for {:.2g} % of the time in touch",
+                                         100 * double(beyond) / double(touching));
+    if (bonded)
+      CHECK_THAT(first, Contains(said, "contact.bonded = true"));
+    else
+      CHECK_THAT(first, !Contains("than any state is placed"));
+  }
 }
 
 TEST_CASE("What is for one place is refused", "[touch session]") {

@@ -100,11 +100,13 @@ TEST_CASE("The force has no jump where the site crosses facets, edges and change
     const SurfaceMap::Facet& facet = map.facet(place);
     if (facet.beside[0] < 0 || map.facets()[static_cast<std::size_t>(facet.beside[0])].clamped) continue;
     const Vec3 inward = facet.normal.cross(b - a).normalized();
-    const SurfacePlace near{place.facet, a + 0.4 * (b - a) + 0.5e-6 * inward};
-    const Vec3 x = pressed(field.at(near, false), 0.01);
-    const Vec3 here = 1.5 * force_after(near, Vec3::Zero(), x) - 0.5 * force_after(near, 1e-6 * inward, x);
-    const Vec3 there =
-        1.5 * force_after(near, -1e-6 * inward, x) - 0.5 * force_after(near, -2e-6 * inward, x);
+    const Vec3 edge(0.6, 0.4, 0),
+        into(map.flat_slopes(place.facet)[0].dot(inward), map.flat_slopes(place.facet)[1].dot(inward),
+             map.flat_slopes(place.facet)[2].dot(inward));
+    const SurfacePlace near = map.place(place.facet, edge + 0.5e-6 * into);
+    const Vec3 x = pressed(field.at(near, false), 0.01), ahead = (map.spot(near).by * inward).normalized();
+    const Vec3 here = 1.5 * force_after(near, Vec3::Zero(), x) - 0.5 * force_after(near, 1e-6 * ahead, x);
+    const Vec3 there = 1.5 * force_after(near, -1e-6 * ahead, x) - 0.5 * force_after(near, -2e-6 * ahead, x);
     CHECK((here - there).norm() < 1e-6 * here.norm());
   }
   for (int line = 0; line < 40; ++line) {  // on a facet, 1 um before and after places 0.2 mm apart

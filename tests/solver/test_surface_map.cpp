@@ -2,6 +2,7 @@
 #include <Eigen/Geometry>
 
 #include "pad_body.hpp"
+#include "solver/jet/surface_grid.hpp"
 #include "solver/jet/surface_map.hpp"
 #include "tests/support/test.hpp"
 
@@ -23,10 +24,11 @@ TEST_CASE("The nearest place of the surface, and on which side of it a point is"
   CHECK(map.facet(map.nearest(Vec3(-0.01, 0.02, 0.02))).clamped);
   CHECK_FALSE(map.facet(map.nearest(Vec3(-0.01, 0.02, 0.05))).clamped);  // at the rim of the clamp
   CHECK(map.free_area() == Approx(4 * 0.1 * 0.04 + 0.04 * 0.04).epsilon(1e-12));
-  CHECK(map.inside(Vec3(0.05, 0.02, 0.02)));
-  CHECK(map.inside(Vec3(0.001, 0.001, 0.001)));
-  CHECK_FALSE(map.inside(Vec3(0.05, 0.02, 0.0401)));
-  CHECK_FALSE(map.inside(Vec3(0.2, 0.02, 0.02)));
+  const SurfaceGrid grid(map);
+  CHECK(grid.inside(Vec3(0.05, 0.02, 0.02)));
+  CHECK(grid.inside(Vec3(0.001, 0.001, 0.001)));
+  CHECK_FALSE(grid.inside(Vec3(0.05, 0.02, 0.0401)));
+  CHECK_FALSE(grid.inside(Vec3(0.2, 0.02, 0.02)));
   const Vec3 share = map.barycentric(top);
   const auto [a, b, c] = map.corners(top.facet);
   CHECK((share[0] * a + share[1] * b + share[2] * c - top.at).norm() < 1e-15);
