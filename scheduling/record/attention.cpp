@@ -158,7 +158,8 @@ std::vector<std::string> attention(const SessionSummary& summary) {
     lines.push_back(
         fmt::format("{} of {} inverted elements: no body takes that shape", states.inverted,
                     counted(states.solved + states.inverted, "solved state has", "solved states have")));
-  if (summary.run.frames > 0 && states.start + states.solved + states.used == 0)
+  // a touch stands on the jets at rest of the body itself
+  if (summary.run.frames > 0 && !motion.touch && states.start + states.solved + states.used == 0)
     lines.push_back("no state was solved: what was rendered is no force of the body");
   add_short_bars(summary.error.bars, lines);
   const std::size_t sampled = summary.error.samples.samples, visits = summary.error.first_visit.samples;

@@ -1,9 +1,9 @@
 #pragma once
 // Touching a body anywhere. Inside and outside mean the body at rest, of the smooth surface over its facets
-// (solver/jet/smooth_surface.hpp). The tip outside feels nothing. Where it crosses the surface a touch begins: the site s
-// on it, and x = tip - s. Without friction the site stays; with it the site slides (below). The touch ends when the tip is outside again, or when a tensile force finds a minimum of E before it
-// becomes a push. Crossing a clamped facet begins none. A tip inside from the start begins at the nearest place. One
-// point, one coefficient, no torque.
+// (solver/jet/smooth_surface.hpp). The tip outside feels nothing. Where it crosses the surface a touch begins: the
+// site s on it, and x = tip - s. Without friction the site stays; with it the site slides (below). The touch ends when
+// the tip is outside again, or when a tensile force finds a minimum of E before it becomes a push. Crossing a clamped
+// facet begins none. A tip inside from the start begins at the nearest place. One point, one coefficient, no torque.
 //
 // E of the sites is a potential and sliding lowers it, so over a closed path the hand gets back no more than it gave.
 
@@ -18,9 +18,10 @@ namespace forefeel {
 //   g = -(dE/ds + f), projected on the tangent plane of the smooth surface      [N]
 // is the force that drives the site over the surface: the downhill slope of that energy. With one friction coefficient
 // mu the site stays while |g| <= mu f . n and slides down g until equality (Harwin and Melder 2002: the friction cone
-// of the proxy). Each accepted move lowers E, so sliding only dissipates. At an edge that is kept, a rim of the body, E
-// may have a kink: the site stops on the edge, or slides along it. A tensile force, f . n < 0, has no friction: the site goes down to a
-// minimum of E, or until the force pushes again. A wrong model may have E < 0, which no body has: no site goes there.
+// of the proxy). Each accepted move lowers E, so sliding only dissipates. At an edge that is kept, a rim of the body,
+// E may have a kink: the site stops on the edge, or slides along it. A tensile force, f . n < 0, has no friction: the
+// site goes down to a minimum of E, or until the force pushes again. A wrong model may have E < 0, which no body has:
+// no site goes there.
 //
 // g is not the tangential force: pressed straight along -n on a curved body it does not vanish.
 

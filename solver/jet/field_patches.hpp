@@ -4,9 +4,9 @@
 //   E(s, x) = 1/2 x^T K(s) x + sum_j c_j(s) m_j(x),   dE/ds = 1/2 x^T K'(s) x + sum_j c_j'(s) m_j(x)
 // are exact derivatives of one potential, at a microsecond instead of the dense system that a place costs. Where two
 // polynomials meet, each is turned at the edge to the mean of their derivatives across it, so E is continuously
-// differentiable over all edges but those that the smooth surface keeps. Of degree 4; 3 where the edges are shorter than half the pad's radius, in the mean. All facets are
-// split alike, each edge in `parts`, as often as it takes until K errs by less than 0.2 % at random places (root mean
-// square; at most 4 parts, and 60,000 places).
+// differentiable over all edges but those that the smooth surface keeps. Of degree 4; 3 where the edges are shorter
+// than half the pad's radius, in the mean. All facets are split alike, each edge in `parts`, as often as it takes
+// until K errs by less than 0.2 % at random places (root mean square; at most 4 parts, and 60,000 places).
 
 #include <functional>
 #include <memory>

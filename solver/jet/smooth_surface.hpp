@@ -2,13 +2,13 @@
 // The smooth surface over which a touch slides: through the nodes of a triangulated surface, of continuous tangent, and
 // a function of the place b (barycentric) on a facet:
 //   y(b) = sum_v w_v(b) P_v(chi_v(b))      [m], v over the facet's three corners
-// chi_v lays the facets around the node v flat: lengths from v as they are, angles scaled so that they fill the turn. P_v is
-// the quadratic with P_v(0) = v that fits v's neighbours best, in least squares. The weights w_v blend the three with no
-// slope across any edge (below), so y is continuously differentiable across edges and at nodes, whatever the shapes of
-// the facets. Manifold surfaces: Grimm and Hughes 1995, Ying and Zorin 2004.
+// chi_v lays the facets around the node v flat: lengths from v as they are, angles scaled so that they fill the turn.
+// P_v is the quadratic with P_v(0) = v that fits v's neighbours best, in least squares. The weights w_v blend the
+// three with no slope across any edge (below), so y is continuously differentiable across edges and at nodes, whatever
+// the shapes of the facets. Manifold surfaces: Grimm and Hughes 1995, Ying and Zorin 2004.
 //
-// Weights: on edge i with ends j and k, w_j = g(tau_i), tau_i the foot of b on the edge, g(tau) = 1 - 3 tau^2 + 2 tau^3;
-// inside, the three edges' weights are averaged by 1 / d_i^2, d_i the distance to edge i.
+// Weights: on edge i with ends j and k, w_j = g(tau_i), tau_i the foot of b on the edge, g(tau) = 1 - 3 tau^2 + 2
+// tau^3; inside, the three edges' weights are averaged by 1 / d_i^2, d_i the distance to edge i.
 //
 // Kept as they are: an edge whose facets meet at more than `feature_angle`, or that is not shared by two facets. Along
 // it y is continuous and the tangent plane is not; the edge itself becomes a smooth curve where two such edges meet. A

@@ -1,10 +1,10 @@
 #pragma once
-// A grid of cells over the rest surface, so that a moving tip learns in a microsecond whether it is inside and where it
-// crosses. A facet of the smooth surface that is not flat is cut into 16 pieces, plane triangles with their corners on
-// it. Each cell knows the pieces that it may hold, and whether its centre is inside. A point of the cell is inside as its
-// centre is, but for the pieces that the way between them crosses. Where that way meets an edge, the solid angle decides.
-// Nearer to a piece than the surface may be, its foot on the smooth surface decides.
-// Queries allocate nothing and may come from any thread.
+// A grid of cells over the rest surface, so that a moving tip learns in a microsecond whether it is inside and where
+// it crosses. A facet of the smooth surface that is not flat is cut into 16 pieces, plane triangles with their corners
+// on it. Each cell knows the pieces that it may hold, and whether its centre is inside. A point of the cell is inside
+// as its centre is, but for the pieces that the way between them crosses. Where that way meets an edge, the solid
+// angle decides. Nearer to a piece than the surface may be, its foot on the smooth surface decides. Queries allocate
+// nothing and may come from any thread.
 
 #include <cstdint>
 #include <optional>

@@ -1,6 +1,6 @@
 #pragma once
-// The rest surface of a body as a place to touch: the smooth surface over its facets (smooth_surface.hpp), which of them
-// are clamped, the nearest place to a point, and walks that cross from facet to facet.
+// The rest surface of a body as a place to touch: the smooth surface over its facets (smooth_surface.hpp), which of
+// them are clamped, the nearest place to a point, and walks that cross from facet to facet.
 //
 // A place is a point of the smooth surface over a facet. A facet is clamped if all its corners are; no site is there. A
 // walk goes straight on a facet; at a kept edge it turns with the surface, about the edge, and it ends where a clamped

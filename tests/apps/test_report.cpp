@@ -77,10 +77,9 @@ TEST_CASE(
   far.status = late.status = DispatchStatus::solved;
   result.dispatch = {far, late};
   result.frames[0].known = 1;
-  CHECK_THAT(
-      bad_moments(result, view)[0].why,
-      Catch::StartsWith("The only known state was 20 mm away. A state 1 mm away was asked for "
-                        "0.5 s before and came 0.25 s too late."));
+  CHECK_THAT(bad_moments(result, view)[0].why,
+             Catch::StartsWith("The only known state was 20 mm away. A state 1 mm away was asked for "
+                               "0.5 s before and came 0.25 s too late."));
   result.dispatch[1].started = 2;
   CHECK_THAT(bad_moments(result, view)[0].why,
              Contains("asked for 0.5 s before, waited 0.5 s for a free worker, took 0.25 s to solve "
