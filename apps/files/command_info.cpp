@@ -20,6 +20,7 @@
 #include "apps/scene/palpation_map.hpp"
 #include "apps/scene/scene_anywhere.hpp"
 #include "apps/scene/scene_contact.hpp"
+#include "geometry/common/counted.hpp"
 #include "geometry/common/error.hpp"
 #include "geometry/common/scanner.hpp"
 #include "geometry/mesh/length_unit.hpp"
@@ -78,9 +79,8 @@ int info_scene(const Globals& globals, const std::string& file) {
            fmt::format(
                "  contact: a pad of {:g} N/m and {:g} mm over {:.3g} cm2; its springs amount to {:.4g} N/m",
                contact.stiffness, 1e3 * contact.radius, 1e4 * contact.area, contact.springs));
-    answer(globals,
-           fmt::format("  pressed in by 10 mm, {:.2g} % of its springs' force pulls; at 45 degrees {:.2g} %",
-                       100 * contact.pulling_share[0], 100 * contact.pulling_share[1]));
+    answer(globals, fmt::format("  pressed in by 10 mm, {} of its springs' force pulls; at 45 degrees {}",
+                                in_percent(contact.pulling_share[0]), in_percent(contact.pulling_share[1])));
   } else {
     answer(globals, fmt::format("  contact: {} nodes that move with the tip, {:.3g} cm2", body.contact.size(),
                                 1e4 * contact.area));

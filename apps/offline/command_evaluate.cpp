@@ -277,7 +277,7 @@ void tell(const Globals& globals, const EvaluateResult& evaluated, bool with_for
   const bool mesh_first = evaluated.mesh && evaluated.mesh->error > shown;
   if (mesh_first) answer(globals, discretisation_line(*evaluated.mesh, shown));
   if (result.chosen) answer(globals, expectation_in_words(*result.chosen, result.shared));
-  if (result.bars) answer(globals, bars_in_words(*result.bars));
+  if (result.bars) answer(globals, bars_in_words(*result.bars, true));
   if (evaluated.mesh && !mesh_first) answer(globals, discretisation_line(*evaluated.mesh, shown));
 }
 

@@ -8,6 +8,7 @@
 #include <limits>
 #include <vector>
 
+#include "geometry/common/counted.hpp"
 #include "geometry/common/quantiles.hpp"
 
 namespace forefeel {
@@ -181,10 +182,10 @@ std::string hysteresis_in_words(std::span<const State> rows) {
   const std::optional<Hysteresis> found = hysteresis_of(rows);
   if (!found) return {};
   return fmt::format(
-      "hysteresis: loading and unloading rows of one place differ by {:.2g} N, {:.2g} % of the force (width "
+      "hysteresis: loading and unloading rows of one place differ by {:.2g} N, {} of the force (width "
       "of the "
       "loop, mean of {} strokes); forces between both are their mean; for one course, keep its rows alone",
-      found->width, 100 * found->share, found->strokes);
+      found->width, in_percent(found->share), found->strokes);
 }
 
 }  // namespace forefeel
