@@ -101,7 +101,9 @@ constexpr std::size_t most_shown = 255;  // labels; more are probably no labels
 int info_labels(const Globals& globals, const std::string& file) {
   LabelVolume volume = read_label_volume(file);
   if (!volume.unit_unknown.empty())
-    volume.warnings.push_back(fmt::format("its unit of length '{:.40}' is unknown", volume.unit_unknown));
+    throw InputError({.file = file}, fmt::format("its unit of length '{:.40}' is unknown, expected {}; mesh "
+                                                 "takes --unit",
+                                                 volume.unit_unknown, unit_names));
   const Vec3 sizes = volume.axes.colwise().norm().transpose();
   std::vector<std::size_t> voxels(volume.values.size(), 0);
   for (const std::uint16_t at : volume.voxels) ++voxels[at];

@@ -65,6 +65,7 @@ std::vector<Knot> knots_of(std::span<const State* const> rows, double reach) {
 
 void find_courses(std::vector<Knot>& knots) {
   std::size_t strokes = 0;
+  const Knot* last = nullptr;  // of a course
   for (std::size_t k = 1; k + 1 < knots.size(); ++k) {
     Knot& knot = knots[k];
     const Vec3 before = knot.at - knots[k - 1].at, after = knots[k + 1].at - knot.at, move = before + after;
@@ -73,8 +74,13 @@ void find_courses(std::vector<Knot>& knots) {
     const double with = move.dot(knot.force);
     if (std::abs(with) < along * move.norm() * knot.force.norm() || with == 0) continue;
     knot.course = with > 0 ? -1 : 1;
-    if (knots[k - 1].course != knot.course) ++strokes;
+    // Past a halt or a tremor a stroke goes on where its force does.
+    const bool goes_on_there =
+        last && last->course == knot.course &&
+        knot.course * (knot.force.norm() - last->force.norm()) > -near_share * last->force.norm();
+    if (!goes_on_there) ++strokes;
     knot.stroke = strokes;
+    last = &knot;
   }
 }
 
