@@ -74,10 +74,10 @@ void find_courses(std::vector<Knot>& knots) {
     const double with = move.dot(knot.force);
     if (std::abs(with) < along * move.norm() * knot.force.norm() || with == 0) continue;
     knot.course = with > 0 ? -1 : 1;
-    // Past a halt or a tremor a stroke goes on where its force does.
+    // Past a halt or a tremor a stroke goes on where it was going.
+    const Vec3 way = last ? Vec3(knot.at - last->at) : Vec3::Zero();
     const bool goes_on_there =
-        last && last->course == knot.course &&
-        knot.course * (knot.force.norm() - last->force.norm()) > -near_share * last->force.norm();
+        last && last->course == knot.course && way.dot(move) > goes_on * way.norm() * move.norm();
     if (!goes_on_there) ++strokes;
     knot.stroke = strokes;
     last = &knot;
