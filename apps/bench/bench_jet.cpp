@@ -14,6 +14,7 @@
 #include "apps/bench/bench_row.hpp"
 #include "apps/console/console.hpp"
 #include "apps/scene/laboratory.hpp"
+#include "geometry/common/counted.hpp"
 #include "scheduling/motion/random.hpp"
 #include "solver/equilibrium/solver.hpp"
 #include "solver/jet/jet_maker.hpp"
@@ -130,11 +131,11 @@ int bench_jet(const Globals& globals, const std::string& name) {
     add_to(json, jet_keys(), row);
     document["rows"].push_back(json);
     lines.push_back(
-        fmt::format("order {}: {:7.1f} us (a factorisation {:.0f} us); error p50 {:.2g} %, p95 {:.2g} %, max "
-                    "{:.2g} % of {} "
+        fmt::format("order {}: {:7.1f} us (a factorisation {:.0f} us); error p50 {}, p95 {}, max "
+                    "{} of {} "
                     "positions; below 7 % to {:.3g} mm",
-                    row.order, row.us, row.factor.wall_us, 100 * error[0], 100 * error[1], 100 * error[2],
-                    row.errors.size(), 1e3 * row.radius));
+                    row.order, row.us, row.factor.wall_us, in_percent(error[0]), in_percent(error[1]),
+                    in_percent(error[2]), row.errors.size(), 1e3 * row.radius));
   }
   const BenchEnd end{scene.source.hash};
   for (const JsonKeys<BenchEnd>& keys : {instruction_set_keys(), provenance_keys()})

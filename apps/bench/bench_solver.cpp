@@ -26,6 +26,7 @@
 #include "apps/bench/newton_baseline.hpp"
 #include "apps/console/console.hpp"
 #include "apps/scene/scene.hpp"
+#include "geometry/common/counted.hpp"
 #include "geometry/common/quantiles.hpp"
 #include "geometry/coverage/state_space.hpp"
 #include "solver/equilibrium/solver.hpp"
@@ -264,10 +265,9 @@ void print_text(const Globals& globals, const BenchCase& bench, int threads, Sol
                            m.errors.values.size(), m.errors.at(0.5), m.errors.at(0.95), m.errors.at(1)));
   if (m.errors.multivalued > 0)
     say(globals,
-        fmt::format(
-            "multivalued: {} more states drawn are equilibria of another branch, up to {:.2g} % off the "
-            "reference branch",
-            m.errors.multivalued, 100 * m.errors.off_branch));
+        fmt::format("multivalued: {} more states drawn are equilibria of another branch, up to {} off the "
+                    "reference branch",
+                    m.errors.multivalued, in_percent(m.errors.off_branch)));
 }
 
 }  // namespace

@@ -13,6 +13,8 @@
 #include <thread>
 #include <utility>
 
+#include "geometry/common/utf8.hpp"
+
 namespace forefeel {
 namespace {
 
@@ -29,15 +31,19 @@ double seconds_since(std::chrono::steady_clock::time_point start) {
   return std::chrono::duration<double>(std::chrono::steady_clock::now() - start).count();
 }
 
+void complain(std::string_view program, std::string_view line) {
+  std::cerr << program << ": " << printable(line) << '\n';
+}
+
 void flush_warnings() {
   const std::lock_guard lock(waiting_mutex);
-  for (const std::string& line : waiting_warnings) std::cerr << "forefeel: warning: " << line << '\n';
+  for (const std::string& line : waiting_warnings) complain("forefeel", "warning: " + line);
   waiting_warnings.clear();
 }
 
 void answer(const Globals& globals, const std::string& line) {
   flush_warnings();
-  (globals.json ? std::cerr : std::cout) << line << '\n' << std::flush;
+  (globals.json ? std::cerr : std::cout) << printable(line) << '\n' << std::flush;
 }
 
 void say(const Globals& globals, const std::string& line) {

@@ -6,6 +6,7 @@
 #include <cstdint>
 #include <memory>
 #include <string>
+#include <string_view>
 #include <vector>
 
 namespace forefeel {
@@ -29,6 +30,9 @@ void answer(const Globals& globals, const std::string& line);
 // that a later input error is the only line on stderr.
 void warn(const Globals& globals, const std::string& line);
 void flush_warnings();
+// A line to stderr, after the program's name. All errors and warnings come here: bytes of a file that a terminal would
+// act upon are replaced.
+void complain(std::string_view program, std::string_view line);
 
 // One progress line on stderr, redrawn at most 10 times a second and at least once a second, so that the time advances
 // during long steps. Prints nothing if stderr is not a terminal. For any thread.

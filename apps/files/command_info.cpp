@@ -20,6 +20,7 @@
 #include "apps/scene/palpation_map.hpp"
 #include "apps/scene/scene_anywhere.hpp"
 #include "apps/scene/scene_contact.hpp"
+#include "geometry/common/counted.hpp"
 #include "geometry/common/error.hpp"
 #include "geometry/common/scanner.hpp"
 #include "geometry/mesh/length_unit.hpp"
@@ -78,9 +79,8 @@ int info_scene(const Globals& globals, const std::string& file) {
            fmt::format(
                "  contact: a pad of {:g} N/m and {:g} mm over {:.3g} cm2; its springs amount to {:.4g} N/m",
                contact.stiffness, 1e3 * contact.radius, 1e4 * contact.area, contact.springs));
-    answer(globals,
-           fmt::format("  pressed in by 10 mm, {:.2g} % of its springs' force pulls; at 45 degrees {:.2g} %",
-                       100 * contact.pulling_share[0], 100 * contact.pulling_share[1]));
+    answer(globals, fmt::format("  pressed in by 10 mm, {} of its springs' force pulls; at 45 degrees {}",
+                                in_percent(contact.pulling_share[0]), in_percent(contact.pulling_share[1])));
   } else {
     answer(globals, fmt::format("  contact: {} nodes that move with the tip, {:.3g} cm2", body.contact.size(),
                                 1e4 * contact.area));
@@ -101,7 +101,9 @@ constexpr std::size_t most_shown = 255;  // labels; more are probably no labels
 int info_labels(const Globals& globals, const std::string& file) {
   LabelVolume volume = read_label_volume(file);
   if (!volume.unit_unknown.empty())
-    volume.warnings.push_back(fmt::format("its unit of length '{:.40}' is unknown", volume.unit_unknown));
+    throw InputError({.file = file}, fmt::format("its unit of length '{:.40}' is unknown, expected {}; mesh "
+                                                 "takes --unit",
+                                                 volume.unit_unknown, unit_names));
   const Vec3 sizes = volume.axes.colwise().norm().transpose();
   std::vector<std::size_t> voxels(volume.values.size(), 0);
   for (const std::uint16_t at : volume.voxels) ++voxels[at];

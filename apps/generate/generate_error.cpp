@@ -87,7 +87,7 @@ const JsonKeys<Placed>& placement_keys() {
 }
 
 std::string in_words(const ErrorQuantiles& q) {
-  return fmt::format("p50 {:.2g} %, p95 {:.2g} %, max {:.2g} %", 100 * q.p50, 100 * q.p95, 100 * q.max);
+  return fmt::format("p50 {}, p95 {}, max {}", in_percent(q.p50), in_percent(q.p95), in_percent(q.max));
 }
 
 // There are two phases, which may alternate several times. In the first, the number of states needed is not known

@@ -155,7 +155,7 @@ class SitesFile {
     kept_.keep(std::move(state));
   }
   void say_round(int round, double p95) {
-    words_ = fmt::format(", p95 {:.2g} % in round {}", 100 * p95, round + 1);
+    words_ = fmt::format(", p95 {} in round {}", in_percent(p95), round + 1);
   }
   const std::vector<State>& known() const { return known_; }
   const KeptStates& kept() const { return kept_; }
@@ -230,22 +230,22 @@ void tell_sites(const Globals& globals, const GenerateSites& wanted, const Sites
                   counted(result.sites, "site"), result.kept ? "read" : "made", result.field_seconds,
                   counted(result.solved, "state"), result.failed, result.seconds));
   if (result.error.states > 0)
-    answer(globals,
-           fmt::format("  error of the field at {} of them: p50 {:.2g} %, p95 {:.2g} %, max {:.2g} %",
-                       result.error.states, 100 * result.error.p50, 100 * result.error.p95,
-                       100 * result.error.max));
+    answer(globals, fmt::format("  error of the field at {} of them: p50 {}, p95 {}, max {}",
+                                result.error.states, in_percent(result.error.p50),
+                                in_percent(result.error.p95), in_percent(result.error.max)));
   if (result.deep.rounds > 0)
-    answer(globals, fmt::format("  with {} and {}, at {}: p50 {:.2g} %, p95 {:.2g} %, max "
-                                "{:.2g} %",
-                                counted(result.jets, "jet"), counted(result.states, "state"),
-                                counted(result.deep.error.states, "fresh place"), 100 * result.deep.error.p50,
-                                100 * result.deep.error.p95, 100 * result.deep.error.max));
+    answer(globals,
+           fmt::format("  with {} and {}, at {}: p50 {}, p95 {}, max "
+                       "{}",
+                       counted(result.jets, "jet"), counted(result.states, "state"),
+                       counted(result.deep.error.states, "fresh place"), in_percent(result.deep.error.p50),
+                       in_percent(result.deep.error.p95), in_percent(result.deep.error.max)));
   if (result.clamped + result.through > 0)
     answer(globals, fmt::format("  with those whose pad reaches over the clamp, {}, and those through the "
-                                "body, {}: p50 {:.2g} %, p95 {:.2g} %, max "
-                                "{:.2g} %",
-                                result.clamped, result.through, 100 * result.all.p50, 100 * result.all.p95,
-                                100 * result.all.max));
+                                "body, {}: p50 {}, p95 {}, max "
+                                "{}",
+                                result.clamped, result.through, in_percent(result.all.p50),
+                                in_percent(result.all.p95), in_percent(result.all.max)));
 }
 
 }  // namespace
@@ -307,9 +307,9 @@ int generate_sites(const Globals& globals, const Scene& scene, const GenerateSit
   }
   if (wanted.error && !(result.deep.error.p95 <= *wanted.error)) {
     warn(globals,
-         fmt::format("field and states err by {:.2g} % at p95, above --error {:g}, and more states no longer "
+         fmt::format("field and states err by {} at p95, above --error {:g}, and more states no longer "
                      "help; a smaller contact.site_spacing or state_space.depth brings it down",
-                     100 * result.deep.error.p95, *wanted.error));
+                     in_percent(result.deep.error.p95), *wanted.error));
     return 1;
   }
   return result.failed > 0 ? 1 : 0;

@@ -69,8 +69,8 @@ int printed(const Program& program, int code) {
   return code == 0 ? 1 : code;
 }
 
-int complain(const Program& program, const std::string& text, int code) {
-  std::cerr << program.name << ": " << text << '\n';
+int fail(const Program& program, const std::string& text, int code) {
+  complain(program.name, text);
   return code;
 }
 
@@ -86,17 +86,17 @@ int program_main(const Program& program, int argc, char** argv) {
   } catch (const Interrupted& wish) {
     return tell_interrupted(program, wish.what(), argc, argv);
   } catch (const InputError& error) {
-    return complain(program, error.what(), 2);
+    return fail(program, error.what(), 2);
   } catch (const std::filesystem::filesystem_error& error) {
     // An InputError shortens long names.
     const std::string problem = error.code().message() + ", expected a file or folder that can be used";
-    return complain(program, InputError({.file = error.path1().string()}, problem).what(), 2);
+    return fail(program, InputError({.file = error.path1().string()}, problem).what(), 2);
   } catch (const std::bad_alloc&) {
-    return complain(program, "out of memory", 1);
+    return fail(program, "out of memory", 1);
   } catch (const StudyFailure& error) {
-    return complain(program, error.what(), 1);
+    return fail(program, error.what(), 1);
   } catch (const std::exception& error) {
-    return complain(program, std::string("internal error: ") + error.what(), 1);
+    return fail(program, std::string("internal error: ") + error.what(), 1);
   }
 }
 

@@ -194,6 +194,10 @@ void take_plane(Classified& set, bool have_box, const std::string& where, const 
   for (const State& s : set.states) spread += (s.at - middle) * (s.at - middle).transpose() / n;
   const Modes3 modes = axes_of(spread);
   const double h = set.spacing;
+  if (modes.values[1] < thin * thin * h * h && modes.values[2] > 0)
+    warn(globals, where +
+                      ": the states lie on a line, so no volume is labelled; --points tells the labels of "
+                      "places along it");
   if (!(modes.values[0] < thin * thin * h * h) || !(modes.values[1] > wide * wide * h * h)) return;
   const Vec3 normal = modes.vectors.col(0);
   for (const double side : {-h, h})

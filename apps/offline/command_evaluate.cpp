@@ -28,6 +28,7 @@
 #include "geometry/common/error.hpp"
 #include "geometry/common/output_file.hpp"
 #include "geometry/states/check_solves.hpp"
+#include "geometry/states/hysteresis.hpp"
 #include "geometry/states/misleading.hpp"
 #include "geometry/states/state_file.hpp"
 #include "geometry/states/state_summary.hpp"
@@ -215,7 +216,8 @@ EvaluateResult evaluate_command(const Globals& globals, const EvaluateArguments&
   }
   warn_of_unused_noise(globals, arguments, known.states, result.found);
   warn_of_cells(globals, arguments, known.states, result);
-  if (result.found.repeated.contradicting > 0)
+  // Loading and unloading rows at the same places are already named as hysteresis.
+  if (result.found.repeated.contradicting > 0 && !hysteresis_of(known.states))
     warn(globals, contradictions_in_words(arguments.states, result.found.repeated));
   return result;
 }
@@ -277,7 +279,7 @@ void tell(const Globals& globals, const EvaluateResult& evaluated, bool with_for
   const bool mesh_first = evaluated.mesh && evaluated.mesh->error > shown;
   if (mesh_first) answer(globals, discretisation_line(*evaluated.mesh, shown));
   if (result.chosen) answer(globals, expectation_in_words(*result.chosen, result.shared));
-  if (result.bars) answer(globals, bars_in_words(*result.bars));
+  if (result.bars) answer(globals, bars_in_words(*result.bars, true));
   if (evaluated.mesh && !mesh_first) answer(globals, discretisation_line(*evaluated.mesh, shown));
 }
 

@@ -132,9 +132,9 @@ void print_sited(const Globals& globals, const SitedForces& result, bool with_fo
   say(globals, fmt::format("{} from a field of {} and {}", counted(result.all.size(), "point"),
                            counted(result.sites, "site"), counted(result.corrections, "correction")));
   if (result.error.states > 0)
-    answer(globals, fmt::format("the field errs by p50 {:.2g} %, p95 {:.2g} %, max {:.2g} % at {}",
-                                100 * result.error.p50, 100 * result.error.p95, 100 * result.error.max,
-                                counted(result.error.states, "solved state")));
+    answer(globals, fmt::format("the field errs by p50 {}, p95 {}, max {} at {}",
+                                in_percent(result.error.p50), in_percent(result.error.p95),
+                                in_percent(result.error.max), counted(result.error.states, "solved state")));
 }
 
 }  // namespace

@@ -9,6 +9,7 @@
 #include "apps/console/json.hpp"
 #include "apps/console/outputs.hpp"
 #include "geometry/common/counted.hpp"
+#include "geometry/common/quantiles.hpp"
 #include "geometry/coverage/coverage.hpp"
 #include "geometry/mesh/vtu_writer.hpp"
 
@@ -145,7 +146,7 @@ std::string expectation_in_words(const AutoModel& chosen, const SharedError& sha
   return text;
 }
 
-std::string bars_in_words(const EvaluatedBars& bars) {
+std::string bars_in_words(const EvaluatedBars& bars, bool asked_for) {
   const BarCover all = bars.measured->cover();
   if (all.samples == 0) return "error bars: unknown, too few states to leave some out";
   std::string text = fmt::format(
@@ -153,6 +154,14 @@ std::string bars_in_words(const EvaluatedBars& bars) {
       bars.measured->checked() ? "check solves" : "comparisons with known forces, left out in groups,");
   if (std::isfinite(all.width_p50))
     text += fmt::format("; median half-width of 95 % {:.3g} N", all.width_p50);
+  std::vector<double> asked;
+  if (asked_for)
+    for (const auto& bar : bars.at)
+      if (std::isfinite(bar[1])) asked.push_back(bar[1]);
+  if (!asked.empty()) {
+    const std::string points = counted(asked.size(), "point");
+    text += fmt::format("; at {} asked for {:.3g} N", points, median(std::move(asked)));
+  }
   for (const Label label : all_labels)
     if (const BarCover own = bars.measured->cover(label); own.samples >= few && own.samples < all.samples)
       text += fmt::format("; {} {} of {}", name(label), shares(own), own.samples);

@@ -23,7 +23,8 @@ const JsonKeys<BarsShown>& bar_keys();
 std::string expectation_in_words(const AutoModel& chosen, const SharedError& shared);
 // "error bars of 90/95/99 %: … of 312 comparisons with known forces, left out in groups, lie inside …", with a warning
 // if the share is more than five points below a level.
-std::string bars_in_words(const EvaluatedBars& bars);
+// asked_for: bars.at are those of a table, and have a median of their own.
+std::string bars_in_words(const EvaluatedBars& bars, bool asked_for = false);
 
 // Of the columns bar90, bar95 and bar99 of a CSV file, empty where infinite.
 inline constexpr std::string_view bar_meaning =

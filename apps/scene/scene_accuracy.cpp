@@ -13,6 +13,7 @@
 #include "apps/console/interrupt.hpp"
 #include "apps/console/json.hpp"
 #include "apps/scene/cache_folder.hpp"
+#include "geometry/common/counted.hpp"
 #include "geometry/common/error.hpp"
 #include "geometry/common/sha256.hpp"
 #include "solver/body/contact_stiffness.hpp"
@@ -162,7 +163,7 @@ std::string in_words(const AccuracyTrial& t) {
 
 std::string in_words(const AccuracyChoice& c) {
   const std::string error = std::isfinite(c.error)
-                                ? fmt::format("error {:.2g} %, at most {:.2g} %", 100 * c.error, 100 * c.high)
+                                ? fmt::format("error {}, at most {}", in_percent(c.error), in_percent(c.high))
                                 : "no error can be said";
   return fmt::format("{}: {}{}; a solve takes {:.2g} ms, the search took {:.2g} s once", in_words(c.taken),
                      error, c.reached ? "" : fmt::format(", not the {:g} % wanted", 100 * c.wanted),

@@ -11,6 +11,7 @@
 #include "apps/scene/cache_folder.hpp"
 #include "apps/scene/scene_declared.hpp"
 #include "apps/scene/scene_table.hpp"
+#include "geometry/common/counted.hpp"
 #include "geometry/common/error.hpp"
 #include "geometry/common/sha256.hpp"
 #include "solver/kernels/revision.hpp"
@@ -112,14 +113,13 @@ std::string in_words(const SpacingChoice& c) {
     return fmt::format(
         "spacing \"auto\": {:.4g} mm; too few positions of the box are safe on it to judge by{}",
         1e3 * c.found.spacing, solves);
-  const std::string worst =
-      std::isfinite(c.found.max) ? fmt::format("{:.2g} %", 100 * c.found.max) : "without an equilibrium";
+  const std::string worst = std::isfinite(c.found.max) ? in_percent(c.found.max) : "without an equilibrium";
   return fmt::format(
-      "spacing \"auto\": {:.4g} mm; of {} safe positions {} above {:g} % error (p95 {:.2g} %, worst {}), so "
+      "spacing \"auto\": {:.4g} mm; of {} safe positions {} above {:g} % error (p95 {}, worst {}), so "
       "that with "
-      "{:g} % confidence at most {:.2g} % of what is safe is above it (allowed: {:g} %{}){}",
+      "{:g} % confidence at most {} of what is safe is above it (allowed: {:g} %{}){}",
       1e3 * c.found.spacing, c.found.safe, c.found.above == 1 ? "1 is" : fmt::format("{} are", c.found.above),
-      100 * c.tolerance, 100 * c.found.p95, worst, 100 * c.confidence, 100 * c.found.share_bound,
+      100 * c.tolerance, in_percent(c.found.p95), worst, 100 * c.confidence, in_percent(c.found.share_bound),
       100 * c.allowed_share, c.holds ? "" : ", does not hold", solves);
 }
 

@@ -73,6 +73,11 @@ void find_worst(const std::vector<FrameRecord>& frames, std::span<const std::siz
     away.worst_share = static_cast<double>(count[label]) / static_cast<double>(frames.size());
     away.worst_bar = width;
   }
+  std::vector<double> rest;
+  for (const Label label : all_labels)
+    if (label != away.worst) rest.insert(rest.end(), by_label[label].begin(), by_label[label].end());
+  away.rest_bar = quantile_of(rest, 0.5);
+  if (!std::isfinite(away.rest_bar)) away.rest_bar = unknown;
 }
 
 // bars: of the frames `of`; a frame between two of them has the wider one.

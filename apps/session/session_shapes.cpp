@@ -93,7 +93,7 @@ std::string data_of(const ShapeLog& log) {
 }
 
 std::string percent_of_size(double share) {
-  return std::isfinite(share) ? fmt::format("{:.2g} %", 100 * share) : "–";
+  return std::isfinite(share) ? in_percent(share) : "–";
 }
 
 }  // namespace
@@ -172,15 +172,13 @@ void SessionShapes::add_to(nlohmann::ordered_json& document) const {
 std::optional<std::string> SessionShapes::in_words() const {
   if (!run_) return {};
   const ShapeSummary s = summarise(*run_->log, run_->checked);
-  const auto percent = [](double share) {
-    return std::isfinite(share) ? fmt::format("{:.2g} %", 100 * share) : "unknown";
-  };
+  const auto or_unknown = [](double share) { return std::isfinite(share) ? in_percent(share) : "unknown"; };
   return fmt::format(
       "{} at {:g} Hz of {}{}; largest error of a node, of the largest displacement: p50 "
       "{}, p95 {} of {} compared",
       counted(s.shapes, "shape"), s.rate, counted(s.nodes, "node"),
-      s.missed > 0 ? ", " + counted(s.missed, "instant") + " missed" : "", percent(s.error.p50),
-      percent(s.error.p95), s.error.samples);
+      s.missed > 0 ? ", " + counted(s.missed, "instant") + " missed" : "", or_unknown(s.error.p50),
+      or_unknown(s.error.p95), s.error.samples);
 }
 
 }  // namespace forefeel

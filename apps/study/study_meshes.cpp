@@ -56,7 +56,7 @@ MeshFindings measure_meshes(const Globals& globals, const PlannedStudy& planned,
     const std::string where = bodies.size() > 1 ? " (" + counted(among.size(), "cell") + ")" : "";
     std::string line = discretisation_line(mesh, shown) + where;
     if (std::isfinite(shown))
-      line += fmt::format("; the sessions show a p95 of {:.2g} % (median over cells)", 100 * shown);
+      line += fmt::format("; the sessions show a p95 of {} (median over cells)", in_percent(shown));
     const bool felt = SessionSummary::Mesh{.error = mesh.error}.is_felt(shown);
     (felt ? found.above : found.others).push_back(std::move(line));
   }

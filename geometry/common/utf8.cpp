@@ -35,6 +35,20 @@ std::string valid_utf8(std::string_view text) {
   return valid;
 }
 
+std::string printable(std::string_view text) {
+  std::string shown;
+  const std::string valid = valid_utf8(text);
+  for (std::size_t at = 0; at < valid.size(); ++at) {
+    const bool c1 = byte_of(valid, at) == 0xc2 && byte_of(valid, at + 1) < 0xa0;
+    if (c1) ++at;
+    if (c1 || valid[at] == '\r' || valid[at] == '\x7f')
+      shown += "\xef\xbf\xbd";
+    else
+      shown += valid[at];
+  }
+  return shown;
+}
+
 std::string html_escaped(std::string_view text) {
   std::string safe;
   for (const char c : valid_utf8(text))

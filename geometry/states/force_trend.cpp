@@ -16,7 +16,11 @@ constexpr std::size_t fewest = 6;        // states
 constexpr double least_spread = 0.1;     // of the largest deviation: a direction in which positions spread
 constexpr double least_explained = 0.5;  // of the variance of the forces
 constexpr double clearly = 0.1;          // of the largest eigenvalue
+constexpr double not_symmetric = 0.5;    // |K - K^T| / |K + K^T|
+constexpr std::size_t fewest_skew = 20;  // states that show it
 constexpr double at_rest = 1e-6;         // [m]
+constexpr double sure_of_offset = 4;     // standard errors
+constexpr std::size_t around = 12;       // states that tell the noise at rest
 constexpr double offset = 0.01, offset_share = 0.02;  // of a sensor: [N], of the largest force
 
 struct Trend {
@@ -80,11 +84,27 @@ Stability stability_of(const Trend& trend, const Columns& columns) {
           .highest = values.maxCoeff()};
 }
 
+// Deviation of a component [N] from the plane through the states nearest to rest; 0: too few to tell.
+double noise_near_rest(std::vector<const State*> states) {
+  const std::size_t n = std::min(around, states.size());
+  if (n < around / 2 + 2) return 0;
+  std::ranges::nth_element(states, states.begin() + static_cast<std::ptrdiff_t>(n) - 1, {},
+                           [](const State* s) { return s->at.squaredNorm(); });
+  states.resize(n);
+  const Trend trend = trend_of(states);
+  Vec3 mean = Vec3::Zero();
+  for (const State* s : states) mean += s->force / static_cast<double>(n);
+  double all = 0;
+  for (const State* s : states) all += (s->force - mean).squaredNorm();
+  return std::sqrt(std::max(0.0, 1 - trend.explained) * all / (3 * static_cast<double>(n - 4)));
+}
+
 std::string turned_forces(std::span<const State* const> states) {
   const Trend trend = trend_of(states);
   if (trend.along.cols() == 0 || !(trend.explained > least_explained)) return {};
   const Stability as_given = stability_of(trend, {});
-  if (!(as_given.least < -clearly)) return {};
+  const bool pulls = as_given.least < -clearly;
+  if (!pulls && !(as_given.skew > not_symmetric && states.size() >= fewest_skew)) return {};
   Columns best;
   double best_score = clearly;
   for (std::array from{0, 1, 2};;) {
@@ -92,15 +112,21 @@ std::string turned_forces(std::span<const State* const> states) {
       const Columns columns{.from = from, .sign = {bits & 1 ? -1 : 1, bits & 2 ? -1 : 1, bits & 4 ? -1 : 1}};
       const Stability tried = stability_of(trend, columns);
       const double score =
-          tried.least - tried.skew + (columns.turned() ? clearly : 0);  // the likeliest mistake
+          tried.least - tried.skew + (columns.turned() ? 2 * clearly : 0);  // the likeliest mistake
       if (score > best_score) best = columns, best_score = score;
     }
     if (!std::ranges::next_permutation(from).found) break;
   }
   if (best_score <= clearly) return {};
-  const std::string seen = fmt::format(
-      "the forces pull where an elastic body pushes back (-df/dx fitted to all: {:.3g} to {:.3g} N/m)",
-      as_given.lowest, as_given.highest);
+  const std::string seen =
+      pulls ? fmt::format(
+                  "the forces pull where an elastic body pushes back (-df/dx fitted to all: {:.3g} to "
+                  "{:.3g} N/m)",
+                  as_given.lowest, as_given.highest)
+            : fmt::format(
+                  "the forces turn about the displacement, as those of no elastic body do (the part of "
+                  "-df/dx that is not symmetric is {:.3g} of the other)",
+                  as_given.skew);
   return best.turned()
              ? seen + "; if they are those on the tissue, import --columns " + best.text() + " turns them"
              : seen + "; if axes are exchanged or turned, import --columns " + best.text() + " mends it";
@@ -120,7 +146,8 @@ std::vector<std::string> contrary_forces(std::span<const State> states) {
   if (given.size() < fewest) return lines;
   if (std::string line = turned_forces(given); !line.empty()) lines.push_back(std::move(line));
   const auto rest = std::ranges::find_if(given, [](const State* s) { return s->at.norm() < at_rest; });
-  if (rest != given.end() && (*rest)->force.norm() > std::max(offset, offset_share * largest))
+  if (rest != given.end() && (*rest)->force.norm() > std::max({offset, offset_share * largest,
+                                                               sure_of_offset * noise_near_rest(given)}))
     lines.push_back(
         fmt::format("the force at rest (0,0,0) is {:g},{:g},{:g} N, expected 0; if the sensor was not tared, "
                     "subtract it from all rows",

@@ -8,6 +8,7 @@
 #include <limits>
 #include <vector>
 
+#include "geometry/common/counted.hpp"
 #include "geometry/common/quantiles.hpp"
 
 namespace forefeel {
@@ -64,6 +65,7 @@ std::vector<Knot> knots_of(std::span<const State* const> rows, double reach) {
 
 void find_courses(std::vector<Knot>& knots) {
   std::size_t strokes = 0;
+  const Knot* last = nullptr;  // of a course
   for (std::size_t k = 1; k + 1 < knots.size(); ++k) {
     Knot& knot = knots[k];
     const Vec3 before = knot.at - knots[k - 1].at, after = knots[k + 1].at - knot.at, move = before + after;
@@ -72,8 +74,13 @@ void find_courses(std::vector<Knot>& knots) {
     const double with = move.dot(knot.force);
     if (std::abs(with) < along * move.norm() * knot.force.norm() || with == 0) continue;
     knot.course = with > 0 ? -1 : 1;
-    if (knots[k - 1].course != knot.course) ++strokes;
+    // Past a halt or a tremor a stroke goes on where it was going.
+    const Vec3 way = last ? Vec3(knot.at - last->at) : Vec3::Zero();
+    const bool goes_on_there =
+        last && last->course == knot.course && way.dot(move) > goes_on * way.norm() * move.norm();
+    if (!goes_on_there) ++strokes;
     knot.stroke = strokes;
+    last = &knot;
   }
 }
 
@@ -181,10 +188,10 @@ std::string hysteresis_in_words(std::span<const State> rows) {
   const std::optional<Hysteresis> found = hysteresis_of(rows);
   if (!found) return {};
   return fmt::format(
-      "hysteresis: loading and unloading rows of one place differ by {:.2g} N, {:.2g} % of the force (width "
+      "hysteresis: loading and unloading rows of one place differ by {:.2g} N, {} of the force (width "
       "of the "
       "loop, mean of {} strokes); forces between both are their mean; for one course, keep its rows alone",
-      found->width, 100 * found->share, found->strokes);
+      found->width, in_percent(found->share), found->strokes);
 }
 
 }  // namespace forefeel

@@ -4,6 +4,7 @@
 
 #include <algorithm>
 #include <cmath>
+#include <limits>
 #include <optional>
 #include <utility>
 
@@ -24,6 +25,31 @@ constexpr double far_off = 8;                  // from them, in their largest di
 constexpr std::size_t most_lone_share = 100;   // one of so many
 constexpr std::size_t most_compared = 20'000;  // states
 
+// A tracker that was lost for one row makes the whole set look wide: the row, where all others are near.
+std::string one_far_row(std::span<const State> states) {
+  constexpr double least_farther = 5;  // times as wide with it
+  if (states.size() < beside) return {};
+  const auto side_without = [&](const State* left_out) {
+    Vec3 low = Vec3::Constant(std::numeric_limits<double>::infinity()), high = -low;
+    for (const State& s : states)
+      if (&s != left_out) low = low.cwiseMin(s.at), high = high.cwiseMax(s.at);
+    return (high - low).maxCoeff();
+  };
+  // Only a row at an end of an axis can be it.
+  for (int axis = 0; axis < 3; ++axis) {
+    const auto [low, high] =
+        std::ranges::minmax_element(states, {}, [&](const State& s) { return s.at[axis]; });
+    for (const State* row : {&*low, &*high})
+      if (const double rest = side_without(row);
+          rest < widest_reach && least_farther * rest < side_without({}))
+        return fmt::format(
+            "row {} at {:.4g},{:.4g},{:.4g} m is far from all others, which span {:.3g} m; if the "
+            "tracker was lost there, leave it out",
+            row - states.data() + 1, row->at.x(), row->at.y(), row->at.z(), rest);
+  }
+  return {};
+}
+
 std::string unlikely_unit(std::span<const State> states, double spacing) {
   std::optional<Box> box;
   for (const State& state : states) {
@@ -32,6 +58,8 @@ std::string unlikely_unit(std::span<const State> states, double spacing) {
   }
   const double side = box ? box->size().maxCoeff() : 0, apart = typical_distance(states);
   if (!std::isfinite(apart) || (!(apart > most_spacings * spacing) && !(side > widest_reach))) return {};
+  if (side > widest_reach)
+    if (std::string row = one_far_row(states); !row.empty()) return row;
   const std::string of = spacing > 0 ? fmt::format(", with a spacing of {:g} mm", 1e3 * spacing) : "";
   Vec3 sides = box->size();
   Eigen::Index longest = 0;

@@ -26,13 +26,13 @@ std::string far_from_states(const SessionSummary::AwayFromStates& away) {
   const std::string way = fmt::format("{:.2g} mm (median; {:.2g} mm at most) from the nearest known place",
                                       1e3 * away.median, 1e3 * away.farthest);
   if (std::isnan(away.worst_share)) return "the hand was " + way + "; too few states for an error bar";
-  std::string line = fmt::format("the hand was in {} for {:.2g} % of the time, where the states tell ",
-                                 name(away.worst), 100 * away.worst_share);
+  std::string line = fmt::format("the hand was in {} for {} of the time, where the states tell ",
+                                 name(away.worst), in_percent(away.worst_share));
   line += std::isfinite(away.worst_bar)
               ? fmt::format("the force within {:.2g} N (p95 of the error bars of 95 %)", away.worst_bar)
               : std::string("no bound of the force");
-  if (std::isfinite(away.worst_bar) && std::isfinite(away.bar_at_states))
-    line += fmt::format(", against {:.2g} N at known places (median)", away.bar_at_states);
+  if (std::isfinite(away.worst_bar) && std::isfinite(away.rest_bar))
+    line += fmt::format(", against {:.2g} N in the rest of it (median)", away.rest_bar);
   return line + "; it was " + way;
 }
 
@@ -85,12 +85,12 @@ void add_short_bars(const SessionSummary::ErrorBars& bars, std::vector<std::stri
 
 std::string coarse(const SessionSummary::Mesh& mesh, double shown) {
   std::string line = fmt::format(
-      "the mesh itself errs by {:.3g} % of the force ({}), and a hand feels {:.2g} %; the errors below leave "
+      "the mesh itself errs by {:.3g} % of the force ({}), and a hand feels {}; the errors below leave "
       "that out",
-      100 * mesh.error, mesh.how, 100 * felt_share);
+      100 * mesh.error, mesh.how, in_percent(felt_share));
   if (std::isfinite(shown))
     line +=
-        fmt::format(": the rendered force is within {:.2g} % of the force on this mesh (p95)", 100 * shown);
+        fmt::format(": the rendered force is within {} of the force on this mesh (p95)", in_percent(shown));
   return line;
 }
 
@@ -119,15 +119,15 @@ void add_faults(const SessionSummary::Loop& loop, std::vector<std::string>& line
 
 std::string controlled(const ControlSummary& control) {
   std::string line = fmt::format(
-      "passivity control changed the force sent by {:.2g} % (p50), {:.2g} % (p95); the errors are those of "
+      "passivity control changed the force sent by {} (p50), {} (p95); the errors are those of "
       "the rendered force, before it",
-      100 * control.added_p50, 100 * control.added_p95);
+      in_percent(control.added_p50), in_percent(control.added_p95));
   if (control.coupled_share > coupled_often)
     line += fmt::format(
-        "; in {:.2g} % of the frames the body is stiffer than {:.4g} N/m, the most that the loop of this "
+        "; in {} of the frames the body is stiffer than {:.4g} N/m, the most that the loop of this "
         "device and "
         "hand can render without swinging",
-        100 * control.coupled_share, control.report.coupling);
+        in_percent(control.coupled_share), control.report.coupling);
   return line;
 }
 

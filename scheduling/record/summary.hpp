@@ -129,11 +129,12 @@ struct SessionSummary {
   // Of a session whose states are of another body: how far the hand was from them, and the median 95 % error bars of
   // the force that they tell there and at the states themselves. Then the label under which they tell least: its share
   // of the frames, and the 95th percentile of the bars there (infinite: none can be given). The caller measures it.
+  // rest_bar: the median bar of all other frames.
   struct AwayFromStates {
     double median = unknown, farthest = unknown;    // [m]
     double bar = unknown, bar_at_states = unknown;  // [N]
     Label worst = Label::blank;
-    double worst_share = unknown, worst_bar = unknown;  // [1], [N]
+    double worst_share = unknown, worst_bar = unknown, rest_bar = unknown;  // [1], [N], [N]
   };
   // The motion. start_…: force of a tight solve at the first frame, force rendered there, and time of the first sample
   // whose error is below the just noticeable difference [s] (unknown: there is none).

@@ -326,7 +326,8 @@ std::vector<Column> later_columns(const SessionSummary& summary) {
              "label under which the states tell the force worst")
       .number("worst_share", away.worst_share, "1", "share of the frames with that label")
       .number("worst_error_bar", away.worst_bar, "N",
-              "95th percentile of the 95 % error bars in these frames");
+              "95th percentile of the 95 % error bars in these frames")
+      .number("rest_error_bar", away.rest_bar, "N", "median 95 % error bar of all other frames");
   add_stability(columns, summary);
   add_error_bars(columns, summary.error.bars);
   add_trust(columns, summary.error);

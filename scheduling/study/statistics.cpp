@@ -81,6 +81,12 @@ std::map<std::size_t, Block> by_block(std::span<const Observation> observations)
   return blocks;
 }
 
+// 0 where two values differ by rounding alone, as those of sums in another order: else it would be sure of its sign.
+double beyond_rounding(double a, double b) {
+  constexpr double rounding = 1e-9, least = 0.01;  // a logarithm of a factor near 1 is as exact as one of 1 %
+  return std::abs(a - b) <= rounding * std::max({std::abs(a), std::abs(b), least}) ? 0 : a - b;
+}
+
 template <class Value>
 GroupedValues grouped(const std::map<std::size_t, Block>& blocks, const Value& value) {
   std::map<std::size_t, std::vector<double>> groups;
@@ -173,9 +179,10 @@ LevelRanking rank(std::span<const Observation> observations, std::size_t levels,
   BootstrapOptions of_differences = options;
   of_differences.shares = false;
   for (Ranked& entry : ranking.ranked) {
-    entry.to_best =
-        compare(grouped(blocks, [&](const Block& b) { return b.values.at(entry.level) - b.values.at(best); }),
-                of_differences);
+    entry.to_best = compare(
+        grouped(blocks,
+                [&](const Block& b) { return beyond_rounding(b.values.at(entry.level), b.values.at(best)); }),
+        of_differences);
     entry.tied = entry.to_best.verdict() == 0;
   }
   return ranking;
@@ -187,8 +194,10 @@ Comparison compare_levels(std::span<const Observation> observations, std::size_t
   std::erase_if(blocks, [&](const auto& entry) {
     return !entry.second.values.contains(a) || !entry.second.values.contains(b);
   });
-  return compare(grouped(blocks, [&](const Block& block) { return block.values.at(a) - block.values.at(b); }),
-                 options);
+  return compare(
+      grouped(blocks,
+              [&](const Block& block) { return beyond_rounding(block.values.at(a), block.values.at(b)); }),
+      options);
 }
 
 }  // namespace forefeel

@@ -251,10 +251,12 @@ TEST_CASE("the report of a session on a measured stroke begins with the distance
     CHECK_THAT(summary["attention"][0].get<std::string>(),
                Catch::StartsWith("the hand was ") &&
                    Contains("% of the time, where the states tell the force within",
-                            "from the nearest known place", "N at known places"));
+                            "from the nearest known place"));
     const std::string page = shop.read("run-" + motion + "/report.html");
     CHECK(page.find("the hand was ") < page.find("class=\"tiles\""));
-    return summary["away_from_states"];
+    json found = summary["away_from_states"];
+    found["line"] = summary["attention"][0];
+    return found;
   };
   const json along = away("on"), off = away("beside"), half = away("left");
   // The first line speaks of the worst part of the time, as the rows of frames.csv have it.
@@ -272,6 +274,15 @@ TEST_CASE("the report of a session on a measured stroke begins with the distance
   CHECK(half["worst_label"] == worst);
   CHECK(half["worst_error_bar"] == Approx(widest));
   CHECK(half["worst_share"] == Approx(double(bars[worst].size()) / double(frames.rows())));
+  std::vector<double> rest;
+  for (const auto& [label, widths] : bars)
+    if (label != worst) rest.insert(rest.end(), widths.begin(), widths.end());
+  std::ranges::sort(rest);
+  REQUIRE(rest.size() > 2);
+  CHECK(half["rest_error_bar"] == Approx(rest[rest.size() / 2]));
+  CHECK_THAT(half["line"].get<std::string>(),
+             Contains(fmt::format("against {:.2g} N in the rest of it (median)",
+                                  half["rest_error_bar"].get<double>())));
   CHECK(half["worst_error_bar"].get<double>() > 3 * half["error_bar"].get<double>());
   CHECK(along["max"].get<double>() < 1e-4);
   CHECK(along["error_bar"].get<double>() < 0.05);

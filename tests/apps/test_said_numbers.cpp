@@ -306,6 +306,12 @@ TEST_CASE("bars hold the shares of the forces left out that classify writes, als
   check_said(evaluated.out,
              {sentence, fmt::format("300 points from {} states: rbf", std::ranges::count(part, '\n') - 1)});
   const Table forces(shop, "f.csv");
+  std::vector<double> asked;
+  for (Row i = 0; i < forces.csv.rows(); ++i)
+    if (const double bar = forces.at(i, "bar95"); std::isfinite(bar)) asked.push_back(bar);
+  std::ranges::sort(asked);
+  check_said(evaluated.out,
+             {fmt::format("; at {} points asked for {:.3g} N", asked.size(), asked[asked.size() / 2])});
   const double known = forces.share([&](Row i) { return forces.at(i, "bar95") <= 1e-4; });
   const auto called = std::ranges::count_if(array_of(left, "bar95"), [](double w) { return w <= 1e-4; });
   const auto bars = array_of(left, "bar95");

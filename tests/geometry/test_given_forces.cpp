@@ -53,6 +53,41 @@ TEST_CASE("forces on the tissue in place of those on the tip are said, with the 
   CHECK_THAT(said(rows_of(60, 3, half_turn)), Contains("--columns x,y,z,-fx,-fy,fz"));
 }
 
+TEST_CASE("a force in one direction alone has a sign, and forces turned about it are said") {
+  for (unsigned seed = 0; seed < 6; ++seed) {
+    INFO(seed);
+    const auto press = [](const Vec3& x) { return Vec3(0, 0, -600 * x.z()); };
+    const auto pull = [](const Vec3& x) { return Vec3(0, 0, 600 * x.z()); };
+    CHECK(said(rows_of(60, seed, press, Vec3::Constant(0.02), 0.02 * seed)).empty());
+    CHECK_THAT(said(rows_of(60, seed, pull, Vec3::Constant(0.02), 0.02 * seed)),
+               Contains("--columns x,y,z,-fx,-fy,-fz"));
+    const auto quarter = [](const Vec3& x) { return Vec3(-pushed(x).y(), pushed(x).x(), pushed(x).z()); };
+    CHECK_THAT(said(rows_of(60, seed, quarter)), Contains("--columns x,y,z,fy,-fx,fz"));
+  }
+}
+
+TEST_CASE("one far row is named, and not the unit of all") {
+  std::vector<State> rows = rows_of(60, 1, pushed);
+  rows[41].at = Vec3(3.6, -0.2, 0.1);
+  CHECK_THAT(said(rows), Contains("row 42 at 3.6,-0.2,0.1 m is far from all others") && !Contains("metres"));
+  for (State& row : rows) row.at *= 1000;
+  rows[41].at = rows[40].at;
+  CHECK_THAT(said(rows), Contains("expected metres"));
+}
+
+TEST_CASE("a force at rest within the noise of the rows is no tare") {
+  std::size_t said_of = 0;
+  for (unsigned seed = 0; seed < 20; ++seed) {
+    std::vector<State> rows = rows_of(60, seed, pushed, Vec3(0, 0, 0.01), 0.3);
+    rows.insert(rows.begin(), State());
+    rows.front().force = Vec3(0.3, -0.3, 0.2);
+    said_of += Contains("at rest").match(said(rows));
+    rows.front().force = Vec3(0, 0, 3);
+    CHECK_THAT(said(rows), Contains("at rest"));
+  }
+  CHECK(said_of == 0);
+}
+
 TEST_CASE("nothing is said of forces without a trend, or of a body that only softens") {
   const auto chance = [](const Vec3& x) {
     return Vec3(std::sin(1e5 * x[0]), std::cos(9e4 * x[1]), std::sin(8e4 * x[2]));

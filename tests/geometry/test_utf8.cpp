@@ -32,6 +32,12 @@ TEST_CASE("characters of UTF-8 stay, other bytes become U+FFFD") {
         "b\ufffd\tc\n");
 }
 
+TEST_CASE("a terminal gets no byte that it acts upon") {
+  CHECK(printable("Stärke 5 µm\n\tnext") == "Stärke 5 µm\n\tnext");
+  CHECK(printable("\x1b[31mfoo\x07") == "\ufffd[31mfoo\ufffd");
+  CHECK(printable("a\r\x7f\xc2\x9b") == "a\ufffd\ufffd\ufffd");  // U+009B opens a sequence as ESC [ does
+}
+
 TEST_CASE("random bytes become text that iconv takes; text that iconv takes stays") {
   std::mt19937 random(3);
   const std::string likely = "a\xc3\xa4\xe2\x82\xac\xf0\x9d\x9b\xbf\xed\xef\x80\xff";

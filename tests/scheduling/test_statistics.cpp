@@ -131,6 +131,20 @@ TEST_CASE("equal values have an interval of no width") {
   CHECK(compare({{0, 0}, {0, 0}}).verdict() == 0);
 }
 
+TEST_CASE("levels that differ by rounding are equal") {
+  std::vector<Observation> seen;
+  for (std::size_t block = 0; block < 6; ++block)
+    for (std::size_t level = 0; level < 3; ++level)
+      seen.push_back({level, block, block / 2,
+                      0.3 * static_cast<double>(block + 1) * (level == 1 ? 1 + 1e-12 : level == 2 ? 1.01 : 1)});
+  const Comparison rounded = compare_levels(seen, 1, 0), larger = compare_levels(seen, 2, 0);
+  CHECK(rounded.won + rounded.lost == 0);
+  CHECK(rounded.verdict() == 0);
+  CHECK(larger.won == 6);
+  const LevelRanking ranking = rank(seen, 2, false);
+  CHECK((ranking.ranked[1].tied && ranking.ranked[1].to_best.lost + ranking.ranked[1].to_best.won == 0));
+}
+
 TEST_CASE("the bootstrap repeats with its seed, shifts and scales with the data") {
   const GroupedValues values = drawn(6, 4, 0.5, 0.3, 7);
   const ConfidenceInterval first = bootstrap_interval(values, {.seed = 3}),
