@@ -95,8 +95,7 @@ constexpr Field<Frame> of_frames[] = {
      [](Cells& o, const Frame& f) { put(o, f.touch.slope); }, "", Only::anywhere},
     {"tip_change", "N",
      "change of the newest model's force by the way of the tip, were the site to stay: what the motion "
-     "explains in "
-     "felt_steps (motion_change holds the slide too)",
+     "explains in felt_steps (motion_change holds the slide too); 0 while the site snaps",
      [](Cells& o, const Frame& f) { put(o, f.touch.tip_change); }, "", Only::anywhere},
     {"elastic_x,elastic_y,elastic_z", "N", "rendered force before the relaxation function",
      [](Cells& o, const Frame& f) { put(o, f.elastic); }, "elastic", Only::viscous},

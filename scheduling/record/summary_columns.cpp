@@ -261,8 +261,9 @@ void add_felt_steps(std::vector<Column>& columns, const FeltSteps& felt) {
   group
       .count("count", felt.count,
              "steps of the force sent that a hand feels: runs of windows of 10 ms in which it changes, "
-             "beyond what "
-             "the model gives for the tip's way, by more than the just noticeable difference (7 %, 10 mN)")
+             "beyond what the model gives for the tip's way, by more than the just noticeable difference (7 "
+             "% of "
+             "the larger of the forces at its ends, 10 mN)")
       .number("largest_N", felt.largest, "N", "largest of these changes")
       .number("largest_share", felt.largest_share, "1", "largest of them over the force");
   for (const FeltCause cause : all_felt_causes) {
@@ -284,7 +285,7 @@ void add_touches(std::vector<Column>& columns, const std::optional<TouchNumbers>
       .number(
           "cone", t.cone, "1",
           "largest relative distance of |g| / (f . n) from the coefficient of friction while sliding on a "
-          "facet, edges and the clamp's border left out")
+          "facet; kept edges, the clamp's border and frames of a snap left out")
       .number("angle_p50", t.angle_p50, "rad", "median angle of the force to the normal")
       .number("angle_p95", t.angle_p95, "rad", "95th percentile of it")
       .number("jets", known(t.jets), "",

@@ -25,7 +25,7 @@ ForceSwitch::Step SurfaceContact::step(const HipSample& tip, TouchRecord& record
   record = {.applies = true,
             .kind = touch_.kind,
             .inside = touch_.inside,
-            .tip_change = frame.tip_change,
+            .tip_change = frame.snaps ? 0 : frame.tip_change,  // in a snap the body moves by itself
             .energy = frame.energy,
             .lost = frame.lost};
   if (begins_) switch_ = ForceSwitch(options_);
@@ -40,7 +40,8 @@ ForceSwitch::Step SurfaceContact::step(const HipSample& tip, TouchRecord& record
   Vec3 now = frame.force;
   if (came) {
     take(came);
-    now = touch_.force = field_.at(touch_.site, tip.at - touch_.site.at, false).at.force;
+    const SiteTerms terms = field_.at(touch_.site, tip.at - touch_.site.at, false).at;
+    now = touch_.force = terms.force, record.energy = terms.energy;
   }
   return switch_.step(frame.force, now, came_, (tip.at - before).norm());
 }

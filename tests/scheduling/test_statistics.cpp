@@ -136,7 +136,10 @@ TEST_CASE("levels that differ by rounding are equal") {
   for (std::size_t block = 0; block < 6; ++block)
     for (std::size_t level = 0; level < 3; ++level)
       seen.push_back({level, block, block / 2,
-                      0.3 * static_cast<double>(block + 1) * (level == 1 ? 1 + 1e-12 : level == 2 ? 1.01 : 1)});
+                      0.3 * static_cast<double>(block + 1) *
+                          (level == 1   ? 1 + 1e-12
+                           : level == 2 ? 1.01
+                                        : 1)});
   const Comparison rounded = compare_levels(seen, 1, 0), larger = compare_levels(seen, 2, 0);
   CHECK(rounded.won + rounded.lost == 0);
   CHECK(rounded.verdict() == 0);
