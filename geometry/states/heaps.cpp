@@ -12,7 +12,7 @@ namespace {
 
 constexpr double place_share = 0.01;     // of the extent
 constexpr std::size_t usual_times = 10;  // of the median number of rows
-constexpr int scales = 4;                // of places that are thinned: each of twice the size
+constexpr int scales = 5;                // of places that are thinned: each of twice the size
 
 struct HeapPlace {
   Vec3 first;                     // its first row's position
@@ -107,6 +107,7 @@ std::vector<State> thinned_heaps(std::span<const State> rows) {
   double reach = place_share * extent;
   for (int scale = 0; scale < scales; ++scale, reach *= 2) {
     const std::vector<HeapPlace> places = places_of(kept, reach);
+    if (places.size() <= usual_times) break;
     const std::size_t usual = median_rows(places), most = usual_times * usual;
     std::vector<std::size_t> stay;
     for (const HeapPlace& place : places) {
