@@ -7,6 +7,7 @@
 
 #include "geometry/common/dense.hpp"
 #include "geometry/common/quantiles.hpp"
+#include "geometry/states/heaps.hpp"
 
 namespace forefeel {
 namespace {
@@ -43,8 +44,8 @@ struct Lie {
 };
 
 // Rows of a curve bend: their coordinate `axis` is a parabola of the one along them (axis 2), that of least squares.
-// near: from x; weight: of each.
-Lie lie_of(const std::vector<Vec3>& near, const std::vector<double>& weight, int axis) {
+// near: from x.
+Lie lie_of(const std::vector<Vec3>& near, int axis) {
   Eigen::Matrix3d normal = Eigen::Matrix3d::Zero();
   Vec3 right = Vec3::Zero();
   double size = 0, first = std::numeric_limits<double>::infinity(), last = -first;
@@ -54,35 +55,18 @@ Lie lie_of(const std::vector<Vec3>& near, const std::vector<double>& weight, int
     last = std::max(last, r[2]);
   }
   const auto powers = [size](double t) { return Vec3(1, t / size, t * t / (size * size)); };
-  double sum = 0, squares = 0;
-  for (std::size_t i = 0; i < near.size(); ++i) {
-    const Vec3 p = powers(near[i][2]);
-    normal += weight[i] * p * p.transpose();
-    right += weight[i] * near[i][axis] * p;
-    sum += weight[i], squares += weight[i] * weight[i];
+  for (const Vec3& r : near) {
+    normal += powers(r[2]) * powers(r[2]).transpose();
+    right += r[axis] * powers(r[2]);
   }
-  const double count = sum * sum / squares;  // rows of one weight that tell as much (Kish 1965)
-  normal *= count / sum;
-  right *= count / sum;
   const Mat3 inverse = pseudo_inverse(normal);
   const Vec3 parabola = inverse * right, here = powers(std::clamp(0.0, first, last));
   double squared = 0;
-  for (std::size_t i = 0; i < near.size(); ++i)
-    squared += weight[i] * count / sum * std::pow(near[i][axis] - parabola.dot(powers(near[i][2])), 2);
-  Lie lie{.off = parabola.dot(here), .deviation = std::sqrt(squared / std::max(1.0, count - 3))};
+  for (const Vec3& r : near) squared += std::pow(r[axis] - parabola.dot(powers(r[2])), 2);
+  Lie lie{.off = parabola.dot(here),
+          .deviation = std::sqrt(squared / std::max(1.0, double(near.size()) - 3))};
   lie.doubt = lie.deviation * std::sqrt(std::max(0.0, here.dot(inverse * here)));
   return lie;
-}
-
-// Of each row, one over the number of rows within `reach` of it: rows of a heap weigh as much as one row, those of an
-// even set are alike.
-std::vector<double> even_weights(const std::vector<Vec3>& at, double reach) {
-  std::vector<double> weight(at.size(), 1);
-  for (std::size_t i = 0; i < at.size(); ++i)
-    for (std::size_t j = 0; j < i; ++j)
-      if ((at[i] - at[j]).squaredNorm() < reach * reach) weight[i] += 1, weight[j] += 1;
-  for (double& w : weight) w = 1 / w;
-  return weight;
 }
 
 }  // namespace
@@ -94,11 +78,16 @@ ForceField::ForceField(const StateSpace& known, const FieldOptions& options)
     const State& state = known[StateId{id}];
     most_ = std::max(most_, state.force.norm());
     rows_.push_back(state.at);
-    if (options.neighbours > 0) continue;
     State light;
     light.at = state.at;
     light.force = state.force;
     states.push_back(std::move(light));
+  }
+  // A dwell among few other rows would hide which directions these know.
+  if (std::vector<State> even = thinned_heaps(states); even.size() < states.size()) {
+    const auto space = std::make_shared<StateSpace>(known.options());
+    for (State& state : even) space->insert(std::move(state));
+    even_ = space;
   }
   if (options.neighbours > 0) return;
   all_ = processes_of(averaged_boxes(states, options.box));
@@ -183,31 +172,32 @@ MeasuredRows ForceField::rows_about(const Vec3& x) const {
 // deviation are those of a parabola along the rows. The foot is x without its components along unknown directions,
 // about c.
 ForceField::Foot ForceField::foot_of(const Vec3& x) const {
+  const StateSpace& even = even_ ? *even_ : *known_;
   std::vector<StateId> ids;
-  known_->nearest(x, 1, ids);
-  const double nearest = ((*known_)[ids.front()].at - x).norm();
-  known_->within(x, 4 * nearest, ids);
-  if (ids.size() < least_around) known_->nearest(x, least_around, ids);
+  even.nearest(x, 1, ids);
+  const double nearest = (even[ids.front()].at - x).norm();
+  even.within(x, 4 * nearest, ids);
+  if (ids.size() < least_around) even.nearest(x, least_around, ids);
   const std::size_t stride = ids.size() / most_around + 1;
-  std::vector<Vec3> near;  // from x
-  for (std::size_t i = 0; i < ids.size(); i += stride) near.push_back((*known_)[ids[i]].at - x);
-  const std::vector<double> weight = even_weights(near, nearest);
-  double count = 0;
   Vec3 middle = Vec3::Zero();
-  for (std::size_t i = 0; i < near.size(); ++i) middle += weight[i] * near[i], count += weight[i];
+  double count = 0;
+  for (std::size_t i = 0; i < ids.size(); i += stride) middle += even[ids[i]].at - x, ++count;
   middle /= count;
   Mat3 spread = Mat3::Zero();
-  for (std::size_t i = 0; i < near.size(); ++i)
-    spread += weight[i] * (near[i] - middle) * (near[i] - middle).transpose() / count;
-  const Modes3 axes = axes_of(spread);  // the rows extend least along the first
-  for (Vec3& r : near) r = axes.vectors.transpose() * r;
+  for (std::size_t i = 0; i < ids.size(); i += stride) {
+    const Vec3 off = even[ids[i]].at - x - middle;
+    spread += off * off.transpose() / count;
+  }
+  const Modes3 axes = axes_of(spread);
+  std::vector<Vec3> near;  // from x, along the axes: the rows extend least along the first
+  for (std::size_t i = 0; i < ids.size(); i += stride)
+    near.push_back(axes.vectors.transpose() * (even[ids[i]].at - x));
   const double widest = std::sqrt(std::max(0.0, axes.values[2]));
   Vec3 across = Vec3::Zero();
   for (int k = 0; k < 3; ++k) {
     const Vec3 u = axes.vectors.col(k);
     const double own = std::sqrt(std::max(0.0, axes.values[k]));
-    const Lie lie =
-        own < thin * widest ? lie_of(near, weight, k) : Lie{.off = u.dot(middle), .deviation = own};
+    const Lie lie = own < thin * widest ? lie_of(near, k) : Lie{.off = u.dot(middle), .deviation = own};
     const double off = std::abs(lie.off) - surely_off * lie.doubt;
     if (known_share * off > lie.deviation) across -= lie.off * u;
   }

@@ -1,5 +1,5 @@
-// A hand that stays at one place and trembles gives hundreds of true rows about it. What they tell is welcome there, and
-// changes nothing elsewhere.
+// A hand that stays at one place and trembles gives hundreds of true rows about it. What they tell is welcome there,
+// and changes nothing elsewhere.
 
 #include <algorithm>
 #include <random>
