@@ -9,6 +9,7 @@
 
 #include "approx/measured/position_groups.hpp"
 #include "geometry/common/dense.hpp"
+#include "geometry/states/heaps.hpp"
 
 namespace forefeel {
 namespace {
@@ -223,8 +224,9 @@ MeasuredRows averaged_boxes(std::span<const State> states, std::size_t size) {
 
 std::optional<FieldOptions> field_of(std::span<const State> states, const KnownNoise& noise) {
   if (states.size() < 8) return {};
-  const MeasuredRows some = rows_for_law(states, law_clusters), more = rows_for_law(states, more_clusters),
-                     most = rows_for_law(states, most_clusters);
+  const std::vector<State> even = thinned_heaps(states);
+  const MeasuredRows some = rows_for_law(even, law_clusters), more = rows_for_law(even, more_clusters),
+                     most = rows_for_law(even, most_clusters);
   const std::size_t size = box_size(states.size(), law_boxes);
   const MeasuredRows boxes = averaged_boxes(states, size);
   std::optional<LikelyLaw> best, rough, doubt;

@@ -7,6 +7,7 @@
 
 #include "geometry/common/dense.hpp"
 #include "geometry/common/quantiles.hpp"
+#include "geometry/states/heaps.hpp"
 
 namespace forefeel {
 namespace {
@@ -77,11 +78,16 @@ ForceField::ForceField(const StateSpace& known, const FieldOptions& options)
     const State& state = known[StateId{id}];
     most_ = std::max(most_, state.force.norm());
     rows_.push_back(state.at);
-    if (options.neighbours > 0) continue;
     State light;
     light.at = state.at;
     light.force = state.force;
     states.push_back(std::move(light));
+  }
+  // A dwell among few other rows would hide which directions these know.
+  if (std::vector<State> even = thinned_heaps(states); even.size() < states.size()) {
+    const auto space = std::make_shared<StateSpace>(known.options());
+    for (State& state : even) space->insert(std::move(state));
+    even_ = space;
   }
   if (options.neighbours > 0) return;
   all_ = processes_of(averaged_boxes(states, options.box));
@@ -166,25 +172,26 @@ MeasuredRows ForceField::rows_about(const Vec3& x) const {
 // deviation are those of a parabola along the rows. The foot is x without its components along unknown directions,
 // about c.
 ForceField::Foot ForceField::foot_of(const Vec3& x) const {
+  const StateSpace& even = even_ ? *even_ : *known_;
   std::vector<StateId> ids;
-  known_->nearest(x, 1, ids);
-  const double nearest = ((*known_)[ids.front()].at - x).norm();
-  known_->within(x, 4 * nearest, ids);
-  if (ids.size() < least_around) known_->nearest(x, least_around, ids);
+  even.nearest(x, 1, ids);
+  const double nearest = (even[ids.front()].at - x).norm();
+  even.within(x, 4 * nearest, ids);
+  if (ids.size() < least_around) even.nearest(x, least_around, ids);
   const std::size_t stride = ids.size() / most_around + 1;
   Vec3 middle = Vec3::Zero();
   double count = 0;
-  for (std::size_t i = 0; i < ids.size(); i += stride) middle += (*known_)[ids[i]].at - x, ++count;
+  for (std::size_t i = 0; i < ids.size(); i += stride) middle += even[ids[i]].at - x, ++count;
   middle /= count;
   Mat3 spread = Mat3::Zero();
   for (std::size_t i = 0; i < ids.size(); i += stride) {
-    const Vec3 off = (*known_)[ids[i]].at - x - middle;
+    const Vec3 off = even[ids[i]].at - x - middle;
     spread += off * off.transpose() / count;
   }
   const Modes3 axes = axes_of(spread);
   std::vector<Vec3> near;  // from x, along the axes: the rows extend least along the first
   for (std::size_t i = 0; i < ids.size(); i += stride)
-    near.push_back(axes.vectors.transpose() * ((*known_)[ids[i]].at - x));
+    near.push_back(axes.vectors.transpose() * (even[ids[i]].at - x));
   const double widest = std::sqrt(std::max(0.0, axes.values[2]));
   Vec3 across = Vec3::Zero();
   for (int k = 0; k < 3; ++k) {

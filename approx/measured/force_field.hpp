@@ -63,6 +63,7 @@ class ForceField {
   Vec3 bounded(const Vec3& force) const;
 
   const StateSpace* known_;
+  std::shared_ptr<const StateSpace> even_;  // without most rows of heaps; null: there are none
   FieldOptions options_;
   double most_ = 0;         // largest force [N]
   std::vector<Vec3> rows_;  // positions

@@ -142,6 +142,32 @@ TEST_CASE("a dwell counts as one place; other rows, lines and repeated scans sta
   for (const State& row : twice)
     for (int k = 0; k < 30; ++k) again.push_back(row);
   CHECK(join_heaps(again).heaps == 0);
+  CHECK(thinned_heaps(again).size() == again.size());
+  for (const std::size_t count : {60, 400, 2000})
+    CHECK(thinned_heaps(rows_of(count, 1, pushed)).size() == count);
+  for (std::size_t i = 0; i < 3; ++i) twice[i].at = Vec3(1, 2, double(i));  // a tracker that was lost
+  CHECK(thinned_heaps(twice).size() == twice.size());
+}
+
+TEST_CASE("a dwell with a wide tremor counts as few rows where rows are counted; all others stay, in order") {
+  std::mt19937 random(5);
+  for (unsigned variant = 0; variant < 10; ++variant) {
+    INFO(variant);
+    std::normal_distribution<double> tremor(0, 2e-4 * (variant + 1));
+    const std::vector<State> places = rows_of(60, variant, pushed);
+    std::vector<State> rows = places;
+    for (std::size_t i = 0; i < 400; ++i) {
+      rows.push_back(places.front());
+      rows.back().at = Vec3(0.004, -0.006, 0.002) + Vec3(tremor(random), tremor(random), tremor(random));
+    }
+    const std::vector<State> kept = thinned_heaps(rows);
+    CHECK(kept.size() < 60 + 40);
+    const auto far = [](const State& row) { return (row.at - Vec3(0.004, -0.006, 0.002)).norm() > 0.015; };
+    std::vector<State> wanted, found;
+    std::ranges::copy_if(rows, std::back_inserter(wanted), far);
+    std::ranges::copy_if(kept, std::back_inserter(found), far);
+    CHECK(std::ranges::equal(found, wanted, {}, &State::at, &State::at));
+  }
 }
 
 TEST_CASE("units of length are known in any spelling") {

@@ -1,0 +1,79 @@
+// A hand that stays at one place and trembles gives hundreds of true rows about it. What they tell is welcome there,
+// and changes nothing elsewhere.
+
+#include <algorithm>
+#include <random>
+
+#include "approx/measured/force_field.hpp"
+#include "tests/approx/measured_cases.hpp"
+#include "tests/support/test.hpp"
+
+using namespace forefeel;
+using namespace forefeel::test;
+
+namespace {
+
+constexpr double half = 0.02;  // of the extent [m]
+constexpr std::size_t places = 60;
+
+Vec3 stiffening(const Vec3& x) {
+  return -Vec3(250, 250, 420).cwiseProduct(x) * (1 + 0.35 * x.squaredNorm() / (half * half));
+}
+
+// Some places, and then a dwell.
+MeasuredCase dwell_of(unsigned seed, std::size_t rows, double tremor, double noise) {
+  std::mt19937 random(seed);
+  std::uniform_real_distribution<double> even(-half, half);
+  std::normal_distribution<double> normal;
+  MeasuredCase given{.noise = noise};
+  const auto vector = [&](auto& of) { return Vec3(of(random), of(random), of(random)); };
+  for (std::size_t i = 0; i < places; ++i) given.at.push_back(vector(even));
+  const Vec3 place = 0.5 * vector(even);
+  for (std::size_t i = 0; i < rows; ++i) given.at.emplace_back(place + tremor * vector(normal));
+  for (const Vec3& x : given.at) given.force.emplace_back(stiffening(x) + noise * vector(normal));
+  for (int i = 0; i < 120; ++i) given.points.emplace_back(0.9 * vector(even));
+  for (const Vec3& x : given.points) given.truth.push_back(stiffening(x));
+  return given;
+}
+
+struct Found {
+  double median = 0, p95 = 0, most = 0,
+         held = 0;  // of the errors; share within 1.61 deviations and the least error
+};
+
+Found found_from(const MeasuredCase& given, std::size_t rows) {
+  std::vector<State> states = given.states();
+  states.resize(rows);
+  StateSpace space({.spacing = 0.2 * half});
+  for (const State& state : states) space.insert(state);
+  const std::optional<FieldOptions> law = field_of(states);
+  REQUIRE(law);
+  const ForceField field(space, *law);
+  std::vector<double> errors;
+  double held = 0;
+  for (std::size_t i = 0; i < given.points.size(); ++i) {
+    const ForceField::Prediction made = field.at(given.points[i]);
+    errors.push_back((made.force - given.truth[i]).norm());
+    if (errors.back() <= 1.61 * made.deviation + 3 * made.least_error)
+      held += 1 / double(given.points.size());
+  }
+  std::ranges::sort(errors);
+  return {errors[errors.size() / 2], errors[errors.size() * 95 / 100], errors.back(), held};
+}
+
+}  // namespace
+
+TEST_CASE("Rows of a dwell with any tremor spoil nothing elsewhere", "[measured]") {
+  constexpr std::array tremors{0.0003, 0.0005, 0.0007, 0.001, 0.001, 0.0013, 0.0016, 0.002, 0.0025, 0.001};
+  for (unsigned k = 0; k < tremors.size(); ++k) {
+    const double noise = k % 3 == 2 ? 0.02 : 0;
+    const MeasuredCase given = dwell_of(k, 200 + 50 * (k % 5), tremors[k], noise);
+    const Found alone = found_from(given, places), with = found_from(given, given.at.size());
+
+    INFO(k);
+    CHECK(with.median <= 1.3 * alone.median);
+    CHECK(with.p95 <= 2 * alone.p95);
+    CHECK(with.most <= 2 * alone.most);
+    CHECK(with.held >= 0.93);
+  }
+}
