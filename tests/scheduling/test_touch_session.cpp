@@ -81,9 +81,11 @@ TEST_CASE("A line with friction slides on the cone, and gains no work", "[touch 
       ++slipping;
       const SurfacePlace& site = before->touch.site;
       const Vec3 way = frame.at - before->at, half_way = 0.5 * (frame.at + before->at) - site.at;
-      CHECK(frame.touch.tip_change ==
-            Approx((field.at(site, half_way).at.stiffness * way).norm()).epsilon(0.02).margin(1e-4));
-      if (!frame.touch.snaps) CHECK(frame.touch.slope == Approx(0.3).epsilon(1e-3));
+      if (!frame.touch.snaps) {
+        CHECK(frame.touch.tip_change ==
+              Approx((field.at(site, half_way).at.stiffness * way).norm()).epsilon(0.02).margin(1e-4));
+        CHECK(frame.touch.slope == Approx(0.3).epsilon(1e-3));
+      }
     }
     before = &frame, stored = frame.touch.energy;
   }
