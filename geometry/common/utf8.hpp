@@ -1,5 +1,6 @@
 #pragma once
-// Text for XML, HTML and terminals from bytes of any kind: names of files, groups and units may hold bytes that are not UTF-8.
+// Text for XML, HTML and terminals from bytes of any kind: names of files, groups and units may hold bytes that are
+// not UTF-8.
 
 #include <string>
 #include <string_view>

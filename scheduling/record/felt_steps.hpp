@@ -5,8 +5,9 @@
 //   N = |F_k - F_i| - sum over j of m_j      [N]
 // m_j is what the model's stiffness makes of the tip's way in frame j, |integral of K dx|, taken from the model itself
 // as a difference of its forces: at one place of contact SwitchStep::motion_change; of a body touched anywhere
-// TouchRecord::tip_change, whose site stays where it was, so that a slide is no explanation. Where a site snaps the body
-// moves by itself, and m_j = 0. Where a touch begins, the way counts from the place where the tip crossed the surface.
+// TouchRecord::tip_change, whose site stays where it was, so that a slide is no explanation. Where a site snaps the
+// body moves by itself, and m_j = 0. Where a touch begins, the way counts from the place where the tip crossed the
+// surface.
 // The window is felt if N > max(share max(|F_i|, |F_k|), floor), the just noticeable difference of the larger force.
 // Overlapping windows are one step: a step is a run of felt windows, counted once, with the largest N and the largest
 // N / max(|F_i|, |F_k|) in it. A pause of the loop makes a window longer.
