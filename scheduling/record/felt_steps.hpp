@@ -20,23 +20,15 @@
 //   slip    a site slid
 //   motion  what is left: the motion, the relaxation of a viscous body, or another safety rule
 
-#include <array>
 #include <cstddef>
 #include <span>
-#include <string>
-#include <string_view>
 #include <vector>
 
 #include "scheduling/common/session_result.hpp"
+#include "scheduling/record/summary_parts.hpp"
 #include "scheduling/render/render_options.hpp"
 
 namespace forefeel {
-
-enum class FeltCause { change_of_model, slip, snap, begin, end, motion };
-inline constexpr std::array<FeltCause, 6> all_felt_causes{
-    FeltCause::change_of_model, FeltCause::slip, FeltCause::snap,
-    FeltCause::begin,           FeltCause::end,  FeltCause::motion};
-std::string_view name(FeltCause cause);  // "switch", "slip" …
 
 struct FeltRule {
   double share = SwitchOptions{}.jnd_share;        // [1]
@@ -57,15 +49,7 @@ struct FeltStep {
 std::vector<FeltStep> felt_steps(std::span<const FrameRecord> frames, const FeltRule& rule,
                                  std::size_t ending = 0);
 
-struct FeltSteps {
-  std::size_t count = 0;
-  double largest = 0, largest_share = 0;  // [N], [1]
-  std::array<std::size_t, all_felt_causes.size()> by_cause{};
-};
 FeltSteps counted_steps(std::span<const FeltStep> steps);
 FeltSteps felt_steps_of(const SessionResult& result, const FeltRule& rule);
-
-// "3 steps that a hand feels, the largest 0.21 N: 2 by the end of a touch, 1 by a slip".
-std::string in_words(const FeltSteps& steps);
 
 }  // namespace forefeel

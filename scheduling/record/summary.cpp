@@ -8,6 +8,7 @@
 #include "geometry/common/quantiles.hpp"
 #include "geometry/states/state_outcome.hpp"
 #include "scheduling/motion/hand_device.hpp"
+#include "scheduling/record/felt_steps.hpp"
 #include "scheduling/record/needed_states.hpp"
 #include "scheduling/record/summary_parts.hpp"
 #include "scheduling/render/render_loop.hpp"

@@ -24,7 +24,6 @@
 
 #include "geometry/coverage/coverage.hpp"
 #include "scheduling/motion/prediction_score.hpp"
-#include "scheduling/record/felt_steps.hpp"
 #include "scheduling/record/stability.hpp"
 #include "scheduling/record/summary_parts.hpp"
 #include "scheduling/session/session_options.hpp"

@@ -6,8 +6,11 @@
 // its rendered force F [N] is at most limit(F). This was true if |F - f| <= limit(f), with f [N] the force of a tight
 // solve. For a viscous body, F and f are the elastic forces.
 
+#include <array>
 #include <cstddef>
 #include <span>
+#include <string>
+#include <string_view>
 
 #include "scheduling/common/session_result.hpp"
 
@@ -47,5 +50,20 @@ bool is_jet_at_rest(const DispatchRecord& dispatch);
 std::size_t jets_at_rest(const SessionResult& result);  // solved ones
 
 TouchNumbers touches_of(const SessionResult& result, const TouchTask& task);
+
+// Steps of the force that a hand feels, and what caused each (felt_steps.hpp).
+enum class FeltCause { change_of_model, slip, snap, begin, end, motion };
+inline constexpr std::array<FeltCause, 6> all_felt_causes{
+    FeltCause::change_of_model, FeltCause::slip, FeltCause::snap,
+    FeltCause::begin,           FeltCause::end,  FeltCause::motion};
+std::string_view name(FeltCause cause);  // "switch", "slip" …
+
+struct FeltSteps {
+  std::size_t count = 0;
+  double largest = 0, largest_share = 0;  // [N], [1]
+  std::array<std::size_t, all_felt_causes.size()> by_cause{};
+};
+// "3 steps that a hand feels, the largest 0.21 N: 2 by the end of a touch, 1 by a slip".
+std::string in_words(const FeltSteps& steps);
 
 }  // namespace forefeel
