@@ -10,7 +10,6 @@
 #include "scheduling/motion/hand_device.hpp"
 #include "scheduling/record/felt_steps.hpp"
 #include "scheduling/record/needed_states.hpp"
-#include "scheduling/record/summary_parts.hpp"
 #include "scheduling/render/render_loop.hpp"
 #include "scheduling/session/session_input.hpp"
 #include "scheduling/session/session_plan.hpp"
