@@ -140,7 +140,7 @@ std::string samples(const char* what, std::size_t n) {
 std::vector<std::string> attention(const SessionSummary& summary) {
   const auto& [motion, safety, states] = std::tie(summary.motion, summary.safety, summary.states);
   std::vector<std::string> lines;
-  if (motion.touch && motion.touch->beyond >= beyond_too_often) lines.push_back(dragged(*motion.touch));
+  if (motion.touch && motion.touch->beyond > outside_too_often) lines.push_back(dragged(*motion.touch));
   const std::optional<StabilityReport>& stability = summary.energy.stability;
   if (stability && !stability->stable) lines.push_back(unstable(*stability, safety));
   if (std::isfinite(motion.away.median)) lines.push_back(far_from_states(motion.away));

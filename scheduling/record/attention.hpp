@@ -13,9 +13,8 @@
 namespace forefeel {
 
 inline constexpr double clamped_too_often = 0.05;  // share of the frames above which it is reported
-inline constexpr double outside_too_often = 0.05;
-inline constexpr double beyond_too_often = 0.5;  // share of the time in touch
-inline constexpr double added_too_much = 0.01;   // force error of passivity control, p95 [1]
+inline constexpr double outside_too_often = 0.05;  // of the box of states, or of what a touch knows
+inline constexpr double added_too_much = 0.01;     // force error of passivity control, p95 [1]
 inline constexpr double held_too_much = 1e-3;   // hold energy above which an unstable session mentions it [J]
 inline constexpr double long_pause = 0.1;       // of the loop [s]
 inline constexpr std::size_t few_samples = 20;  // with fewer samples, counts are printed, not percentages

@@ -13,8 +13,9 @@ constexpr double shortest = 1e-9;  // step [m]
 constexpr double longest = 2e-3;   // step [m]; a longer way has several
 constexpr int most_steps = 200, most_halvings = 60;
 constexpr double near_limit = 0.1;                   // of what the force may change by: close enough
+constexpr double least_share = 0.25;                 // of the bound, left to the slide
 constexpr double site_over_tip = 3;                  // most way of the site in a frame, over the tip's
-constexpr double least_way = 1e-4;                   // of a site that follows a tip at rest [m]
+constexpr double least_way = 2e-5;                   // of a site that follows a tip at rest [m]
 constexpr double bound = 0.007, bound_floor = 1e-3;  // of |f|, and [N]: of the damped switch, a frame
 
 // One site, seen along a direction of its facet.
@@ -47,7 +48,9 @@ class Slider {
     return limit_ ? (seen.terms.at.force - limit_->before).norm() - limit_->change : -1;
   }
   void start(const Seen& at) {
-    if (limit_) limit_->change += (at.terms.at.force - limit_->before).norm();
+    if (!limit_) return;
+    const double by_tip = (at.terms.at.force - limit_->before).norm();
+    limit_->change = std::max(limit_->change, by_tip + least_share * limit_->change);
   }
   bool limited() const { return limited_; }
 

@@ -26,8 +26,9 @@ namespace forefeel {
 // g is not the tangential force: pressed straight along -n on a curved body it does not vanish.
 
 // Where E has a fold, equality is far: the body itself snaps. There a frame goes only a part of the way, as the damped
-// switch does with a change of models: until the force has changed, beyond what the motion of the tip changes, by the
-// switch's bound, or the site has gone three times the tip's way. The next frames go on.
+// switch does with a change of models: until the force has changed by the switch's bound, or by little more than the
+// motion of the tip changes it where that is more, or the site has gone three times the tip's way. The next frames go
+// on.
 
 enum class SlipEnd {
   sticks,    // |g| <= mu f . n, or at a kept edge the same along it
@@ -40,7 +41,7 @@ enum class SlipEnd {
 // Of one frame.
 struct SlideLimit {
   Vec3 before = Vec3::Zero();  // force of the frame before [N]
-  double change = 0;           // most |f - before| beyond that at the start of the slide [N]
+  double change = 0;           // most |f - before|, if the start of the slide is within it [N]
   double way = 0;              // most way over the surface [m]
 };
 
