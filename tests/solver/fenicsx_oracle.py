@@ -1,8 +1,8 @@
 """Forces of bodies on the tip, by FEniCSx: BODIES.json OUT.json
 
 BODIES.json: a list of bodies, each with nodes (#V x 3), tets (#T x 4), law (#T: 0 linear, 1 St. Venant-Kirchhoff,
-2 neo-Hookean), mu and lambda (#T), degree (1 or 2), clamp and contact (boxes [[x0, y0, z0], [x1, y1, z1]] that hold
-their nodes), at (#S x 3), steps; in place of contact perhaps pad: {nodes (#P x 3), springs (#Q x [i, j, M_ij])} with
+2 neo-Hookean), mu and lambda (#T), degree (1 or 2), clamp_nodes (#C), at (#S x 3), steps, and contact (a box
+[[x0, y0, z0], [x1, y1, z1]] that holds its nodes) or pad: {nodes (#P x 3), springs (#Q x [i, j, M_ij])} with
 the energy 1/2 w^T M w over the nodes' displacements w_0 .. w_(P-1) and the tip's w_P = x; j >= i, M is symmetric.
 OUT.json: for each body its forces (#S x 3)."""
 import json
@@ -72,7 +72,13 @@ def solve(body):
         assert node.max() == len(places) and count == len(set(node[:-1]))
         return whole[:-3, :-3], whole[:-3, -3:], whole[-3:, -3:]
 
-    clamp, contact = unknowns(body["clamp"]), unknowns(body.get("contact"))
+    def unknowns_of_nodes(nodes):
+        places = np.array(body["nodes"])[nodes]
+        distance, node = scipy.spatial.cKDTree(space.tabulate_dof_coordinates()).query(places)
+        assert distance.max() < 1e-12
+        return (3 * node[:, None] + np.arange(3)).ravel()
+
+    clamp, contact = unknowns_of_nodes(body["clamp_nodes"]), unknowns(body.get("contact"))
     pad = pad_matrices(body["pad"]) if "pad" in body else None
     free = np.setdiff1d(np.arange(u.x.array.size), np.concatenate([clamp, contact]))
 
