@@ -5,6 +5,7 @@ BODIES.json: a list of bodies, each with nodes (#V x 3), tets (#T x 4), law (#T:
 [[x0, y0, z0], [x1, y1, z1]] that holds its nodes) or pad: {nodes (#P x 3), springs (#Q x [i, j, M_ij])} with
 the energy 1/2 w^T M w over the nodes' displacements w_0 .. w_(P-1) and the tip's w_P = x; j >= i, M is symmetric.
 OUT.json: for each body its forces (#S x 3)."""
+import itertools
 import json
 import sys
 
@@ -72,11 +73,16 @@ def solve(body):
         assert node.max() == len(places) and count == len(set(node[:-1]))
         return whole[:-3, :-3], whole[:-3, -3:], whole[-3:, -3:]
 
+    # Those of the nodes and, of quadratic elements, of the middles of the edges between two of them.
     def unknowns_of_nodes(nodes):
         places = np.array(body["nodes"])[nodes]
+        if body["degree"] == 2:
+            pairs = np.array(body["tets"])[:, list(itertools.combinations(range(4), 2))].reshape(-1, 2)
+            ends = np.array(body["nodes"])[pairs[np.isin(pairs, nodes).all(axis=1)]]
+            places = np.concatenate([places, ends.mean(axis=1)])
         distance, node = scipy.spatial.cKDTree(space.tabulate_dof_coordinates()).query(places)
         assert distance.max() < 1e-12
-        return (3 * node[:, None] + np.arange(3)).ravel()
+        return (3 * np.unique(node)[:, None] + np.arange(3)).ravel()
 
     clamp, contact = unknowns_of_nodes(body["clamp_nodes"]), unknowns(body.get("contact"))
     pad = pad_matrices(body["pad"]) if "pad" in body else None
