@@ -73,6 +73,9 @@ struct Classified {
   std::size_t unusable = 0;
   double spacing = unknown;  // [m]
   bool spacing_estimated = false;
+  // States in a plane fill little of a box unless it lies along the plane: axes of box, leaves and index are turned by
+  // this; states and all places told are not.
+  Mat3 turn = Mat3::Identity();
   Box box;
   CheckSolves checks;
   ChosenIndex index;
@@ -81,11 +84,11 @@ struct Classified {
   Holes holes;
   std::shared_ptr<const AdaptiveLattice> lattice;  // set if the spacing varies from place to place
 
+  std::vector<Vec3> places() const;  // of all states and those beside, turned
   Coverage coverage(const Vec3& q) const {
-    return index.space ? index.space->coverage(q) : index.octree->coverage(q);
+    return index.space ? index.space->coverage(turn * q) : index.octree->coverage(turn * q);
   }
-  Label label(const Vec3& q) const { return index.space ? index.space->label(q) : index.octree->label(q); }
-  // Of the leaf that contains q, a place of the box.
+  // Of the leaf that contains q, a place of the box, turned.
   Label region_label(const Vec3& q) const {
     return index.octree ? index.octree->label(q) : index.regions->label_at(q);
   }
@@ -114,6 +117,10 @@ Classified classify_states(const Globals& globals, const ClassifyArguments& argu
 // Spacing, box and outline, without labels. If a box is given, the states may be empty.
 Classified prepare_states(const ClassifyArguments& arguments, const std::string& where,
                           std::vector<State> states, const OwnFrame& own, const Globals& globals);
+// Labels states in a plane in it, as a layer a quarter of the spacing thick: fills `beside`.
+void take_plane(Classified& set, bool have_box, const std::string& where, const Globals& globals);
+// Then turns the box so that the plane lies across one of its axes; in the plane the box is the smallest.
+void lay_flat(Classified& set);
 // What to make beside the regions: holes, the regions' leaves, a state space.
 struct LabelWork {
   bool holes = true, leaves = true, space = false;

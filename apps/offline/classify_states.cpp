@@ -15,7 +15,6 @@
 #include "apps/offline/classify.hpp"
 #include "apps/scene/given_states.hpp"
 #include "apps/scene/scene.hpp"
-#include "geometry/common/dense.hpp"
 #include "geometry/common/error.hpp"
 #include "geometry/common/memory.hpp"
 #include "geometry/coverage/coverage.hpp"
@@ -129,9 +128,8 @@ std::unique_ptr<OctreeIndex> make_octree(const Classified& set, const ClassifyAr
   auto octree = set.lattice
                     ? std::make_unique<OctreeIndex>(AdaptiveLattice(*set.lattice), arguments.space.coverage)
                     : std::make_unique<OctreeIndex>(set.spacing, arguments.space.coverage);
-  const auto count = static_cast<std::uint32_t>(set.states.size());
-  for (std::uint32_t i = 0; i < count; ++i) octree->insert({i}, set.states[i].at);
-  for (std::uint32_t i = 0; i < set.beside.size(); ++i) octree->insert({count + i}, set.beside[i]);
+  const std::vector<Vec3> places = set.places();
+  for (std::uint32_t i = 0; i < places.size(); ++i) octree->insert({i}, places[i]);
   return octree;
 }
 
@@ -140,29 +138,21 @@ std::unique_ptr<StateSpace> make_space(const Classified& set, const ClassifyArgu
                                        const std::function<void(double)>& progress) {
   auto space = std::make_unique<StateSpace>(StateSpaceOptions{
       .spacing = set.spacing, .box = set.box, .coverage = arguments.space.coverage, .lattice = set.lattice});
+  const std::vector<Vec3> places = set.places();
   std::size_t done = 0;
-  for (const std::uint32_t i : morton_order(set.states, set.box, set.spacing)) {
-    State light = set.states[i];
-    light.displacements.reset();
-    space->insert(std::move(light));
-    if (++done % 1024 == 0) progress(double(done) / double(set.states.size()));
-  }
-  for (const Vec3& x : set.beside) {
+  for (const std::uint32_t i : morton_order(places, set.box, set.spacing)) {
     State state;
-    state.at = x;
-    space->insert(state);
+    state.at = places[i];
+    space->insert(std::move(state));
+    if (++done % 1024 == 0) progress(double(done) / double(places.size()));
   }
   return space;
 }
 
 Regions make_regions(const Classified& set, const ClassifyArguments& arguments,
                      const std::function<void(double)>& progress) {
-  std::vector<Vec3> at;
-  at.reserve(set.states.size());
-  for (const State& state : set.states) at.push_back(state.at);
-  at.insert(at.end(), set.beside.begin(), set.beside.end());
   return Regions(
-      std::move(at),
+      set.places(),
       {.spacing = set.spacing, .box = set.box, .coverage = arguments.space.coverage, .lattice = set.lattice},
       progress);
 }
@@ -181,34 +171,6 @@ void label_octree(Classified& result, const ClassifyArguments& arguments) {
                const double h = result.lattice ? result.lattice->spacing_at(place) : result.spacing;
                result.index.octree->points().offsets_within(place, coverage.gap_cone_radius * h, offsets);
              });
-}
-
-// States in a plane are labelled in it, as a layer a quarter of the spacing thick.
-void take_plane(Classified& set, bool have_box, const std::string& where, const Globals& globals) {
-  constexpr double thin = 0.01, wide = 0.5;  // of the spacing: deviations across the plane, and along it
-  if (set.states.size() < 4 || set.lattice) return;
-  const auto n = static_cast<double>(set.states.size());
-  Vec3 middle = Vec3::Zero();
-  for (const State& s : set.states) middle += s.at / n;
-  Mat3 spread = Mat3::Zero();
-  for (const State& s : set.states) spread += (s.at - middle) * (s.at - middle).transpose() / n;
-  const Modes3 modes = axes_of(spread);
-  const double h = set.spacing;
-  if (modes.values[1] < thin * thin * h * h && modes.values[2] > 0)
-    warn(globals, where +
-                      ": the states lie on a line, so no volume is labelled; --points tells the labels of "
-                      "places along it");
-  if (!(modes.values[0] < thin * thin * h * h) || !(modes.values[1] > wide * wide * h * h)) return;
-  const Vec3 normal = modes.vectors.col(0);
-  for (const double side : {-h, h})
-    for (const State& s : set.states) set.beside.push_back(s.at + side * normal);
-  if (!have_box) {
-    const Vec3 half = h / 8 * normal.cwiseAbs();
-    set.box = {set.box.low - half, set.box.high + half};
-  }
-  warn(globals,
-       fmt::format("{}: the states lie in a plane: they are labelled in it, as a layer {:.3g} mm thick",
-                   where, 1e3 * h / 4));
 }
 
 }  // namespace
@@ -315,6 +277,12 @@ void label_regions(Classified& result, const ClassifyArguments& arguments, const
         make_regions(result, arguments, [&](double share) { progress.show(0.8 * share, "regions"); });
   if (!octree) result.regions = result.index.regions->summary(wanted.leaves);
   if (wanted.holes) result.holes = holes_of(*result.index.regions);
+  const Mat3 back = result.turn.transpose();
+  for (RegionComponent& component : result.regions.components) {
+    component.inner = back * component.inner;
+    for (BridgeSide& side : component.sides) side.direction = back * side.direction;
+  }
+  if (result.holes.largest) result.holes.largest->centre = back * result.holes.largest->centre;
   if (!octree && wanted.space)
     result.index.space =
         make_space(result, arguments, [&](double share) { progress.show(0.8 + 0.2 * share, "states"); });
@@ -346,6 +314,8 @@ StatesInFrame load_set(const std::string& file) {
 Classified classify_states(const Globals& globals, const ClassifyArguments& arguments,
                            const std::string& file, StatesInFrame set) {
   Classified result = prepare_states(arguments, file, std::move(set.states), set.own, globals);
+  if (!result.beside.empty() && arguments.space.box.empty() && arguments.input.scene.empty() && !set.own.box)
+    lay_flat(result);
   const LabelWork wanted = work_of(arguments);
   check_memory(result, arguments, wanted, file, globals);
   label_regions(result, arguments, wanted, globals);

@@ -58,7 +58,8 @@ std::vector<Vec3> parse_line(const std::string& text) {
   return points;
 }
 
-std::vector<Vec3> grid_points(const Box& box, double step) {
+std::vector<Vec3> grid_points(const Classified& set, double step) {
+  const Box& box = set.box;
   std::array<long, 3> count{};
   double total = 1;
   for (unsigned axis = 0; axis < 3; ++axis) {
@@ -72,7 +73,7 @@ std::vector<Vec3> grid_points(const Box& box, double step) {
   for (long k = 0; k < count[2]; ++k)
     for (long j = 0; j < count[1]; ++j)
       for (long i = 0; i < count[0]; ++i)
-        points.push_back(box.low + step * Vec3(double(i), double(j), double(k)));
+        points.push_back(set.turn.transpose() * (box.low + step * Vec3(double(i), double(j), double(k))));
   return points;
 }
 
@@ -124,11 +125,12 @@ void write_points(const std::string& file, const std::vector<Vec3>& points,
 CoveragePicture picture_of(const Classified& set, const ClassifyArguments& arguments) {
   CoveragePicture picture;
   picture.box = set.box;
-  picture.through = !arguments.places.through.empty() ? parse_vector(arguments.places.through, "--through")
-                    : set.box.contains(Vec3::Zero())  ? Vec3(Vec3::Zero())
-                                                      : set.box.centre();
+  picture.through = !arguments.places.through.empty()
+                        ? Vec3(set.turn * parse_vector(arguments.places.through, "--through"))
+                    : set.box.contains(Vec3::Zero()) ? Vec3(Vec3::Zero())
+                                                     : set.box.centre();
   picture.spacing = set.spacing;
-  for (const State& s : set.states) picture.states.push_back(s.at);
+  for (const State& s : set.states) picture.states.push_back(set.turn * s.at);
   picture.label = [&set](const Vec3& q) { return set.region_label(q); };
   picture.volume = set.regions.volume;
   picture.components = set.regions.component_count;
@@ -146,9 +148,10 @@ void write_vtu(const Classified& set, const std::string& file, const Globals& gl
   const auto beside = [&](const char* what) {
     return path.parent_path() / (path.stem().string() + what + path.extension().string());
   };
-  write_regions_vtu(path, set.regions.leaves, set.regions.components);
+  const Mat3 back = set.turn.transpose();
+  write_regions_vtu(path, set.regions.leaves, set.regions.components, back);
   write_states_vtu(beside("_states"), set.states);
-  if (set.index.space) write_cells_vtu(beside("_cells"), *set.index.space);
+  if (set.index.space) write_cells_vtu(beside("_cells"), *set.index.space, back);
   if (errors && errors->box.bars) {
     write_left_out_vtu(beside("_left_out"), *errors->box.bars->measured);
     say(globals, fmt::format("{} (forces left out)", beside("_left_out").string()));
@@ -166,7 +169,7 @@ void write_output(const Classified& set, const ClassifyArguments& arguments, con
   if (extension == ".svg" || extension == ".png" || extension == ".pdf") {
     write_coverage_picture(arguments.output, picture_of(set, arguments));
   } else if (points.empty()) {
-    write_regions_csv(arguments.output, set.regions.leaves);
+    write_regions_csv(arguments.output, set.regions.leaves, set.turn.transpose());
   } else {
     write_points(arguments.output, points, found, errors);
   }
@@ -264,9 +267,9 @@ int run_classify(const Globals& globals, const ClassifyArguments& arguments) {
   if (arguments.space.spacing)
     if (const auto line = spacing_beyond("--spacing", set.spacing, set.box, "the states"))
       warn(globals, *line);
-  if (arguments.places.grid) points = grid_points(set.box, *arguments.places.grid);
+  if (arguments.places.grid) points = grid_points(set, *arguments.places.grid);
   if (!arguments.places.through.empty() &&
-      !set.box.contains(parse_vector(arguments.places.through, "--through")))
+      !set.box.contains(set.turn * parse_vector(arguments.places.through, "--through")))
     throw InputError("--through", fmt::format("'{}' lies outside the box, expected a place in it",
                                               arguments.places.through));
   const std::vector<Coverage> found = cover(set, points);

@@ -51,7 +51,8 @@ ErrorKnown error_known(const Globals& globals, const ClassifyArguments& argument
   known.tolerance = tolerance_of(globals, arguments);
   const EvaluateOptions options{
       .bars = true, .spacing = set.spacing, .noise = arguments.noise, .checks = set.checks};
-  const std::vector<Vec3> places = halton_points(set.box, arguments.bars ? box_places : 1);
+  std::vector<Vec3> places = halton_points(set.box, arguments.bars ? box_places : 1);
+  for (Vec3& place : places) place = set.turn.transpose() * place;
   known.box = evaluate(set.states, places, options);
   known.places = places.size();
   for (std::size_t i = 0; i < places.size(); ++i) known.places_within += within(known, known.box, i) ? 1 : 0;

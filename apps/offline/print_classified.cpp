@@ -96,7 +96,7 @@ JsonKeys<C> set_keys() {
           {"spacing", "m", "that counts as dense", [](const C& c) { return c.result.set.spacing; }},
           {"spacing_estimated", "", "true: the median distance of the states, since the file has none",
            [](const C& c) { return c.result.set.spacing_estimated; }},
-          {"box", "m", "low and high corner",
+          {"box", "m", "low and high corner; of states in a turned plane, in axes of the plane",
            [](const C& c) {
              return Json{vector3(c.result.set.box.low), vector3(c.result.set.box.high)};
            }},

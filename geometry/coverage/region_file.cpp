@@ -245,8 +245,9 @@ void labels(VtuWriter& out, const std::string& array, const RegionCells& cells, 
 }  // namespace
 
 void write_regions_vtu(const std::filesystem::path& file, std::span<const RegionLeaf> leaves,
-                       std::span<const RegionComponent> components) {
-  const RegionCells cells = cells_with_shared_corners(leaves);
+                       std::span<const RegionComponent> components, const Mat3& back) {
+  RegionCells cells = cells_with_shared_corners(leaves);
+  for (Vec3& point : cells.points) point = back * point;
   write_voxels(file, cells, [&](VtuWriter& out) {
     const auto counts = [&](const char* array, auto&& count_of) {
       out.array<std::int32_t>(array, cells.leaf.size(), 1,
@@ -270,18 +271,19 @@ void write_changes_vtu(const std::filesystem::path& file, std::span<const Region
   });
 }
 
-void write_regions_csv(const std::filesystem::path& file, std::span<const RegionLeaf> leaves) {
+void write_regions_csv(const std::filesystem::path& file, std::span<const RegionLeaf> leaves,
+                       const Mat3& back) {
   OutputFile out(file);
   out.write("x,y,z,dx,dy,dz,label,component\n");
   for (const RegionLeaf& leaf : leaves) {
-    const Vec3 c = leaf.box.centre(), d = leaf.box.size();
+    const Vec3 c = back * leaf.box.centre(), d = leaf.box.size();
     out.write(fmt::format("{},{},{},{},{},{},{},{}\n", c.x(), c.y(), c.z(), d.x(), d.y(), d.z(),
                           name(leaf.label), leaf.component));
   }
   out.commit();
 }
 
-void write_cells_vtu(const std::filesystem::path& file, const StateSpace& space) {
+void write_cells_vtu(const std::filesystem::path& file, const StateSpace& space, const Mat3& back) {
   std::vector<double> spread, alpha;
   std::vector<std::int64_t> connectivity;
   for (const DelaunayIndex::Cell& cell : space.delaunay().cells()) {
@@ -296,7 +298,7 @@ void write_cells_vtu(const std::filesystem::path& file, const StateSpace& space)
     alpha.push_back(cell.circumradius);
   }
   std::vector<Vec3> points;
-  for (std::uint32_t id = 0; id < space.size(); ++id) points.push_back(space[{id}].at);
+  for (std::uint32_t id = 0; id < space.size(); ++id) points.push_back(back * space[{id}].at);
   VtuWriter out(file, VtuData::raw);
   out.begin(points.size(), spread.size());
   out.section("CellData");

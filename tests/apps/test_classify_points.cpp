@@ -55,6 +55,9 @@ TEST_CASE("states in a plane are labelled in it, wherever it lies; those of a li
     const json volume = whole.json()["volume"];
     CHECK(volume["safe"].get<double>() == Approx(0.04 * 0.04 * 0.001));
     CHECK(volume["blank"].get<double>() == Approx(0).margin(1e-15));
+    const json tilted_volume = shop.forefeel("classify tilted.csv" + with).json()["volume"];
+    for (const char* label : {"safe", "sparse", "gap", "blank"})
+      CHECK(tilted_volume[label].get<double>() == Approx(volume[label].get<double>()).margin(1e-12));
     shop.forefeel(
         fmt::format("classify tilted.csv --spacing 0.004 --index {} "
                     "--line=-0.012,-0.008,0.016:0.012,0.008,-0.016:9 -o t.csv",
