@@ -123,8 +123,7 @@ PolygonCut cut_polygon(std::span<const Vec3> nodes, std::span<const NodeIndex> p
     for (std::size_t i = 0; i < n; ++i) {
       const Plane2::Vertex_handle a = vertices[i], b = vertices[(i + 1) % n];
       if (a == b) continue;
-      plane.insert_constraint(a, b);
-      ++walked[edge_of(a, b)];
+      if (walked[edge_of(a, b)]++ == 0) plane.insert_constraint(a, b);
     }
     for (const Plane2::Face_handle face : plane.all_face_handles()) face->info() = 0;
     mark_inside(plane, walked);

@@ -1,6 +1,7 @@
 #pragma once
 // What readers of surfaces collect (surface_file.cpp), and that of .ply. Private to this room.
 
+#include <algorithm>
 #include <cstdint>
 #include <span>
 #include <vector>
@@ -29,6 +30,9 @@ struct SurfaceBuilder {
   std::vector<std::size_t> lines;     // of each, from 1; 0: in binary data
 
   void end_polygon(std::size_t line = 0) {
+    // Some programs repeat a corner, or the first one at the end.
+    polygon.erase(std::unique(polygon.begin(), polygon.end()), polygon.end());
+    while (polygon.size() > 1 && polygon.back() == polygon.front()) polygon.pop_back();
     corners.insert(corners.end(), polygon.begin(), polygon.end());
     ends.push_back(corners.size());
     lines.push_back(line);

@@ -134,10 +134,22 @@ TEST_CASE("a comb, a star and a polygon that walks a bridge to its hole have the
       read_surface(folder.write("ring.obj",
                                 "v 0 0 0\nv 4 0 0\nv 4 4 0\nv 0 4 0\nv 1 1 0\nv 1 3 0\nv 3 3 0\n"
                                 "v 3 1 0\nf 1 2 3 4 1 5 6 7 8 5\n"));
+  CHECK(ring.remarks.empty());
   double area = 0;
-  for (const auto& [a, b, c] : ring.triangles)
-    area += 0.5 * (ring.nodes[b] - ring.nodes[a]).cross(ring.nodes[c] - ring.nodes[a]).z();
+  for (const auto& [a, b, c] : ring.triangles) {
+    const double part = 0.5 * (ring.nodes[b] - ring.nodes[a]).cross(ring.nodes[c] - ring.nodes[a]).z();
+    CHECK(part > 0);  // parts of a fan that overlap have the same sum
+    area += part;
+  }
   CHECK(area == Approx(16 - 4).epsilon(1e-14));
+}
+
+TEST_CASE("a corner that is repeated, and the first one at the end, count once") {
+  Prism twice = l_prism(), closed = l_prism();
+  for (auto& face : twice.faces) face.insert(face.begin() + 1, face[1]);
+  for (auto& face : closed.faces) face.push_back(face.front());
+  check_volume(twice, 60e-6);
+  check_volume(closed, 60e-6);
 }
 
 TEST_CASE("faces that are not planar, or cross themselves, are said with their line") {
