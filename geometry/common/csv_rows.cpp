@@ -18,21 +18,30 @@ std::string_view without_quotes(std::string_view cell) {
   return quoted ? cell.substr(1, cell.size() - 2) : cell;
 }
 
-void split(std::string_view line, std::vector<std::string_view>& cells) {
+// The quote that ends the cell which begins with the one at `open`; a doubled quote inside is none.
+std::size_t closing_quote(std::string_view text, std::size_t open) {
+  std::size_t quote = open;
+  do quote = text.find('"', quote + 1);
+  while (quote < text.size() && quote + 1 < text.size() && text[quote + 1] == '"' && ++quote);
+  return quote;
+}
+
+// Cuts the row with which `text` begins; returns its length. A cell in quotes may hold commas and line breaks.
+std::size_t split(std::string_view text, std::vector<std::string_view>& cells) {
   cells.clear();
+  std::size_t at = 0, end = std::min(text.find('\n'), text.size());
   for (;;) {
-    // A cell that begins with a quote ends behind the next one: a doubled quote inside goes on at once.
-    std::size_t comma = line.find(',');
-    const std::size_t first = line.find_first_not_of(" \t");
-    if (first < comma && line[first] == '"') {
-      std::size_t quote = first;
-      do quote = line.find('"', quote + 1);
-      while (quote < line.size() && quote + 1 < line.size() && line[quote + 1] == '"' && ++quote);
-      if (quote != std::string_view::npos) comma = line.find(',', quote);
-    }
-    cells.push_back(without_quotes(trimmed(line.substr(0, comma))));
-    if (comma == std::string_view::npos) return;
-    line.remove_prefix(comma + 1);
+    const std::string_view left = text.substr(at, end - at);
+    std::size_t length = std::min(left.find(','), left.size());
+    const std::size_t first = left.find_first_not_of(" \t");
+    if (first < length && left[first] == '"')
+      if (const std::size_t quote = closing_quote(text, at + first); quote != std::string_view::npos) {
+        if (quote > end) end = std::min(text.find('\n', quote), text.size());
+        length = std::min(text.substr(0, end).find(',', quote), end) - at;
+      }
+    cells.push_back(without_quotes(trimmed(text.substr(at, length))));
+    at += length + 1;
+    if (at > end) return end;
   }
 }
 
@@ -46,20 +55,21 @@ CsvRows::CsvRows(const std::string& content, std::string name) : name_(std::move
 void CsvRows::expect_whole_lines() const {
   if (left_.empty() || left_.back() == '\n') return;
   const auto lines = static_cast<std::size_t>(std::ranges::count(left_, '\n'));
-  throw InputError({.file = name_, .line = line_ + lines + 1},
+  throw InputError({.file = name_, .line = next_line_ + lines},
                    "the file ends within this line, expected a whole file: it was cut short");
 }
 
 bool CsvRows::next() {
   if (std::exchange(again_, false)) return true;
   while (!left_.empty()) {
-    const std::string_view line = left_.substr(0, left_.find('\n'));
-    left_.remove_prefix(std::min(left_.size(), line.size() + 1));
-    ++line_;
-    const std::string_view text = trimmed(line);
-    if (text.empty() || text.front() == '#') continue;
-    split(line, cells_);
-    return true;
+    std::string_view row = left_.substr(0, left_.find('\n'));
+    const std::string_view text = trimmed(row);
+    const bool skip = text.empty() || text.front() == '#';
+    if (!skip) row = left_.substr(0, split(left_, cells_));
+    left_.remove_prefix(std::min(left_.size(), row.size() + 1));
+    line_ = next_line_;
+    next_line_ += 1 + static_cast<std::size_t>(std::ranges::count(row, '\n'));
+    if (!skip) return true;
   }
   return false;
 }

@@ -31,7 +31,7 @@ class CsvRows {
   void again() { again_ = true; }  // the following next() stays at this row
 
   std::span<const std::string_view> cells() const { return cells_; }  // of this row; views into the content
-  std::size_t line() const { return line_; }                          // of this row, from 1
+  std::size_t line() const { return line_; }                          // its first, from 1
   const std::string& name() const { return name_; }
   InputPlace where() const { return {.file = name_, .line = line_}; }
   [[noreturn]] void fail(const std::string& problem) const { throw InputError(where(), problem); }
@@ -40,7 +40,7 @@ class CsvRows {
   std::string name_;
   std::string_view left_;
   std::vector<std::string_view> cells_;
-  std::size_t line_ = 0;
+  std::size_t line_ = 0, next_line_ = 1;
   bool again_ = false;
 };
 

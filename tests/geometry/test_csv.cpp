@@ -23,6 +23,22 @@ TEST_CASE("Rows are cut at commas; blank lines, comments and a byte order mark a
   CHECK_FALSE(rows.next());
 }
 
+TEST_CASE("A cell in quotes may hold commas, doubled quotes and line breaks", "[csv]") {
+  const std::string content = "x,note,y\r\n1,\"a\r\n\r\n# b, \"\"c\"\"\n\",2\n3,5\" long,4\n5,\"open,6\n";
+  CsvRows rows(content, "x.csv");
+  REQUIRE((rows.next() && rows.next()));
+  CHECK(rows.line() == 2);
+  REQUIRE(rows.cells().size() == 3);
+  CHECK(rows.cells()[1] == "a\r\n\r\n# b, \"\"c\"\"\n");
+  CHECK(rows.cells()[2] == "2");
+  REQUIRE(rows.next());
+  CHECK(rows.line() == 6);
+  CHECK(rows.cells()[1] == "5\" long");
+  REQUIRE(rows.next());
+  CHECK(rows.cells().size() == 3);
+  CHECK_FALSE(rows.next());
+}
+
 TEST_CASE("Columns of numbers are found by name or, without a header, by position", "[csv]") {
   const TemporaryFolder folder;
   constexpr std::string_view columns[] = {"t", "x"};
