@@ -101,6 +101,7 @@ class VtuReader {
 
   TetMesh read() {
     in_.read([&](const VtkXmlPiece& piece) {
+      if (in_.count(piece, "NumberOfPoints") == 0 && in_.count(piece, "NumberOfCells") == 0) return;
       const std::size_t first = mesh_.nodes.size();
       take_labels(piece, join(piece));
       take_masks(piece, first);

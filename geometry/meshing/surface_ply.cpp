@@ -21,6 +21,9 @@ class PlyReader {
     read_header();
     for (const Element& element : elements_)
       for (std::size_t i = 0; i < element.count; ++i) read_item(element);
+    if (binary_ && in_.remaining() > 0)
+      out_.surface.remarks.push_back(
+          fmt::format("{} bytes behind the last element are left out", in_.remaining()));
   }
 
  private:

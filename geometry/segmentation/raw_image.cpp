@@ -141,7 +141,11 @@ LabelVolume labels_in(const ImageHeader& header, std::string_view content, bool 
         {.file = file},
         fmt::format("{} x {} x {} voxels need {} bytes, and the data are shorter; the file is cut short",
                     header.size[0], header.size[1], header.size[2], bytes));
-  return labels_of(header, data.substr(0, bytes), file);
+  LabelVolume volume = labels_of(header, data.substr(0, bytes), file);
+  if (data.size() > bytes)
+    volume.warnings.push_back(
+        fmt::format("{} bytes behind the last voxel are left out", data.size() - bytes));
+  return volume;
 }
 
 LabelVolume labels_in_text(const ImageHeader& header, std::string_view text, const std::string& file) {

@@ -1,4 +1,6 @@
 #include "geometry/mesh/mesh_file.hpp"
+
+#include "geometry/common/scanner.hpp"
 #include "geometry/meshing/phantom.hpp"
 #include "tests/support/mesh_samples.hpp"
 #include "tests/support/test.hpp"
@@ -38,6 +40,16 @@ TEST_CASE("every format gives the same mesh") {
     if (name.ends_with(".msh")) CHECK(mesh.groups.at("held") == expected.groups.at("held"));
     if (name.ends_with(".mesh")) CHECK(mesh.groups.at("ref_vertices_7") == expected.groups.at("held"));
   }
+}
+
+TEST_CASE("an empty piece of .vtu, as a parallel program writes it, is passed over") {
+  const TemporaryFolder folder;
+  const TetMesh mesh = test::sample_mesh();
+  write_mesh(folder / "a.vtu", mesh);
+  std::string text = read_file(folder / "a.vtu");
+  text.insert(text.find("<Piece"),
+              "<Piece NumberOfPoints=\"0\" NumberOfCells=\"0\"><Points/><Cells/></Piece>");
+  CHECK(read_mesh(folder.write("b.vtu", text)).tets == mesh.tets);
 }
 
 TEST_CASE("a mesh written as .vtu is read back bit for bit, with its groups of nodes and of elements") {

@@ -246,6 +246,21 @@ TEST_CASE("STL: what follows the last triangle is said or refused, and text is t
   CHECK_THAT(error_of([&] { read_surface(folder.write("a.stl", stl(3, 0, "x"))); }), Contains("cut short"));
 }
 
+TEST_CASE("PLY: bytes behind the last element are left out, and counted") {
+  const TemporaryFolder folder;
+  std::string text =
+      "ply\nformat binary_little_endian 1.0\nelement vertex 3\nproperty float x\nproperty float y\n"
+      "property float z\nelement face 1\nproperty list uchar uchar vertex_indices\nend_header\n";
+  for (const float number : {0.f, 0.f, 0.f, 1.f, 0.f, 0.f, 0.f, 1.f, 0.f})
+    text.append(reinterpret_cast<const char*>(&number), sizeof number);
+  text += std::string("\3\0\1\2", 4);
+  CHECK(read_surface(folder.write("a.ply", text)).remarks.empty());
+  const Surface longer = read_surface(folder.write("b.ply", text + "12345"));
+  CHECK(longer.triangles.size() == 1);
+  REQUIRE(longer.remarks.size() == 1);
+  CHECK_THAT(longer.remarks[0], Contains("5 bytes behind the last element"));
+}
+
 TEST_CASE("formats of other programs are refused with the tool that converts them") {
   const TemporaryFolder folder;
   CHECK_THAT(error_of([&] { read_mesh(folder.write("a.inp", "*NODE\n")); }), Contains("meshio convert"));
