@@ -6,6 +6,7 @@
 #include <cmath>
 #include <filesystem>
 #include <iterator>
+#include <limits>
 #include <nlohmann/json.hpp>
 #include <optional>
 #include <string>
@@ -98,6 +99,27 @@ int info_scene(const Globals& globals, const std::string& file) {
 
 constexpr std::size_t most_shown = 255;  // labels; more are probably no labels
 
+// A warning where a body has an unlikely size. taken: the unit of its lengths, as they were taken [m].
+std::vector<std::string> size_warning(const Box& box, const char* scaled_by, double taken = 1) {
+  const std::string size = unlikely_size(box, taken);
+  if (size.empty()) return {};
+  return {fmt::format("{}; {}", size, scaled_by)};
+}
+
+// About what is not the background, along the voxels [m].
+Box body_in(const LabelVolume& volume) {
+  Vec3 low = Vec3::Constant(std::numeric_limits<double>::infinity()), high = -low;
+  for (std::int64_t k = 0; k < volume.size[2]; ++k)
+    for (std::int64_t j = 0; j < volume.size[1]; ++j)
+      for (std::int64_t i = 0; i < volume.size[0]; ++i) {
+        if (volume.values[volume.voxels[volume.at(i, j, k)]] == 0) continue;
+        const Vec3 voxel(static_cast<double>(i), static_cast<double>(j), static_cast<double>(k));
+        low = low.cwiseMin(voxel), high = high.cwiseMax(voxel + Vec3::Ones());
+      }
+  const Vec3 sizes = volume.axes.colwise().norm().transpose();
+  return low.allFinite() ? Box{sizes.cwiseProduct(low), sizes.cwiseProduct(high)} : Box{};
+}
+
 int info_labels(const Globals& globals, const std::string& file) {
   LabelVolume volume = read_label_volume(file);
   if (!volume.unit_unknown.empty())
@@ -107,6 +129,9 @@ int info_labels(const Globals& globals, const std::string& file) {
   const Vec3 sizes = volume.axes.colwise().norm().transpose();
   std::vector<std::size_t> voxels(volume.values.size(), 0);
   for (const std::uint16_t at : volume.voxels) ++voxels[at];
+  std::ranges::copy(
+      size_warning(body_in(volume), "forefeel mesh --unit or --length scales it", volume.metres),
+      std::back_inserter(volume.warnings));
   for (const std::string& warning : volume.warnings) warn(globals, file + ": " + warning);
   if (globals.json) {
     Json document{{"kind", "labels"},
@@ -218,13 +243,6 @@ Json mesh_json(const MeshSummary& sum, const std::vector<std::string>& warnings)
         {{"name", region.name}, {"elements", region.elements}, {"volume", number(region.volume)}});
   document["warnings"] = warnings;
   return document;
-}
-
-// A warning where a mesh or surface has an unlikely size; its file names no unit.
-std::vector<std::string> size_warning(const Box& box, const char* scaled_by) {
-  const std::string size = unlikely_size(box);
-  if (size.empty()) return {};
-  return {fmt::format("{}; {}", size, scaled_by)};
 }
 
 int info_mesh(const Globals& globals, const std::string& file) {

@@ -320,10 +320,11 @@ void check_made(MadeMesh& made, const MeshArguments& arguments) {
   }
 }
 
-// Most files name no unit. Nothing to say where the person has chosen the size.
+// Most files name no unit, and a unit may be mistaken. Nothing to say where the person has chosen the size.
 void warn_of_size(MadeMesh& made, const Box& box, const MeshArguments& arguments) {
-  if (!arguments.unit.empty() || arguments.length || !arguments.phantom.empty()) return;
-  const std::string size = unlikely_size(box, made.labels ? made.labels->unit : 1);
+  if (arguments.length || !arguments.phantom.empty()) return;
+  const double own = made.labels ? made.labels->unit : 1;
+  const std::string size = unlikely_size(box, unit_of(arguments.unit).value_or(own));
   if (!size.empty())
     made.warnings.push_back(fmt::format("{}: {}; --unit or --length scales it", arguments.input, size));
 }

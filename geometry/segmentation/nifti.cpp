@@ -158,8 +158,10 @@ ImageHeader header_of(const nifti_image& image, const Vec3& sizes, bool swap, co
     case NIFTI_UNITS_MM:
       name_unit(header, "mm");
       break;
-    default:
+    case NIFTI_UNITS_UNKNOWN:
       break;
+    default:  // not defined
+      name_unit(header, fmt::format("code {}", image.xyz_units));
   }
   if (image.scl_slope != 0 && std::isfinite(image.scl_slope) && std::isfinite(image.scl_inter))
     header.slope = image.scl_slope, header.intercept = image.scl_inter;

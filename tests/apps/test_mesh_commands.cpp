@@ -76,6 +76,17 @@ TEST_CASE("mesh and info say where the body lies, and a mesh can be written for 
   CHECK(again["box"] == info["box"]);
 }
 
+TEST_CASE("info says that the body in a label volume is small", "[mesh]") {
+  const Workshop shop;
+  const std::string header = "NRRD0004\ntype: uchar\ndimension: 3\nsizes: 4 2 2\nencoding: ascii\nspacings: ";
+  const std::string body = "0 1 1 0 0 1 1 0 0 1 1 0 0 0 0 0\n";  // two voxels long
+  shop.write("a.nrrd", header + "0.03 0.02 0.02\n\n" + body);
+  CHECK_THAT(shop.forefeel("info a.nrrd").err,
+             Contains("a.nrrd: is 6e-05 m long; if its lengths are in m, it is 0.06 m long"));
+  shop.write("b.nrrd", header + "30 20 20\n\n" + body);
+  CHECK(shop.forefeel("info b.nrrd").err.empty());
+}
+
 TEST_CASE("a surface in mm is said to be long, and --unit reads it in its unit", "[mesh]") {
   const Workshop shop;
   std::string large = "OFF\n8 12 0\n";
@@ -94,6 +105,8 @@ TEST_CASE("a surface in mm is said to be long, and --unit reads it in its unit",
   CHECK(scaled.json()["volume"] == Approx(0.027));
   CHECK(scaled.json()["hausdorff"].get<double>() < 1e-5);
   CHECK(scaled.json()["warnings"].empty());
+  CHECK_THAT(shop.forefeel("mesh mm.off -o e.msh --elements 200 --unit um").err,
+             Contains("is 0.0003 m long; if its lengths are in mm, it is 0.3 m long"));
   CHECK(shop.json("mesh a.msh -o c.msh --unit mm")["volume"] == Approx(0.027));
   check_refused(shop, "mesh mm.off -o d.msh --unit inch", {"--unit", "'inch'", "m, cm, mm or um"});
   check_refused(shop, "mesh mm.off -o d.msh --unit mm --length 0.2", {"--unit", "expected one of them"});

@@ -95,6 +95,31 @@ TEST_CASE("headers that claim what is not there are one line each") {
   refused("a.nii", files["a.nii"].substr(0, 100), "cut short");
 }
 
+TEST_CASE("bytes behind the last voxel are left out, and counted") {
+  const LabelVolume plain = test::nested_spheres({9, 7, 6}, {1, 2, 3}, 6, 3);
+  const TemporaryFolder folder;
+  std::map<std::string, std::string> files = test::label_files(plain);
+  for (const char* name : {"a.nii", "b.mha", "c.nrrd"}) {
+    INFO(name);
+    CHECK(read_label_volume(folder.write(name, files[name])).warnings.empty());
+    const LabelVolume longer = read_label_volume(folder.write(name, files[name] + "123"));
+    CHECK(longer.voxels == plain.voxels);
+    REQUIRE(longer.warnings.size() == 1);
+    CHECK_THAT(longer.warnings[0], Contains("3 bytes behind the last voxel"));
+  }
+}
+
+TEST_CASE("NIfTI: a code that is no unit is an unknown unit, 0 is none") {
+  const TemporaryFolder folder;
+  std::string nifti = test::nifti_bytes(test::nested_spheres({9, 7, 6}, {1, 2, 3}, 6, 3));
+  nifti[123] = 8 + 7;  // 8: seconds
+  CHECK(read_label_volume(folder.write("a.nii", nifti)).unit_unknown == "code 7");
+  nifti[123] = 8;
+  const LabelVolume none = read_label_volume(folder.write("a.nii", nifti));
+  CHECK(none.unit_unknown.empty());
+  CHECK_FALSE(none.unit_given);
+}
+
 TEST_CASE("an atlas of many labels is read; more values than labels can be are not") {
   const auto values = [](int n) {
     std::string text =
