@@ -200,8 +200,9 @@ int info_states(const Globals& globals, const std::string& file) {
   const LoadedStates loaded = load_states(file);
   if (loaded.damaged > 0) warn(globals, damage_in_words(file, loaded.damaged));
   const StateSetSummary sum = summarise(loaded.states);
-  if (sum.at_one_position.contradicting > 0)
-    warn(globals, contradictions_in_words(file, sum.at_one_position));
+  if (const std::string line = contradictions_in_words(file, sum.at_one_position, loaded.states);
+      !line.empty())
+    warn(globals, line);
   if (loaded.header.identity.empty())
     for (const std::string& line : misleading(loaded.states, loaded.header.spacing))
       warn(globals, file + ": " + line);

@@ -73,9 +73,9 @@ int run_import(const Globals& globals, const ImportArguments& arguments) {
   StateFile file = StateFile::open_or_create(arguments.output, header);
   file.replace(header, states);
   const RepeatedStates& repeats = sum.at_one_position;
-  if (repeats.contradicting > 0)
-    warn(globals, contradictions_in_words(arguments.input, repeats));
-  else if (repeats.repeated > 0)
+  if (const std::string line = contradictions_in_words(arguments.input, repeats, states); !line.empty())
+    warn(globals, line);
+  else if (repeats.contradicting == 0 && repeats.repeated > 0)
     warn(globals, fmt::format("{}: {} duplicate positions with the same force; each counts once",
                               arguments.input, repeats.repeated));
   if (globals.json)

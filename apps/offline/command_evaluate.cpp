@@ -28,7 +28,6 @@
 #include "geometry/common/error.hpp"
 #include "geometry/common/output_file.hpp"
 #include "geometry/states/check_solves.hpp"
-#include "geometry/states/hysteresis.hpp"
 #include "geometry/states/misleading.hpp"
 #include "geometry/states/state_file.hpp"
 #include "geometry/states/state_summary.hpp"
@@ -216,9 +215,9 @@ EvaluateResult evaluate_command(const Globals& globals, const EvaluateArguments&
   }
   warn_of_unused_noise(globals, arguments, known.states, result.found);
   warn_of_cells(globals, arguments, known.states, result);
-  // Loading and unloading rows at the same places are already named as hysteresis.
-  if (result.found.repeated.contradicting > 0 && !hysteresis_of(known.states))
-    warn(globals, contradictions_in_words(arguments.states, result.found.repeated));
+  if (const std::string line = contradictions_in_words(arguments.states, result.found.repeated, known.states);
+      !line.empty())
+    warn(globals, line);
   return result;
 }
 

@@ -103,8 +103,9 @@ GivenStates given_states(const Globals& globals, const Scene& scene, const std::
   if (given.loaded.header.identity.empty())
     for (const std::string& line : misleading(given.loaded.states, scene.space.spacing))
       warn(globals, fmt::format("{}: {}", file, line));
-  AveragedStates mean = averaged(std::move(given.loaded.states));
-  if (mean.found.contradicting > 0) warn(globals, contradictions_in_words(file, mean.found));
+  AveragedStates mean = averaged(given.loaded.states);
+  if (const std::string line = contradictions_in_words(file, mean.found, given.loaded.states); !line.empty())
+    warn(globals, line);
   given.loaded.states = std::move(mean.states);
   given.belonging =
       belonging_of(globals, scene, file, given.loaded.header.identity, given.loaded.states, foreign);

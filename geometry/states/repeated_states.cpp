@@ -9,6 +9,7 @@
 #include <utility>
 
 #include "geometry/common/quantiles.hpp"
+#include "geometry/states/hysteresis.hpp"
 
 namespace forefeel {
 namespace {
@@ -146,8 +147,9 @@ RepeatedStates repeated_states(std::span<const State> states) {
   return found;
 }
 
-std::string contradictions_in_words(const std::string& file, const RepeatedStates& found) {
-  if (found.contradicting == 0) return {};
+std::string contradictions_in_words(const std::string& file, const RepeatedStates& found,
+                                    std::span<const State> states) {
+  if (found.contradicting == 0 || hysteresis_of(states)) return {};
   return fmt::format(
       "{}: {} another at the same position: averaged at {}, where forces differ by up to {:.4g} N", file,
       found.contradicting == 1 ? "1 state contradicts"

@@ -36,8 +36,9 @@ struct RepeatedStates {
 RepeatedStates repeated_states(std::span<const State> states);
 
 // "F.csv: 3 states contradict another at the same position: averaged at 2 positions, forces there differ by
-// up to 0.4 N"; empty if none does.
-std::string contradictions_in_words(const std::string& file, const RepeatedStates& found);
+// up to 0.4 N"; empty if none does, or if they are named as hysteresis (misleading.hpp).
+std::string contradictions_in_words(const std::string& file, const RepeatedStates& found,
+                                    std::span<const State> states);
 
 // Replaces the states of each position where they contradict each other by one state: the mean of force,
 // stiffness and energy, with status measured, in the place of the first. All other states, failed ones too, stay

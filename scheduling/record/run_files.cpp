@@ -67,9 +67,9 @@ constexpr Field<Frame> of_frames[] = {
      [](Cells& o, const Frame& f) { put(o, f.timing.lateness_us); }, "", Only::real},
     {"bar90,bar95,bar99", "N",
      "error bar: |rendered - reference| is at most this with 90, 95, 99 %; empty where nothing is known of "
-     "it yet; at least a tenth of the just noticeable difference, but of given exact states as they tell; of "
-     "the elastic force where the body is "
-     "viscous",
+     "it yet; at least a tenth of the just noticeable difference, unless the states were given and are "
+     "exact; "
+     "if the body is viscous, of its elastic force alone",
      [](Cells& o, const Frame& f) {
        const auto& [at_90, at_95, at_99] = f.bar.half_width;
        put(o, Vec3(at_90, at_95, at_99));

@@ -189,3 +189,20 @@ TEST_CASE("states in millimetres are imported with --unit, and without it their 
   }
   CHECK(shop.forefeel("import other.csv -o x.states --spacing 0.01 --unit inch").code == 2);
 }
+
+TEST_CASE("loading and unloading rows of the same places are named as hysteresis alone") {
+  const Workshop shop;
+  std::string text = "x,y,z,fx,fy,fz\n";
+  for (int stroke = 0; stroke < 4; ++stroke)
+    for (int i = 1; i <= 20; ++i) {
+      const int depth = stroke % 2 ? 21 - i : i;
+      text += fmt::format("0,0,{},0,0,{}\n", -0.001 * depth, (stroke % 2 ? 0.3 : 0.4) * depth);
+    }
+  shop.write("loop.csv", text);
+  for (const char* command : {"info loop.csv", "import loop.csv -o loop.states"}) {
+    INFO(command);
+    const std::string said = shop.forefeel(command).err;
+    CHECK_THAT(said, Contains("hysteresis: loading and unloading") && !Contains("contradict") &&
+                         !Contains("duplicate"));
+  }
+}
