@@ -199,7 +199,7 @@ TEST_CASE("loading and unloading rows of the same places are named as hysteresis
       text += fmt::format("0,0,{},0,0,{}\n", -0.001 * depth, (stroke % 2 ? 0.3 : 0.4) * depth);
     }
   shop.write("loop.csv", text);
-  for (const char* command : {"info loop.csv", "import loop.csv -o loop.states"}) {
+  for (const char* command : {"info loop.csv", "import loop.csv -o loop.states --spacing 0.002"}) {
     INFO(command);
     const std::string said = shop.forefeel(command).err;
     CHECK_THAT(said, Contains("hysteresis: loading and unloading") && !Contains("contradict") &&
