@@ -348,9 +348,9 @@ void add_evaluate(CommandLine& line) {
              "point). Default "
              "of rbf: label")
       .one_of({"label", "nearest"});
-  sub.option(
-         "--spacing", arguments->spacing,
-         "Distance of states that counts as dense [m]. Default: that of the file, else the median distance")
+  sub.option("--spacing", arguments->spacing,
+             "Distance of states that counts as dense [m]. Default: that of the file, else estimated from "
+             "the states")
       .check(above_zero);
   sub.option("--ridge", arguments->model.ridge,
              "For noisy states: added to the kernel's diagonal; auto: chosen by leaving out single states. "

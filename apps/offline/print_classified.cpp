@@ -94,7 +94,7 @@ JsonKeys<C> set_keys() {
   return {{"states", "", "usable", [](const C& c) { return c.result.set.states.size(); }},
           {"unusable", "", "failed solves in the file", [](const C& c) { return c.result.set.unusable; }},
           {"spacing", "m", "that counts as dense", [](const C& c) { return c.result.set.spacing; }},
-          {"spacing_estimated", "", "true: the median distance of the states, since the file has none",
+          {"spacing_estimated", "", "true: estimated from the density of the states, since the file has none",
            [](const C& c) { return c.result.set.spacing_estimated; }},
           {"box", "m", "low and high corner; of states in a turned plane, in axes of the plane",
            [](const C& c) {

@@ -139,16 +139,6 @@ Label OctreeIndex::label(const Vec3& q, PathWalk& walk) const {
   return least_side(q, options_.gap_cone_radius * s, enough) >= enough ? Label::gap : Label::blank;
 }
 
-namespace {
-
-double circumradius(const std::array<Vec3, 4>& corner) {
-  const Vec3 a = corner[1] - corner[0], b = corner[2] - corner[0], c = corner[3] - corner[0];
-  return (a.squaredNorm() * b.cross(c) + b.squaredNorm() * c.cross(a) + c.squaredNorm() * a.cross(b)).norm() /
-         (2 * std::abs(a.dot(b.cross(c))));
-}
-
-}  // namespace
-
 Coverage OctreeIndex::coverage(const Vec3& q) const {
   Coverage result;
   if (points_.size() == 0) return result;

@@ -1,6 +1,7 @@
 #include "geometry/coverage/state_space.hpp"
 
 #include <algorithm>
+#include <array>
 #include <cmath>
 #include <string>
 #include <utility>
@@ -11,6 +12,7 @@
 #include "geometry/coverage/regions.hpp"
 #include "geometry/coverage/voxels.hpp"
 #include "geometry/index/adaptive_lattice.hpp"
+#include "geometry/index/local_spread.hpp"
 
 namespace forefeel {
 
@@ -155,8 +157,20 @@ std::vector<Vec3> lattice(const Box& box, double spacing) {
   return result;
 }
 
+namespace {
+
+// An offset half as long as the distance, in the i-th of directions spread evenly (Roberts' R2 sequence).
+Vec3 half_way(std::size_t i, double distance) {
+  const double turn = 2 * M_PI * std::fmod(0.5698402909980532 * static_cast<double>(i), 1.0);
+  const double z = 2 * std::fmod(0.7548776662466927 * static_cast<double>(i), 1.0) - 1;
+  const double across = std::sqrt(1 - z * z);
+  return 0.5 * distance * Vec3(across * std::cos(turn), across * std::sin(turn), z);
+}
+
+}  // namespace
+
 double estimate_spacing(std::span<const State> states) {
-  constexpr std::size_t most_measured = 20'000;
+  constexpr std::size_t most_measured = 20'000, around = 24;
   PointOctree points;
   std::vector<Vec3> positions;
   std::vector<PointOctree::Neighbour> near;
@@ -166,13 +180,25 @@ double estimate_spacing(std::span<const State> states) {
     points.insert(static_cast<std::uint32_t>(positions.size()), state.at);
     positions.push_back(state.at);
   }
-  std::vector<double> distance;
+  std::vector<double> distance, radius;
+  std::vector<Vec3> offsets;
   const std::size_t step = 1 + positions.size() / most_measured;
   for (std::size_t i = 0; i < positions.size(); i += step) {
-    points.nearest(positions[i], 2, near);
-    if (near.size() == 2) distance.push_back(std::sqrt(near[1].squared));
+    points.nearest(positions[i], around, near);
+    if (near.size() < 2) continue;
+    distance.push_back(std::sqrt(near[1].squared));
+    const Vec3 q = positions[i] + half_way(i, distance.back());
+    offsets.clear();
+    for (const PointOctree::Neighbour& n : near) offsets.push_back(positions[n.id] - q);
+    const LocalSpread cell = least_spread(offsets, distance.back());
+    if (!cell.solid) continue;
+    std::array<Vec3, 4> corner;
+    for (std::size_t k = 0; k < 4; ++k) corner[k] = offsets[cell.corner[k]];
+    radius.push_back(circumradius(corner));
   }
-  return median(std::move(distance));
+  // Strokes and shells have hardly a cell among near states.
+  if (3 * radius.size() < distance.size()) return median(std::move(distance));
+  return quantile_of(std::move(radius), 0.75) / (std::sqrt(3.0) / 2);
 }
 
 }  // namespace forefeel

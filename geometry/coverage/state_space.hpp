@@ -64,11 +64,14 @@ class StateSpace {
 // The positions of the lattice {k h}^3 within the box, outward from rest, ties by (z, y, x).
 std::vector<Vec3> lattice(const Box& box, double spacing);
 
-// The spacing h [m] of states that come without one: the median distance of a position to the nearest other position,
-//   h = median over i of min over j of ||x_i - x_j||,  x_i != x_j
-// For a lattice that is mostly full, this is the lattice spacing. `unknown` with fewer than two positions. With more
-// than 20 000 states only every k-th is measured, at most 20 000 of them; all states count as neighbours. States at one
-// position count once. O(n log n).
+// The spacing h [m] of states that come without one. A full cubic lattice of side h has Delaunay cells of
+// circumradius R = sqrt(3)/2 h, so
+//   h = 2/sqrt(3) times the third quartile of R over the cells next to the states,
+// of one cell each, in a random direction. It is h for a full lattice, about h for one that is jittered or has gaps, and for
+// random places of density n about 1.2 n^(-1/3): about nine tenths of their hull are safe then. If fewer than a third of the
+// states have a cell among their 24 nearest (planes, strokes, shells), it is the median distance to the nearest state.
+// `unknown` with fewer than two positions. With more than 20 000 states only every k-th is measured, at most 20 000 of
+// them; all states count as neighbours. States at one position count once. O(n log n).
 double estimate_spacing(std::span<const State> states);
 
 }  // namespace forefeel

@@ -118,4 +118,10 @@ LocalSpread least_spread(std::span<const Vec3> offsets, double scale) {
   return result;
 }
 
+double circumradius(const std::array<Vec3, 4>& corner) {
+  const Vec3 a = corner[1] - corner[0], b = corner[2] - corner[0], c = corner[3] - corner[0];
+  return (a.squaredNorm() * b.cross(c) + b.squaredNorm() * c.cross(a) + c.squaredNorm() * a.cross(b)).norm() /
+         (2 * std::abs(a.dot(b.cross(c))));
+}
+
 }  // namespace forefeel

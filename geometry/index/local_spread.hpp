@@ -25,4 +25,7 @@ struct LocalSpread {
 // offsets: x_j - q [m]; scale: a length of their order of magnitude [m].
 LocalSpread least_spread(std::span<const Vec3> offsets, double scale);
 
+// Of the ball through four places that are not coplanar [m].
+double circumradius(const std::array<Vec3, 4>& corner);
+
 }  // namespace forefeel
