@@ -197,25 +197,28 @@ Json states_json(const StateSetSummary& sum, const StateFileHeader& header, cons
 }
 
 int info_states(const Globals& globals, const std::string& file) {
-  const LoadedStates loaded = load_states(file);
+  const LoadedStates loaded = load_states(file, Tells::places);
   if (loaded.damaged > 0) warn(globals, damage_in_words(file, loaded.damaged));
   const StateSetSummary sum = summarise(loaded.states);
   if (const std::string line = contradictions_in_words(file, sum.at_one_position, loaded.states);
       !line.empty())
     warn(globals, line);
-  if (loaded.header.identity.empty())
+  if (loaded.header.identity.empty() && loaded.tells == Tells::force)
     for (const std::string& line : misleading(loaded.states, loaded.header.spacing))
       warn(globals, file + ": " + line);
   if (globals.json) print_json(states_json(sum, loaded.header, file));
   answer(globals,
          fmt::format(
-             "{}: {} states ({} failed{}), {} with stiffness{}, spacing {}, within {}, forces up to {:.4g} N",
-             file, sum.states, sum.states - sum.usable,
+             "{}: {} states ({} failed{}), {} with stiffness{}, spacing {}, within {}, {}", file, sum.states,
+             sum.states - sum.usable,
              sum.inverted > 0 ? fmt::format(", {} with inverted elements", sum.inverted) : "",
              sum.with_stiffness, sum.with_jet > 0 ? fmt::format(", {} with an energy jet", sum.with_jet) : "",
              std::isfinite(loaded.header.spacing) ? fmt::format("{:g} mm", 1e3 * loaded.header.spacing)
                                                   : "unknown",
-             size_text(sum.extent.size()), sum.max_force));
+             size_text(sum.extent.size()),
+             loaded.tells == Tells::places  ? "no forces"
+             : loaded.tells == Tells::value ? fmt::format("values up to {:.4g} in size", sum.max_force)
+                                            : fmt::format("forces up to {:.4g} N", sum.max_force)));
   for (const auto& [key, value] : loaded.header.identity)
     answer(globals, fmt::format("  {}: {}", key, value));
   if (const auto note = loaded.header.notes.find("spacing"); note != loaded.header.notes.end())

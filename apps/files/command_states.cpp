@@ -5,14 +5,18 @@
 #include <algorithm>
 #include <cmath>
 #include <nlohmann/json.hpp>
+#include <optional>
+#include <span>
 
 #include "apps/console/commands.hpp"
 #include "apps/console/console.hpp"
 #include "apps/console/json.hpp"
 #include "apps/console/spacing_check.hpp"
+#include "geometry/common/counted.hpp"
 #include "geometry/common/error.hpp"
 #include "geometry/common/output_file.hpp"
 #include "geometry/common/scanner.hpp"
+#include "geometry/coverage/state_space.hpp"
 #include "geometry/mesh/length_unit.hpp"
 #include "geometry/states/misleading.hpp"
 #include "geometry/states/named_columns.hpp"
@@ -26,7 +30,7 @@ namespace {
 
 struct ImportArguments {
   std::string input, output, unit = "m", columns;
-  double spacing = 0;
+  std::optional<double> spacing = {};
 };
 
 // Lengths of the file in another unit: positions, spacings, and the stiffness in N per unit.
@@ -52,23 +56,36 @@ void refuse_solved(const std::string& output) {
         fmt::format("already holds {} states that were not imported, expected a new name", file.size()));
 }
 
+double spacing_of(const ImportArguments& arguments, std::span<const State> states) {
+  const double spacing = arguments.spacing.value_or(estimate_spacing(states));
+  if (!(spacing > 0))
+    throw InputError(arguments.input, "has too few places to estimate a spacing, expected --spacing METRES");
+  return spacing;
+}
+
 int run_import(const Globals& globals, const ImportArguments& arguments) {
-  if (!(arguments.spacing > 0) || !std::isfinite(arguments.spacing))
-    throw InputError("--spacing", fmt::format("{} m, expected a positive number", arguments.spacing));
-  std::vector<State> states = arguments.columns.empty()
-                                  ? read_states_csv(arguments.input)
-                                  : read_states_csv(arguments.input, named_columns(arguments.columns));
+  if (arguments.spacing && (!(*arguments.spacing > 0) || !std::isfinite(*arguments.spacing)))
+    throw InputError("--spacing", fmt::format("{} m, expected a positive number", *arguments.spacing));
+  StateTable table;
+  if (arguments.columns.empty())
+    table = read_table_csv(arguments.input);
+  else
+    table.states = read_states_csv(arguments.input, named_columns(arguments.columns));
+  std::vector<State>& states = table.states;
   if (const double metres = unit_of(arguments.unit).value_or(1); metres != 1) take_in(states, metres);
   check_appendable(arguments.output, {arguments.input});
   refuse_solved(arguments.output);
   StateFileHeader header;
-  header.spacing = arguments.spacing;
+  header.spacing = spacing_of(arguments, states);
   const StateSetSummary sum = summarise(states);
   header.box = sum.extent;
   if (const auto line = spacing_beyond("--spacing", header.spacing, header.box, "the states"))
     warn(globals, *line);
-  for (const std::string& problem : misleading(states, header.spacing))
-    warn(globals, fmt::format("{}: {}", arguments.input, problem));
+  if (table.tells == Tells::force)
+    for (const std::string& problem : misleading(states, header.spacing))
+      warn(globals, fmt::format("{}: {}", arguments.input, problem));
+  else
+    header.notes[tells_note] = table.tells == Tells::value ? "value" : "places";
   header.notes["source"] = "import " + arguments.input;
   StateFile file = StateFile::open_or_create(arguments.output, header);
   file.replace(header, states);
@@ -86,10 +103,15 @@ int run_import(const Globals& globals, const ImportArguments& arguments) {
                 {"averaged", repeats.averaged},
                 {"largest_difference", repeats.largest_difference},
                 {"spacing", number(header.spacing)},
+                {"spacing_estimated", !arguments.spacing},
                 {"box", {vector3(header.box.low), vector3(header.box.high)}},
                 {"file", arguments.output}});
-  say(globals, fmt::format("{}: {} states, {} with stiffness, spacing {:g} mm", arguments.output,
-                           states.size(), sum.with_stiffness, 1e3 * header.spacing));
+  say(globals, fmt::format("{}: {}, spacing {:.4g} mm{}", arguments.output,
+                           table.tells == Tells::places  ? counted(states.size(), "place") + " without forces"
+                           : table.tells == Tells::value ? counted(states.size(), "value")
+                                                         : fmt::format("{} states, {} with stiffness",
+                                                                       states.size(), sum.with_stiffness),
+                           1e3 * header.spacing, arguments.spacing ? "" : " (estimated)"));
   return 0;
 }
 
@@ -104,7 +126,7 @@ int run_export(const Globals& globals, const ExportArguments& arguments) {
   if (extension != ".csv" && extension != ".vtu")
     throw InputError(arguments.output, "expected a name that ends in .csv or .vtu");
   check_writable(arguments.output, {arguments.input});
-  const LoadedStates loaded = load_states(arguments.input);
+  const LoadedStates loaded = load_states(arguments.input, Tells::places);
   if (loaded.damaged > 0) warn(globals, damage_in_words(arguments.input, loaded.damaged));
   const auto usable = static_cast<std::size_t>(std::ranges::count_if(loaded.states, &State::usable));
   const std::size_t written = extension == ".csv" ? usable : loaded.states.size();
@@ -133,12 +155,13 @@ void add_import(CommandLine& line) {
   sub.reads_no_scene();
   sub.runs([arguments](const Globals& globals) { return run_import(globals, *arguments); });
   sub.option("CSV", arguments->input,
-             "Columns x,y,z,fx,fy,fz[,k11,…,k33][,h][,sx,sy,sz], the last three the site of each state")
+             "Columns x,y,z,fx,fy,fz[,k11,…,k33][,h][,sx,sy,sz], the last three the site of each state; or "
+             "x,y,z, or x,y,z and one value")
       .required()
       .shows("F.csv");
   sub.option("-o,--output", arguments->output, "State file to write").required().shows("S.states");
-  sub.option("--spacing", arguments->spacing, "Spacing h that counts as fully populated [m]")
-      .required()
+  sub.option("--spacing", arguments->spacing,
+             "Distance between states at which you call the space densely known [m]; default: estimated")
       .shows("H");
   sub.option("--columns", arguments->columns,
              "Names of the columns of x, y, z, fx, fy and fz, where the file has others; a - before a name "

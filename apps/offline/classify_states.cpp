@@ -291,9 +291,9 @@ void label_regions(Classified& result, const ClassifyArguments& arguments, const
 StatesInFrame load_set(const std::string& file) {
   StatesInFrame set;
   if (!file.starts_with("setup:")) {
-    LoadedStates loaded = load_states(file);
+    LoadedStates loaded = load_states(file, Tells::places);
     if (loaded.damaged > 0) warn({}, damage_in_words(file, loaded.damaged));
-    if (loaded.header.identity.empty())
+    if (loaded.header.identity.empty() && loaded.tells == Tells::force)
       for (const std::string& line : misleading(loaded.states, loaded.header.spacing))
         warn({}, fmt::format("{}: {}", file, line));
     set.states = std::move(loaded.states);

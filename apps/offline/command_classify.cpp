@@ -273,13 +273,16 @@ int run_classify(const Globals& globals, const ClassifyArguments& arguments) {
     throw InputError("--through", fmt::format("'{}' lies outside the box, expected a place in it",
                                               arguments.places.through));
   const std::vector<Coverage> found = cover(set, points);
+  std::optional<HullSpacing> hull;
+  if (set.spacing_estimated && set.beside.empty())
+    hull = hull_spacing(set.places(), set.box, arguments.space.coverage);
   const double seconds = seconds_since(start);
   std::optional<ErrorKnown> errors;
   if (wants_errors(arguments, set)) errors = error_known(globals, arguments, set, points);
   if (!arguments.output.empty()) write_output(set, arguments, points, found, errors, globals);
   std::optional<Agreement> agreement;
   if (arguments.agreement) agreement = agreement_of(set, arguments);
-  print_classified(globals, arguments, {set, points, found, agreement, errors, seconds});
+  print_classified(globals, arguments, {set, points, found, agreement, errors, hull, seconds});
   return 0;
 }
 

@@ -141,7 +141,7 @@ struct EvaluatedStates {
 };
 
 EvaluatedStates read_known(const Globals& globals, const EvaluateArguments& arguments) {
-  LoadedStates loaded = load_states(arguments.states);
+  LoadedStates loaded = load_states(arguments.states, Tells::value);
   if (loaded.damaged > 0) warn(globals, damage_in_words(arguments.states, loaded.damaged));
   if (std::ranges::any_of(loaded.states, &State::has_site))
     throw InputError(arguments.points, fmt::format("has no columns sx,sy,sz, expected them: the states of {} "
@@ -168,7 +168,7 @@ EvaluatedStates read_known(const Globals& globals, const EvaluateArguments& argu
     if (const auto line =
             spacing_beyond("--spacing", known.spacing, summarise(known.states).extent, "the states"))
       warn(globals, *line);
-  if (loaded.header.identity.empty())
+  if (loaded.header.identity.empty() && loaded.tells == Tells::force)
     for (const std::string& line : misleading(known.states, known.spacing))
       warn(globals, fmt::format("{}: {}", arguments.states, line));
   return known;

@@ -90,12 +90,23 @@ auto of_points(Get get) {
   };
 }
 
+constexpr double enough_of_hull = 0.5;  // safe; below it an estimated spacing is not what the user meant
+
+double share_of_hull(const Classified& set, const HullSpacing& hull) {
+  return hull.volume > 0 ? std::min(1.0, set.regions.volume[Label::safe] / hull.volume) : unknown;
+}
+
 JsonKeys<C> set_keys() {
   return {{"states", "", "usable", [](const C& c) { return c.result.set.states.size(); }},
           {"unusable", "", "failed solves in the file", [](const C& c) { return c.result.set.unusable; }},
           {"spacing", "m", "that counts as dense", [](const C& c) { return c.result.set.spacing; }},
           {"spacing_estimated", "", "true: estimated from the density of the states, since the file has none",
            [](const C& c) { return c.result.set.spacing_estimated; }},
+          {"hull.safe_share", "1",
+           "of the hull of the states, where the spacing is estimated and they fill a volume; else null",
+           [](const C& c) { return c.result.hull ? share_of_hull(c.result.set, *c.result.hull) : unknown; }},
+          {"hull.spacing_90", "m", "at which about 90 % of the hull would be safe",
+           [](const C& c) { return c.result.hull ? c.result.hull->spacing : unknown; }},
           {"box", "m", "low and high corner; of states in a turned plane, in axes of the plane",
            [](const C& c) {
              return Json{vector3(c.result.set.box.low), vector3(c.result.set.box.high)};
@@ -173,6 +184,15 @@ void count_points(const std::vector<Coverage>& found, const Globals& globals) {
   answer(globals, counted(found.size(), "point") + text + "; --list prints each");
 }
 
+std::string hull_in_words(const Classified& set, const HullSpacing& hull) {
+  const double share = share_of_hull(set, hull);
+  if (!(share < enough_of_hull)) return {};
+  return fmt::format(
+      "{:.0f} % of the hull of the states is safe at the estimated spacing; --spacing {:.2g} would make "
+      "about 90 % safe",
+      100 * share, hull.spacing);
+}
+
 void print_summary(const Classified& set, double seconds, const Globals& globals) {
   int gaps = 0;
   double all = 0;
@@ -216,6 +236,9 @@ void print_classified(const Globals& globals, const ClassifyArguments& arguments
   else if (!result.points.empty())
     count_points(result.found, globals);
   print_summary(result.set, result.seconds, globals);
+  if (result.hull)
+    if (const std::string line = hull_in_words(result.set, *result.hull); !line.empty())
+      answer(globals, line);
   if (result.errors) tell_errors(globals, arguments, *result.errors);
   if (!arguments.output.empty() && extension != ".vtu")  // a .vtu names its three files itself
     say(globals, fmt::format("{}: {}",

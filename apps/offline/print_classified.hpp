@@ -3,6 +3,7 @@
 
 #include "apps/offline/classify.hpp"
 #include "apps/offline/error_known.hpp"
+#include "apps/offline/hull_spacing.hpp"
 
 namespace forefeel {
 
@@ -13,7 +14,8 @@ struct ClassifiedPoints {
   const std::vector<Coverage>& found;  // one for each point
   const std::optional<Agreement>& agreement;
   const std::optional<ErrorKnown>& errors;
-  double seconds;  // for reading, indexing and labelling [s]
+  const std::optional<HullSpacing>& hull;  // where the spacing is estimated, of states that fill a volume
+  double seconds;                          // for reading, indexing and labelling [s]
 };
 
 void print_classified(const Globals& globals, const ClassifyArguments& arguments,

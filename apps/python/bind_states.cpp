@@ -134,7 +134,7 @@ py::dict read_states(const std::filesystem::path& file) {
   LoadedStates loaded;
   {
     const py::gil_scoped_release released;
-    loaded = load_states(file);
+    loaded = load_states(file, Tells::places);
   }
   py::dict out;
   out["states"] = array_of(loaded.states);

@@ -214,7 +214,7 @@ ShowContent of_states(const Globals& globals, const ShowRequest& request) {
     frame.spacing = set.own.spacing;
     frame.box = set.own.box;
   } else {
-    LoadedStates loaded = load_states(request.what);
+    LoadedStates loaded = load_states(request.what, Tells::places);
     if (loaded.damaged > 0) content.warnings.push_back(damage_in_words(request.what, loaded.damaged));
     identity = loaded.header.identity;
     frame.spacing = loaded.header.spacing;

@@ -15,6 +15,9 @@ namespace forefeel {
 // forces of the tip on the body.
 using NamedColumns = std::array<std::string, 6>;
 
+inline constexpr std::array<const char*, 9> stiffness_columns{"k11", "k12", "k13", "k21", "k22",
+                                                              "k23", "k31", "k32", "k33"};
+
 // "current_x,current_y,current_z,-force_x,-force_y,-force_z"; InputError("--columns", …) unless there are six different
 // names.
 NamedColumns named_columns(std::string_view text);

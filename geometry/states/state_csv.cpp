@@ -6,11 +6,12 @@
 #include <iterator>
 #include <map>
 #include <set>
+#include <span>
+#include <utility>
+#include <vector>
 
 #include "geometry/common/csv_rows.hpp"
 #include "geometry/common/error.hpp"
-#include "geometry/common/field.hpp"
-#include "geometry/common/output_file.hpp"
 #include "geometry/common/scanner.hpp"
 #include "geometry/states/jet_columns.hpp"
 #include "geometry/states/named_columns.hpp"
@@ -20,8 +21,7 @@ namespace forefeel {
 namespace {
 
 constexpr std::array<const char*, 6> required_columns{"x", "y", "z", "fx", "fy", "fz"};
-constexpr std::array<const char*, 9> stiffness_columns{"k11", "k12", "k13", "k21", "k22",
-                                                       "k23", "k31", "k32", "k33"};
+constexpr std::array<const char*, 3> place_columns{"x", "y", "z"};
 
 // A CSV file with a header line: the cells of the current row by the names of their columns.
 class NamedRows {
@@ -32,15 +32,31 @@ class NamedRows {
     if (!rows_.next())
       throw InputError({.file = rows_.name()},
                        fmt::format("holds no header line, expected {}", fmt::join(required, ",")));
-    double number = 0;
-    if (header_optional &&
-        std::ranges::all_of(rows_.cells(), [&](std::string_view cell) { return parse_real(cell, number); })) {
-      for (std::size_t i = 0; i < required.size(); ++i) columns_[required[i]] = i;
-      width_ = required.size();
-      rows_.again();
+    if (header_optional && only_numbers())
+      take_order(required);
+    else
+      read_header(required);
+  }
+  // Columns of required_columns, or x,y,z with at most one other: its name is value() then. Without a header line three
+  // or four numbers.
+  explicit NamedRows(const std::filesystem::path& file)
+      : content_(read_text_file(file)), rows_(content_, file.string()) {
+    if (!rows_.next())
+      throw InputError({.file = rows_.name()}, "holds no row, expected x,y,z or x,y,z,VALUE");
+    const std::vector<std::string_view> cells(rows_.cells().begin(), rows_.cells().end());
+    if ((cells.size() == 3 || cells.size() == 4) && only_numbers()) {
+      take_order(place_columns);
+      if (cells.size() == 4) columns_[value_ = "value"] = 3, width_ = 4;
       return;
     }
-    read_header(required);
+    const auto is_force = [](std::string_view name) { return name == "fx" || name == "fy" || name == "fz"; };
+    std::vector<std::string_view> others;
+    std::ranges::copy_if(cells, std::back_inserter(others), [](std::string_view name) {
+      return std::ranges::find(place_columns, name) == place_columns.end() && name != "h";
+    });
+    const bool bare = others.size() < 2 && std::ranges::none_of(others, is_force);
+    read_header(bare ? std::span<const char* const>(place_columns) : required_columns);
+    if (bare && !others.empty()) value_ = others[0];
   }
   // Only these columns, by the names of required_columns.
   NamedRows(const std::filesystem::path& file, const NamedColumns& given)
@@ -97,7 +113,20 @@ class NamedRows {
   [[noreturn]] void fail(const std::string& problem) const { rows_.fail(problem); }
   const std::string& name() const { return rows_.name(); }
 
+  const std::string& value() const { return value_; }  // the only column beside x,y,z; empty: none
+
  private:
+  bool only_numbers() const {
+    double number = 0;
+    return std::ranges::all_of(rows_.cells(),
+                               [&](std::string_view cell) { return parse_real(cell, number); });
+  }
+  // The row at hand is the first one, its columns are these.
+  void take_order(std::span<const char* const> names) {
+    for (std::size_t i = 0; i < names.size(); ++i) columns_[names[i]] = i;
+    width_ = names.size();
+    rows_.again();
+  }
   void check_separator() const {
     const auto cells = rows_.cells();
     if (cells.size() == 1 && cells[0].find_first_of(";\t") != std::string_view::npos)
@@ -113,15 +142,21 @@ class NamedRows {
       if (!columns_.emplace(std::string(cells[i]), i).second) twice = cells[i];
     for (const char* column : required)
       if (!columns_.contains(column))
-        fail(fmt::format("no column {}, expected a header line with {}{}; this one begins with '{:.40}'",
-                         column, fmt::join(required, ","),
-                         required.size() == 6 ? " (import --columns takes other names)" : "", cells[0]));
+        fail(fmt::format(
+            "no column {}, expected a header line with {}{}; this one begins with '{:.40}'", column,
+            fmt::join(required, ","),
+            required.front() == required_columns.front() && required.size() == 6
+                ? " (import --columns takes other names; classify and import take x,y,z alone, or "
+                  "with one value)"
+                : "",
+            cells[0]));
     if (!twice.empty()) fail(fmt::format("column {:.40} is there twice", twice));
   }
 
   std::string content_;
   CsvRows rows_;
   std::map<std::string, std::size_t> columns_;
+  std::string value_;
   std::set<std::string> turned_;  // columns of the other sign
   std::size_t width_ = 0;
 };
@@ -187,74 +222,8 @@ void check_size(const NamedRows& in, const State& state) {
                         largest_number));
 }
 
-// Writes text in pieces: a million states as one text would take a gigabyte.
-class CsvWriter {
- public:
-  explicit CsvWriter(const std::filesystem::path& file) : output_(file) {}
-  void put(std::string_view text) {
-    text_ += text;
-    if (text_.size() > (1u << 20)) flush();
-  }
-  void commit() {
-    flush();
-    output_.commit();
-  }
-
- private:
-  void flush() {
-    output_.write(text_);
-    text_.clear();
-  }
-  OutputFile output_;
-  std::string text_;
-};
-
-// The coefficients that a jet of order `to` has beyond one of order `from`.
-template <int from, int to>
-Field<State> jet_field(std::string_view unit, std::string_view meaning) {
-  static const std::size_t begin = jet_terms_of_order(from), size = jet_terms_of_order(to) - begin;
-  static const std::string names =
-      fmt::format("{}", fmt::join(std::span(jet_names()).subspan(begin, size), ","));
-  return {names, unit, meaning, [](Cells& o, const State& s) {
-            const JetCells cells = cells_of(s.jet.get());
-            o.vector(std::span(cells.coefficients).subspan(begin, size));
-          }};
-}
-
-const std::vector<Field<State>>& state_columns() {
-  static const std::string stiffness_names = fmt::format("{}", fmt::join(stiffness_columns, ","));
-  static const std::vector<Field<State>> columns{
-      {"sx,sy,sz", "m", "site of a pad anywhere, in the mesh; where some state has one",
-       [](Cells& o, const State& s) { put(o, s.has_site() ? s.site : Vec3(Vec3::Constant(unknown))); }},
-      {"x,y,z", "m", "position of the tip, from its rest position",
-       [](Cells& o, const State& s) { put(o, s.at); }},
-      {"fx,fy,fz", "N", "force of the body on the tip", [](Cells& o, const State& s) { put(o, s.force); }},
-      {stiffness_names, "N/m", "stiffness, -d force_i / d x_j, row by row; where some state has it",
-       [](Cells& o, const State& s) {
-         const Mat3 by_row = s.stiffness.transpose();
-         o.vector({by_row.data(), 9});
-       }},
-      {"h", "m", "spacing of the lattice that the state belongs to; where known",
-       [](Cells& o, const State& s) { put(o, s.spacing); }},
-      {"energy", "J", "stored energy; where known", [](Cells& o, const State& s) { put(o, s.energy); }},
-      jet_field<0, 2>("N/m^2", "energy jet: E = … + sum of e_abc dx^a dy^b dz^c; where some state has one"),
-      jet_field<2, 3>("N/m^3", "its fourth degree; empty where it has none"),
-      jet_field<3, 4>("N/m^4", "its fifth degree; empty where it has none"),
-      {"limit", "m", "distance to which the jet keeps the material within its limit; inf: everywhere",
-       [](Cells& o, const State& s) {
-         const double limit = cells_of(s.jet.get()).limit;
-         if (std::isinf(limit))
-           o.word("inf", no_word);
-         else
-           put(o, limit);
-       }}};
-  return columns;
-}
-
-}  // namespace
-
-std::vector<State> read_states_csv(const std::filesystem::path& file) {
-  NamedRows in(file, required_columns, false);
+// Rows with at least x,y,z: with fx,fy,fz, with one value, or alone.
+std::vector<State> read_rows(NamedRows& in) {
   const auto given =
       std::ranges::count_if(stiffness_columns, [&](const char* column) { return in.has(column); });
   if (given != 0 && given != 9)
@@ -268,7 +237,11 @@ std::vector<State> read_states_csv(const std::filesystem::path& file) {
     State state;
     state.at = in.vector("x", "y", "z");
     state.solve.status = read_status(in);
-    if (state.usable())
+    if (!in.value().empty())
+      state.force = {in.finite(in.value()), 0, 0};
+    else if (!in.has("fx"))
+      state.force.setConstant(unknown);
+    else if (state.usable())
       state.force = in.vector("fx", "fy", "fz");
     else
       state.force = {in.optional("fx"), in.optional("fy"), in.optional("fz")};
@@ -287,6 +260,20 @@ std::vector<State> read_states_csv(const std::filesystem::path& file) {
   if (states.empty())
     throw InputError({.file = in.name()}, "holds no states, expected rows after the header line");
   return states;
+}
+
+}  // namespace
+
+std::vector<State> read_states_csv(const std::filesystem::path& file) {
+  NamedRows in(file, required_columns, false);
+  return read_rows(in);
+}
+
+StateTable read_table_csv(const std::filesystem::path& file) {
+  NamedRows in(file);
+  StateTable table{.states = read_rows(in)};
+  table.tells = !in.value().empty() ? Tells::value : in.has("fx") ? Tells::force : Tells::places;
+  return table;
 }
 
 NamedColumns named_columns(std::string_view text) {
@@ -324,8 +311,7 @@ std::vector<State> read_states_csv(const std::filesystem::path& file, const Name
 }
 
 std::vector<Vec3> read_points_csv(const std::filesystem::path& file) {
-  constexpr std::array<const char*, 3> required{"x", "y", "z"};
-  NamedRows in(file, required, true);
+  NamedRows in(file, place_columns, true);
   std::vector<Vec3> points;
   while (in.next()) points.push_back(in.vector("x", "y", "z"));
   if (points.empty()) throw InputError({.file = in.name()}, "holds no points, expected rows x,y,z");
@@ -341,36 +327,25 @@ std::vector<SitedPoint> read_sited_points_csv(const std::filesystem::path& file)
   return points;
 }
 
-std::vector<Declared> declared_states() {
-  return declared<State>(state_columns());
+namespace {
+
+Tells told_by(const StateFileHeader& header) {
+  const auto note = header.notes.find(tells_note);
+  return note == header.notes.end() ? Tells::force : note->second == "value" ? Tells::value : Tells::places;
 }
 
-void write_states_csv(const std::filesystem::path& file, std::span<const State> states) {
-  const auto some = [&](auto&& has) {
-    return std::ranges::any_of(states, [&](const State& s) { return s.usable() && has(s); });
-  };
-  const bool with_jet = some([](const State& s) { return s.jet != nullptr; });
-  const bool has[] = {some([](const State& s) { return s.has_site(); }),
-                      true,
-                      true,
-                      some([](const State& s) { return s.has_stiffness(); }),
-                      some([](const State& s) { return std::isfinite(s.spacing); }),
-                      some([](const State& s) { return std::isfinite(s.energy); }),
-                      with_jet,
-                      with_jet,
-                      with_jet,
-                      with_jet};
-  std::vector<Field<State>> columns;
-  for (std::size_t i = 0; i < std::size(has); ++i)
-    if (has[i]) columns.push_back(state_columns()[i]);
-  CsvWriter out(file);
-  out.put(header_of<State>(columns));
-  for (const State& state : states)
-    if (state.usable()) out.put(csv_row<State>(columns, state));
-  out.commit();
+void check_told(const std::filesystem::path& file, Tells told, Tells least) {
+  if (told < least)
+    throw InputError(
+        {.file = file.string()},
+        fmt::format("holds {}, expected {}",
+                    told == Tells::value ? "one value at each place" : "places alone",
+                    least == Tells::force ? "forces: columns fx,fy,fz" : "a value or a force at each"));
 }
 
-LoadedStates load_states(const std::filesystem::path& file) {
+}  // namespace
+
+LoadedStates load_states(const std::filesystem::path& file, Tells least) {
   LoadedStates loaded;
   const std::string content_start = read_start(file, 16);
   if (content_start.starts_with("SQLite format 3")) {
@@ -379,11 +354,20 @@ LoadedStates load_states(const std::filesystem::path& file) {
     loaded.header = states.header();
     loaded.states = states.read_all();
     loaded.damaged = states.damaged();
+    loaded.tells = told_by(loaded.header);
+    check_told(file, loaded.tells, least);
     return loaded;
   }
   if (content_start.find('\0') != std::string::npos)
     throw InputError({.file = file.string()}, "is neither a state file nor a CSV of states in UTF-8");
-  loaded.states = read_states_csv(file);
+  if (least == Tells::force) {
+    loaded.states = read_states_csv(file);
+  } else {
+    StateTable table = read_table_csv(file);
+    loaded.states = std::move(table.states);
+    loaded.tells = table.tells;
+    check_told(file, loaded.tells, least);
+  }
   loaded.header.box = {loaded.states.front().at, loaded.states.front().at};
   for (const State& state : loaded.states) {
     loaded.header.box.low = loaded.header.box.low.cwiseMin(state.at);

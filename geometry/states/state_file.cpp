@@ -206,10 +206,13 @@ std::vector<State> StateFile::read_all() const {
   std::vector<State> states;
   impl_->damaged.clear();
   for (StateRows rows(impl_->database.get(), impl_->where, impl_->checksums); rows.next();) {
-    if (std::optional<State> state = rows.read())
+    if (std::optional<State> state = rows.read()) {
+      if (state->usable() && !state->force.allFinite() && !impl_->header.notes.contains(tells_note))
+        throw InputError({.file = impl_->where}, "a state has a force that is not finite");
       states.push_back(*std::move(state));
-    else
+    } else {
       impl_->damaged.push_back(rows.id());
+    }
   }
   return states;
 }

@@ -28,6 +28,7 @@
 // completely or not at all.
 // Processes: one writer at a time, the second gets an InputError; any number of readers beside it.
 
+#include <cstdint>
 #include <filesystem>
 #include <memory>
 #include <span>
@@ -96,6 +97,17 @@ class StateWriter {
 // `converged`, which mark failed solves. Blank lines and lines that begin with # are skipped. InputError
 // names file and line.
 std::vector<State> read_states_csv(const std::filesystem::path& file);
+
+// What a table tells of each place: nothing more (forces NaN), one value, read as the force (value, 0, 0), or a force.
+enum class Tells : std::uint8_t { places, value, force };
+inline constexpr const char* tells_note = "tells";  // in the notes of a state file: "places" or "value"
+struct StateTable {
+  std::vector<State> states;
+  Tells tells = Tells::force;
+};
+// Also x,y,z alone or with one more column, and both without a header line.
+StateTable read_table_csv(const std::filesystem::path& file);
+
 // Only usable states. Columns k, h, energy and those of jets are written if at least one state has them.
 void write_states_csv(const std::filesystem::path& file, std::span<const State> states);
 std::vector<Declared> declared_states();  // all these columns, for `forefeel help`
@@ -113,8 +125,10 @@ struct LoadedStates {
   StateFileHeader header;
   std::vector<State> states;
   std::size_t damaged = 0;  // rows of a .states file left out, see StateFile::read_all()
+  Tells tells = Tells::force;
 };
-LoadedStates load_states(const std::filesystem::path& file);
+// InputError where the file tells less than `least`.
+LoadedStates load_states(const std::filesystem::path& file, Tells least = Tells::force);
 
 // "FILE: 2 states have a wrong checksum: left out", with ", to be solved anew" if they will be.
 std::string damage_in_words(const std::string& file, std::size_t damaged, bool solved_anew = false);

@@ -97,7 +97,9 @@ State read_row(Statement& row, const std::string& where) {
     std::memcpy(displacements.data(), bytes.data(), bytes.size());
     state.displacements = std::make_shared<const std::vector<double>>(std::move(displacements));
   }
-  if (!state.at.allFinite() || (state.usable() && !state.force.allFinite()))
+  // Of a place without a force, all three are NULL.
+  const bool place_alone = state.solve.status == SolveStatus::measured && state.force.array().isNaN().all();
+  if (!state.at.allFinite() || (state.usable() && !state.force.allFinite() && !place_alone))
     throw InputError({.file = where}, "a state has a position or force that is not finite");
   const auto too_large = [](const auto& values) { return (values.array().abs() > largest_number).any(); };
   if (too_large(state.at) || too_large(state.force) || too_large(state.stiffness))
