@@ -13,6 +13,7 @@
 #include "apps/console/json.hpp"
 #include "apps/console/values.hpp"
 #include "apps/offline/classify.hpp"
+#include "apps/offline/hull_spacing.hpp"
 #include "apps/scene/given_states.hpp"
 #include "apps/scene/scene.hpp"
 #include "geometry/common/error.hpp"
@@ -62,8 +63,16 @@ void take_scene(const ClassifyArguments& arguments, const std::string& where, co
   }
 }
 
+// Of an estimated spacing, as along strokes far apart: one that the hull of the states can have.
+std::string wider_spacing(const Classified& set, const CoverageOptions& coverage) {
+  if (!set.spacing_estimated) return {};
+  const double spacing = hull_spacing(set.places(), set.box, coverage).spacing;
+  return spacing > set.spacing ? fmt::format(": {:.2g} would make about 90 % of their hull safe", spacing)
+                               : std::string();
+}
+
 // Regions consist of cubes of h/4. A box with too many cubes is refused before memory is allocated.
-void check_extent(const Classified& set, const std::string& where) {
+void check_extent(const Classified& set, const CoverageOptions& coverage, const std::string& where) {
   double voxels = 1, points = 0;
   for (int axis = 0; axis < 3; ++axis) {
     voxels *= std::max(1.0, 4 * set.box.size()[axis] / set.spacing);
@@ -73,8 +82,9 @@ void check_extent(const Classified& set, const std::string& where) {
     throw InputError(
         where,
         fmt::format("its box of {:.3g} x {:.3g} x {:.3g} m holds {:.2g} cubes of a quarter of the spacing "
-                    "({:.3g} m), expected at most 1e9: a smaller --box or a larger --spacing",
-                    set.box.size().x(), set.box.size().y(), set.box.size().z(), voxels, set.spacing));
+                    "({:.3g} m), expected at most 1e9: a smaller --box or a larger --spacing{}",
+                    set.box.size().x(), set.box.size().y(), set.box.size().z(), voxels, set.spacing,
+                    wider_spacing(set, coverage)));
   // States closer than 1e-9 h count as one, so doubles must resolve that distance.
   if (!(points <= 1e6 * set.spacing))
     throw InputError(
@@ -255,7 +265,7 @@ Classified prepare_states(const ClassifyArguments& arguments, const std::string&
         if (s.spacing < result.spacing) result.spacing = s.spacing;
     }
   take_plane(result, have_box || own.box, where, globals);
-  check_extent(result, where);
+  check_extent(result, arguments.space.coverage, where);
   return result;
 }
 

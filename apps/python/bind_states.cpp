@@ -11,6 +11,7 @@
 #include "apps/python/bindings.hpp"
 #include "apps/python/scene_object.hpp"
 #include "geometry/common/error.hpp"
+#include "geometry/coverage/regions.hpp"
 #include "geometry/coverage/state_space.hpp"
 #include "geometry/index/morton_order.hpp"
 #include "geometry/index/path_walk.hpp"
@@ -109,6 +110,48 @@ py::array_t<double> measure(const StateSpace& space, const Points& points, doubl
   double* to = out.mutable_data();
   for_all(points.size(), [&](std::size_t i) { to[i] = space.coverage(points[i]).*field; });
   return out;
+}
+
+struct ComponentRow {
+  std::uint8_t label;
+  double volume, x, y, z, low_x, low_y, low_z, high_x, high_y, high_z;
+};
+struct HoleRow {
+  double radius, x, y, z;
+};
+
+// Volumes by label, and the components and holes as rows.
+py::tuple cover(const PySpace& self) {
+  RegionSummary summary;
+  std::vector<EmptyBall> balls;
+  {
+    const py::gil_scoped_release released;
+    const StateSpaceOptions& options = self.space->options();
+    summary = self.space->regions().summary(false);
+    balls = empty_balls(self.space->delaunay(), options.box, options.spacing);
+  }
+  py::array_t<double> volume(4, summary.volume.values.data());
+  py::array_t<ComponentRow> components = zero_rows<ComponentRow>(summary.components.size());
+  ComponentRow* to = components.mutable_data();
+  for (const RegionComponent& c : summary.components) {
+    const Vec3 &at = c.inner, &low = c.bounds.low, &high = c.bounds.high;
+    *to++ = {static_cast<std::uint8_t>(c.label),
+             c.volume,
+             at.x(),
+             at.y(),
+             at.z(),
+             low.x(),
+             low.y(),
+             low.z(),
+             high.x(),
+             high.y(),
+             high.z()};
+  }
+  py::array_t<HoleRow> holes = zero_rows<HoleRow>(balls.size());
+  HoleRow* hole = holes.mutable_data();
+  for (const EmptyBall& ball : balls)
+    *hole++ = {ball.radius, ball.centre.x(), ball.centre.y(), ball.centre.z()};
+  return py::make_tuple(volume, components, holes);
 }
 
 py::tuple nearest(const PySpace& self, const Points& points, std::size_t n) {
@@ -223,6 +266,7 @@ void bind_space(py::module_& module) {
             return measure(*self.space, Points(at, "points"), &Coverage::delta);
           },
           py::arg("points"))
+      .def("_coverage", &cover)
       .def("_loop_seconds", &loop_seconds, py::arg("points"))
       .def(
           "nearest",
@@ -235,6 +279,8 @@ void bind_space(py::module_& module) {
 }  // namespace
 
 void bind_states(py::module_& module) {
+  PYBIND11_NUMPY_DTYPE(ComponentRow, label, volume, x, y, z, low_x, low_y, low_z, high_x, high_y, high_z);
+  PYBIND11_NUMPY_DTYPE(HoleRow, radius, x, y, z);
   module.attr("status_names") = [] {
     py::list names;
     for (int i = 0; i <= static_cast<int>(SolveStatus::measured); ++i)

@@ -224,6 +224,21 @@ double largest_distance(const std::function<double(const Vec3&)>& delta, const B
   return known;
 }
 
+std::vector<EmptyBall> empty_balls(const DelaunayIndex& delaunay, const Box& box, double least) {
+  constexpr std::size_t most = 1000;
+  std::vector<EmptyBall> found, balls = empty_balls(delaunay, box);
+  std::erase_if(balls, [&](const EmptyBall& ball) { return !(ball.radius > least); });
+  std::ranges::stable_sort(balls, std::greater(), &EmptyBall::radius);
+  for (const EmptyBall& ball : balls) {
+    if (found.size() == most) break;
+    const auto holds = [&](const EmptyBall& larger) {
+      return (larger.centre - ball.centre).norm() < larger.radius;
+    };
+    if (std::ranges::none_of(found, holds) && delaunay.spread(ball.centre, {}).inside) found.push_back(ball);
+  }
+  return found;
+}
+
 struct Regions::Impl {
   StateSpaceOptions options;
   CoveredStates states;

@@ -42,6 +42,10 @@ class Regions {
   std::unique_ptr<Impl> impl_;
 };
 
+// Balls that hold no state, with their centres in the box and in the hull of the states and radii above `least` [m]:
+// largest first, none with its centre in a larger one, at most 1000.
+std::vector<EmptyBall> empty_balls(const DelaunayIndex& delaunay, const Box& box, double least);
+
 // The largest delta in the box, at most `tolerance` too small [m]. By branch and bound: delta, the distance to the
 // nearest state [m], is 1-Lipschitz, so over a part of the box with centre c and half-diagonal e it lies between
 // delta(c) and delta(c) + e. known: a value that delta is known to reach [m]; parts where delta is below it are

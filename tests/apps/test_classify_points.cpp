@@ -69,3 +69,52 @@ TEST_CASE("states in a plane are labelled in it, wherever it lies; those of a li
     CHECK_THAT(shop.forefeel("classify line.csv" + with).err, !Contains("plane"));
   }
 }
+
+TEST_CASE("scattered points need neither forces nor a spacing", "[classify]") {
+  const Workshop shop;
+  // Halton's points in the unit cube; then the same in eight small heaps, so that most of their hull is empty.
+  const auto halton = [](int i, int base) {
+    double value = 0, digit = 1;
+    for (; i > 0; i /= base) value += (digit /= base) * (i % base);
+    return value;
+  };
+  std::string cloud, heaps, values = "x,y,z,temperature\n";
+  for (int i = 1; i <= 1000; ++i) {
+    const Eigen::Vector3d x(halton(i, 2), halton(i, 3), halton(i, 5));
+    cloud += fmt::format("{},{},{}\n", x[0], x[1], x[2]);
+    values += fmt::format("{},{},{},{}\n", x[0], x[1], x[2], x[0] + 2 * x[1]);
+    heaps +=
+        fmt::format("{},{},{}\n", 0.1 * x[0] + (i & 1), 0.1 * x[1] + (i >> 1 & 1), 0.1 * x[2] + (i >> 2 & 1));
+  }
+  shop.write("cloud.csv", cloud);
+  shop.write("values.csv", values);
+  shop.write("heaps.csv", heaps);
+  const json even = json::parse(shop.forefeel("classify cloud.csv --json").out);
+  CHECK(even["spacing_estimated"] == true);
+  CHECK(even["hull"]["safe_share"] > 0.8);
+  CHECK_THAT(shop.forefeel("classify cloud.csv").out, !Contains("would make about"));
+  const auto told = shop.forefeel("classify heaps.csv");
+  CHECK_THAT(told.out, Contains("of the hull of the states is safe at the estimated spacing; --spacing"));
+  const json thin = json::parse(shop.forefeel("classify heaps.csv --json").out);
+  CHECK(thin["hull"]["safe_share"] < 0.5);
+  const double hull = thin["volume"]["safe"].get<double>() / thin["hull"]["safe_share"].get<double>();
+  const json wide = json::parse(shop.forefeel(fmt::format("classify heaps.csv --json --spacing {}",
+                                                          thin["hull"]["spacing_90"].get<double>()))
+                                    .out);
+  CHECK(wide["volume"]["safe"] > 0.75 * hull);  // the hull of eight heaps is the cube of 1.1 m
+  CHECK(hull == Approx(1.33).epsilon(0.1));
+  CHECK(wide["hull"]["spacing_90"].is_null());
+
+  CHECK_THAT(shop.forefeel("import cloud.csv -o cloud.states").out,
+             Contains("1000 places without forces", "(estimated)"));
+  CHECK_THAT(shop.forefeel("info cloud.states").out, Contains("no forces"));
+  CHECK_THAT(shop.forefeel("evaluate cloud.states --points cloud.csv").err, Contains("holds places alone"));
+  CHECK(shop.forefeel("import values.csv -o values.states").code == 0);
+  shop.write("query.csv", "0.4,0.5,0.6\n");
+  const auto value = shop.forefeel("evaluate values.states --points query.csv --json --no-bars");
+  REQUIRE(value.code == 0);
+  CHECK_THAT(value.err, !Contains("pull"));
+  CHECK(json::parse(value.out)["forces"][0][0].get<double>() == Approx(1.4).epsilon(1e-3));
+  CHECK_THAT(shop.forefeel("export cloud.states -o again.csv").out, Contains("1000 states"));
+  CHECK_THAT(shop.forefeel("classify again.csv").out, Contains("1000 states"));
+}

@@ -6,6 +6,7 @@ Units are SI: m, N, N/m, J, s. Arrays of positions have the shape (n, 3). States
 
     import forefeel as ff
     labels = ff.classify(positions, points, spacing=0.006)       # which places are known how well
+    ff.StateSpace(positions).coverage().volume                    # how much of each label
     there = ff.evaluate(positions, forces, points)                # the force between and beyond states
     bars = ff.error_bar(positions, forces, points, level=0.95)    # and how far it may be off [N]
     scene = ff.Scene("liver.toml")
@@ -49,14 +50,14 @@ from .commands import command, study
 from .field import FieldForces, SurfaceField
 from .files import read, read_inputs, read_pvd, read_run, read_study, read_table, read_vtu
 from .placement import Placement
-from .space import StateSpace, classify, error_bar, evaluate, evaluation
+from .space import Coverage, StateSpace, classify, error_bar, evaluate, evaluation
 from .states import States, measured, read_states, write_states
 
 SAFE, SPARSE, GAP, BLANK = range(4)
 
-__all__ = ["BLANK", "Body", "FieldForces", "GAP", "InputError", "Model", "Placement", "PlannerView", "Run", "SAFE",
-           "SPARSE", "Scene", "StateSpace", "States", "SurfaceField", "Thresholds", "candidate_dtype", "classify",
-           "command", "dispatch_status_names", "error_bar", "evaluate", "evaluation", "generate", "label_names",
-           "measured", "read", "read_inputs", "read_pvd", "read_run", "read_states", "read_study", "read_table",
-           "read_vtu", "register_policy", "solve", "state_dtype", "status_names", "study", "switch_cause_names",
-           "write_states"]
+__all__ = ["BLANK", "Body", "Coverage", "FieldForces", "GAP", "InputError", "Model", "Placement", "PlannerView", "Run",
+           "SAFE", "SPARSE", "Scene", "StateSpace", "States", "SurfaceField", "Thresholds", "candidate_dtype",
+           "classify", "command", "dispatch_status_names", "error_bar", "evaluate", "evaluation", "generate",
+           "label_names", "measured", "read", "read_inputs", "read_pvd", "read_run", "read_states", "read_study",
+           "read_table", "read_vtu", "register_policy", "solve", "state_dtype", "status_names", "study",
+           "switch_cause_names", "write_states"]

@@ -1,7 +1,8 @@
-"""What a caller gives as an array, checked. InputError names the argument."""
+"""Arrays that a caller gives, checked: InputError names the argument. And tables that a caller gets."""
 
 from __future__ import annotations
 
+from collections.abc import Iterable
 from typing import Any
 
 import numpy as np
@@ -69,3 +70,33 @@ def node_set(values: ArrayLike, nodes: int, argument: str) -> NDArray[np.int64]:
                                        "for each node")
             return np.flatnonzero(array)
     return whole_numbers(values, argument)
+
+
+class Table(np.ndarray):  # type: ignore[type-arg]
+    """A structured array with one field for each column of a file. A vector has a name of its own as well:
+    table["rendered"] is (n, 3), of the columns rendered_x, rendered_y and rendered_z."""
+
+    _columns: dict[str, list[str]]
+
+    @classmethod
+    def of(cls, array: NDArray[Any], fields: Iterable[tuple[str, str, str, str]]) -> Table:
+        """fields: (field of the array, columns of the file, unit, meaning)"""
+        columns = {field: names.split(",") for field, names, *_ in fields}
+        dtype = [(name, array.dtype[field].base) for field, names in columns.items() for name in names]
+        table = np.empty(len(array), dtype).view(cls)
+        table._columns = {field: names for field, names in columns.items() if names != [field]}
+        for field, names in columns.items():
+            for name, values in zip(names, array[field].reshape(len(array), len(names)).T):
+                np.ndarray.__setitem__(table, name, values)
+        return table
+
+    def __array_finalize__(self, other: Any) -> None:
+        self._columns = getattr(other, "_columns", {})
+
+    def __getitem__(self, key: Any) -> Any:
+        if not isinstance(key, str):
+            return super().__getitem__(key)
+        if key not in self._columns:
+            return np.asarray(super().__getitem__(key))
+        found = [np.asarray(super(Table, self).__getitem__(name)) for name in self._columns[key]]
+        return found[0] if len(found) == 1 else np.stack(found, axis=-1)

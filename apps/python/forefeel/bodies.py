@@ -11,7 +11,7 @@ import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
 from . import _core
-from .arrays import node_set, numbers, whole_numbers
+from .arrays import Table, node_set, numbers, whole_numbers
 from .states import States, known_rows
 
 Progress = Callable[[float], Any]
@@ -112,9 +112,10 @@ class Body:
 class Run:
     """Result of a session.
 
-    frames, dispatches, switches  structured arrays with all columns of frames.csv, dispatch.csv and switches.csv, also
-                 those that a file leaves out; a vector is one field, a word its number (255: none)
-    fields       for each of the three, a tuple of (field, columns of the file, unit, meaning)
+    frames, dispatches, switches  Tables with all columns of frames.csv, dispatch.csv and switches.csv, also those that a
+                 file leaves out; a word is its number (255: none). pandas.DataFrame(run.frames) has their names
+    fields       for each of the three, a tuple of (field, columns of the file, unit, meaning); a field of several columns
+                 is a vector, run.frames["rendered"] (n, 3)
     states       structured array with `state_dtype`: known at its end
     summary      dict with the keys of summary.json
     interrupted  True: Ctrl-C ended it
@@ -122,9 +123,10 @@ class Run:
 
     def __init__(self, run: Any) -> None:
         self._run = run
-        self.frames, self.dispatches, self.switches = run.frames, run.dispatches, run.switches
-        self.states = run.states
         self.fields = dict(zip(("frames", "dispatches", "switches"), _core._run_fields))
+        self.frames, self.dispatches, self.switches = (
+            Table.of(getattr(run, name), fields) for name, fields in self.fields.items())
+        self.states = run.states
         self.summary: dict[str, Any] = json.loads(run._summary)
         self.interrupted: bool = run.interrupted
 

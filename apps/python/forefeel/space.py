@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from typing import Any
+from typing import Any, NamedTuple
 
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
@@ -24,8 +24,8 @@ def _length(spacing: Any) -> float | None:
 def classify(positions: ArrayLike, points: ArrayLike, spacing: float | None = None) -> NDArray[np.uint8]:
     """Labels of points from the positions of known states: uint8 (m,), 0 safe, 1 sparse, 2 gap, 3 blank.
 
-    positions (n, 3) [m]; points (m, 3) [m]; spacing that counts as dense [m], None: the median distance of the
-    states to their nearest neighbour, and at least two positions are needed. Same labels as `forefeel classify`.
+    positions (n, 3) [m]; points (m, 3) [m]; spacing that counts as dense [m], None: estimated from the density
+    of the states, of which at least two are needed. Same labels as `forefeel classify`.
     `label_names` has the words.
     """
     return _core.classify(numbers(positions, "positions"), numbers(points, "points"), _length(spacing))
@@ -84,11 +84,25 @@ def error_bar(positions: ArrayLike, forces: ArrayLike, points: ArrayLike, stiffn
     return _bars(evaluation(positions, forces, points, stiffness, bars=True, **options)[1], level)
 
 
+class Coverage(NamedTuple):
+    """How a set of states covers its box.
+
+    volume      (4,) [m^3] by label, in the order of label_names
+    components  structured array of the connected regions, by label, then by falling volume: label, volume [m^3], a place
+                inside x, y, z [m], bounds low_x … high_z [m]
+    holes       structured array of the balls without a state that are larger than the spacing and lie between states,
+                largest first, none centred in a larger one, at most 1000: radius, x, y, z [m]
+    """
+    volume: NDArray[np.float64]
+    components: NDArray[Any]
+    holes: NDArray[Any]
+
+
 class StateSpace:
     """Known states, indexed by position. Made once; every method is vectorised and uses all cores.
 
     states      structured array, States, or positions (n, 3) [m], which have labels but no forces
-    spacing     that counts as dense [m]; None: of the States, else the median distance of states
+    spacing     that counts as dense [m]; None: of the States, else estimated from the density
     thresholds  of the labels
     """
 
@@ -132,6 +146,10 @@ class StateSpace:
     def label(self, points: ArrayLike) -> NDArray[np.uint8]:
         """uint8 (m,) at points (m, 3) [m]: 0 safe, 1 sparse, 2 gap, 3 blank"""
         return self._space.label(numbers(points, "points"))
+
+    def coverage(self) -> Coverage:
+        """Volume, connected regions and holes of its box. A few seconds for a million states."""
+        return Coverage(*self._space._coverage())
 
     def spread(self, points: ArrayLike) -> NDArray[np.float64]:
         """(m,) [m] at points (m, 3) [m]: sqrt(R^2 - |q - c|^2) in the Delaunay cell of q with circumcentre c and
