@@ -15,6 +15,7 @@
 // Programs to start from are in apps/examples (installed: share/forefeel/examples).
 // Not included here, but installed beside it (forefeel/…):
 //   command.hpp                              the command `forefeel` as a function
+//   scene.hpp                                a scene file as input of a session
 //   geometry/common/csv_rows.hpp            tables
 //   geometry/common/declared.hpp             columns and parts with their meanings, as declared_policies() returns them
 //   geometry/coverage/regions.hpp            StateSpace::regions()
