@@ -9,10 +9,12 @@
 #include <cstdint>
 #include <cstdlib>
 #include <deque>
+#include <map>
 #include <optional>
 #include <string_view>
 #include <type_traits>
 
+#include "apps/console/grouped_help.hpp"
 #include "apps/console/suggest.hpp"
 #include "geometry/common/error.hpp"
 #include "geometry/common/threads.hpp"
@@ -192,9 +194,8 @@ std::vector<std::string> command_names(const CLI::App& app) {
 }
 
 // The first word must be a command. CLI11's own message would only say "unexpected argument".
-void check_command(const CLI::App& app, int argc, const char* const* argv) {
+void check_command(const CLI::App& app, const char* const* argv) {
   const std::vector<std::string> names = command_names(app);
-  if (argc < 2) throw InputError("command", "none given, expected one of " + listed(names));
   const std::string word = argv[1];
   if (word.starts_with("-") || std::ranges::find(names, word) != names.end()) return;
   throw InputError("command '" + word + "'", "unknown" + expected_instead(word, names));
@@ -251,6 +252,9 @@ InputError usage_error(const CLI::App& app, const CLI::ParseError& error) {
   const std::vector<CLI::App*> chosen = app.get_subcommands();
   const CLI::App& sub = chosen.empty() ? app : *chosen.front();
   const std::string where = chosen.empty() ? "options" : sub.get_name();
+  if (dynamic_cast<const CLI::ExtrasError*>(&error) && !app.remaining(true).empty() && chosen.empty())
+    return {where, fmt::format("unknown option '{0}', expected a command or --version, see {1} --help",
+                               app.remaining(true).front(), app.get_name())};
   if (dynamic_cast<const CLI::ExtrasError*>(&error) && !app.remaining(true).empty())
     return {where, fmt::format("unexpected argument '{}', see {} {} --help", app.remaining(true).front(),
                                app.get_name(), where)};
@@ -320,6 +324,8 @@ void add_shared_options(CLI::App& sub, Globals& globals) {
 struct CommandLine::Parser {
   CLI::App app;
   Globals globals;
+  std::map<std::string, std::string> examples;          // by the heading of a group
+  std::string group;                                    // of the commands added next
   std::deque<std::function<int(const Globals&)>> runs;  // one per command; a deque keeps references valid
   const std::function<int(const Globals&)>* chosen = nullptr;  // function of the chosen command
   Parser(const std::string& description, const std::string& name) : app(description, name) {}
@@ -330,12 +336,19 @@ CommandLine::CommandLine(const std::string& program, const std::string& descript
     : parser_(std::make_unique<Parser>(description, program)) {
   parser_->app.set_version_flag("--version", std::move(version), "Version, also of the libraries");
   parser_->app.require_subcommand(0, 1);
+  parser_->app.formatter(grouped_help(parser_->examples));
 }
 
 CommandLine::~CommandLine() = default;
 
+void CommandLine::begin_group(const std::string& heading, const std::string& example) {
+  parser_->group = heading;
+  parser_->examples[heading] = example;
+}
+
 Command CommandLine::add(const std::string& name, const std::string& description) {
   CLI::App& sub = *parser_->app.add_subcommand(name, description);
+  if (!parser_->group.empty()) sub.group(parser_->group);
   add_shared_options(sub, parser_->globals);
   std::function<int(const Globals&)>& run = parser_->runs.emplace_back();
   sub.callback([parser = parser_.get(), &run] { parser->chosen = &run; });
@@ -361,7 +374,10 @@ void check_threads(int threads) {
 
 int CommandLine::run(int argc, const char* const* argv) {
   CLI::App& app = parser_->app;
-  check_command(app, argc, argv);
+  const bool version = argc == 2 && argv[1] == std::string_view("version");
+  const char* const said[] = {argv[0], version ? "--version" : "--help"};
+  if (argc < 2 || version) return run(2, said);
+  check_command(app, argv);
   check_options(app, argc, argv);
   try {
     app.parse(argc, argv);
