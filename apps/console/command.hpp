@@ -85,6 +85,7 @@ class CommandLine {
   void begin_group(const std::string& heading, const std::string& example);
   // Adds a subcommand. It already has the options that all commands share.
   Command add(const std::string& name, const std::string& description);
+  std::vector<std::string> commands() const;  // their names
   // Parses, runs the chosen command and returns its exit code; --help, --version, `version` and no word at all print
   // and return 0.
   // Throws InputError for a bad command line: one line, with a suggestion for a mistyped word.
