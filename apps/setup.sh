@@ -18,7 +18,8 @@ sanitizers=(clang libomp-dev)
 mpi=(openmpi-bin libboost-mpi-dev libopenmpi-dev)
 python=(pybind11-dev python3-dev python3-numpy python3-scipy python3-matplotlib)
 references=(python3-pandas python3-vtk9 calculix-ccx python3-dolfinx chromium nodejs dpkg-dev file)
-case "${1:-}" in
+wanted=${1:-}
+case "$wanted" in
   "") ;;
   tests) packages+=("${format[@]}") ;;
   all) packages+=("${format[@]}" "${bench[@]}" "${sanitizers[@]}" "${mpi[@]}" "${python[@]}" "${references[@]}") ;;
@@ -29,6 +30,12 @@ case "${1:-}" in
   *) echo "setup.sh: '$1' is unknown, expected nothing, tests, all, bench, sanitizers, mpi or python" >&2; exit 2 ;;
 esac
 
+# A tree that was configured without these packages has no targets of theirs.
+after() {
+  case "$wanted" in ""|tests) return 0 ;; esac
+  echo "Configure the tree again, or a target may be unknown: cmake --preset release"
+}
+
 if ! command -v dpkg-query >/dev/null; then
   echo "setup.sh: this is not Debian; please install the equivalents of: ${packages[*]}" >&2
   exit 1
@@ -38,7 +45,7 @@ for package in "${packages[@]}"; do
   status=$(dpkg-query -W -f='${Status}' "$package" 2>/dev/null || true)
   [ "$status" = "install ok installed" ] || missing+=("$package")
 done
-[ ${#missing[@]} -gt 0 ] || exit 0
+[ ${#missing[@]} -gt 0 ] || { after; exit 0; }
 
 if [ "$(id -u)" -eq 0 ]; then
   as_root=()
@@ -52,3 +59,4 @@ fi
 echo "Installing ${missing[*]}"
 "${as_root[@]}" apt-get update -qq
 "${as_root[@]}" env DEBIAN_FRONTEND=noninteractive apt-get install -y -qq --no-install-recommends "${missing[@]}"
+after

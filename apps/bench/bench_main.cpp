@@ -109,7 +109,9 @@ int main(int argc, char** argv) {
   return program_main(
       {.name = "forefeel-bench",
        .description = "Speed and error beside named baselines in the same run",
-       .commands = {add_approx, add_solver, add_coverage, add_switch, add_jet, add_truth, add_loop},
+       .groups = {{"Benches",
+                   "forefeel-bench approx",
+                   {add_approx, add_solver, add_coverage, add_switch, add_jet, add_truth, add_loop}}},
        .topics = bench_topics},
       argc, argv);
 }

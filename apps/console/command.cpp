@@ -9,11 +9,14 @@
 #include <cstdint>
 #include <cstdlib>
 #include <deque>
+#include <map>
 #include <optional>
 #include <string_view>
 #include <type_traits>
 
+#include "apps/console/grouped_help.hpp"
 #include "apps/console/suggest.hpp"
+#include "apps/console/usage_error.hpp"
 #include "geometry/common/error.hpp"
 #include "geometry/common/threads.hpp"
 
@@ -180,98 +183,9 @@ void Command::reads_no_scene() {
   });
 }
 
-// ---- errors of a command line ----
+// ---- options that all commands share ----
 
 namespace {
-
-std::vector<std::string> command_names(const CLI::App& app) {
-  std::vector<std::string> names;
-  for (const CLI::App* sub : app.get_subcommands([](const CLI::App*) { return true; }))
-    names.push_back(sub->get_name());
-  return names;
-}
-
-// The first word must be a command. CLI11's own message would only say "unexpected argument".
-void check_command(const CLI::App& app, int argc, const char* const* argv) {
-  const std::vector<std::string> names = command_names(app);
-  if (argc < 2) throw InputError("command", "none given, expected one of " + listed(names));
-  const std::string word = argv[1];
-  if (word.starts_with("-") || std::ranges::find(names, word) != names.end()) return;
-  throw InputError("command '" + word + "'", "unknown" + expected_instead(word, names));
-}
-
-std::vector<std::string> option_names(const CLI::App& app) {
-  std::vector<std::string> names;
-  for (const CLI::Option* option : app.get_options())
-    for (const std::string& name : option->get_lnames()) names.push_back("--" + name);
-  return names;
-}
-
-// Mistyped options are found before parsing; otherwise their values would be read as positional arguments.
-void check_options(const CLI::App& app, int argc, const char* const* argv) {
-  const std::string first = argv[1];
-  const CLI::App& chosen = first.starts_with("-") ? app : *app.get_subcommand(first);
-  const std::vector<std::string> names = option_names(chosen);
-  for (int i = 1; i < argc && argv[i] != std::string_view("--"); ++i) {
-    const std::string word = std::string(argv[i]).substr(0, std::string_view(argv[i]).find('='));
-    if (!word.starts_with("--") || std::ranges::find(names, word) != names.end()) continue;
-    const std::string near = nearest_word(word, names);
-    throw InputError(&chosen == &app ? "options" : first,
-                     fmt::format("unknown option '{}'{} {} {}--help", word,
-                                 near.empty() ? ", see" : fmt::format(", did you mean '{}'? See", near),
-                                 app.get_name(), &chosen == &app ? "" : first + " "));
-  }
-}
-
-// A positional argument is named with its command: "solve: SCENE is missing".
-InputError missing(const std::string& option, const std::string& program, const std::string& where) {
-  if (option.starts_with("-")) return {option, fmt::format("is missing, see {} {} --help", program, where)};
-  return {where, fmt::format("{} is missing, see {} {} --help", option, program, where)};
-}
-
-// "--seed: 1 required N missing", "--clock: At Most 1 required but received 2", or another form.
-std::optional<InputError> wrong_count(const CLI::App& sub, const std::string& option,
-                                      const std::string& problem) {
-  const CLI::Option* known = sub.get_option_no_throw(option);
-  const std::string type = known ? known->get_type_name() : "";
-  if (problem.ends_with(" missing"))
-    return InputError(option,
-                      fmt::format("has no value, expected {} {}", option, type.substr(0, type.find(':'))));
-  const std::size_t received = problem.find(" required but received ");
-  if (received == std::string::npos) return {};
-  const std::string given = problem.substr(received + 23), limit = problem.substr(0, received);
-  if (limit == "At Most 1") return InputError(option, fmt::format("is given {} times, expected once", given));
-  if (limit.starts_with("At least "))
-    return InputError(option, fmt::format("has {} of its values, expected {}", given, limit.substr(9)));
-  return {};
-}
-
-// CLI11's messages as the others: place, what was given, what was expected.
-InputError usage_error(const CLI::App& app, const CLI::ParseError& error) {
-  const std::vector<CLI::App*> chosen = app.get_subcommands();
-  const CLI::App& sub = chosen.empty() ? app : *chosen.front();
-  const std::string where = chosen.empty() ? "options" : sub.get_name();
-  if (dynamic_cast<const CLI::ExtrasError*>(&error) && !app.remaining(true).empty())
-    return {where, fmt::format("unexpected argument '{}', see {} {} --help", app.remaining(true).front(),
-                               app.get_name(), where)};
-  const std::string text = error.what();
-  const std::string conversion = "Could not convert: ";  // of a flag: values of options are checked before
-  if (const std::size_t end = text.find(" = "); text.starts_with(conversion) && end != std::string::npos)
-    return {text.substr(conversion.size(), end - conversion.size()),
-            fmt::format("is '{}', expected no value", text.substr(end + 3))};
-  const std::size_t colon = text.find(": ");
-  if (dynamic_cast<const CLI::ValidationError*>(&error) && colon != std::string::npos)
-    return {text.substr(0, colon), text.substr(colon + 2)};
-  if (dynamic_cast<const CLI::ArgumentMismatch*>(&error) && colon != std::string::npos)
-    if (const auto found = wrong_count(sub, text.substr(0, colon), text.substr(colon + 2))) return *found;
-  if (const std::size_t end = text.find(" is required"); dynamic_cast<const CLI::RequiredError*>(&error))
-    if (end != std::string::npos) return missing(text.substr(0, end), app.get_name(), where);
-  if (const std::size_t end = text.find(" excludes "); dynamic_cast<const CLI::ExcludesError*>(&error))
-    if (end != std::string::npos)
-      return {text.substr(0, end),
-              fmt::format("is given with {}, expected one of the two", text.substr(end + 10))};
-  return {where, fmt::format("{}, see {} {}--help", text, app.get_name(), chosen.empty() ? "" : where + " ")};
-}
 
 // Refuses an empty value: it usually comes from an unset shell variable and must not look like a missing
 // option.
@@ -320,6 +234,8 @@ void add_shared_options(CLI::App& sub, Globals& globals) {
 struct CommandLine::Parser {
   CLI::App app;
   Globals globals;
+  std::map<std::string, std::string> examples;          // by the heading of a group
+  std::string group;                                    // of the commands added next
   std::deque<std::function<int(const Globals&)>> runs;  // one per command; a deque keeps references valid
   const std::function<int(const Globals&)>* chosen = nullptr;  // function of the chosen command
   Parser(const std::string& description, const std::string& name) : app(description, name) {}
@@ -330,12 +246,19 @@ CommandLine::CommandLine(const std::string& program, const std::string& descript
     : parser_(std::make_unique<Parser>(description, program)) {
   parser_->app.set_version_flag("--version", std::move(version), "Version, also of the libraries");
   parser_->app.require_subcommand(0, 1);
+  parser_->app.formatter(grouped_help(parser_->examples));
 }
 
 CommandLine::~CommandLine() = default;
 
+void CommandLine::begin_group(const std::string& heading, const std::string& example) {
+  parser_->group = heading;
+  parser_->examples[heading] = example;
+}
+
 Command CommandLine::add(const std::string& name, const std::string& description) {
   CLI::App& sub = *parser_->app.add_subcommand(name, description);
+  if (!parser_->group.empty()) sub.group(parser_->group);
   add_shared_options(sub, parser_->globals);
   std::function<int(const Globals&)>& run = parser_->runs.emplace_back();
   sub.callback([parser = parser_.get(), &run] { parser->chosen = &run; });
@@ -359,9 +282,16 @@ void check_threads(int threads) {
 
 }  // namespace
 
+std::vector<std::string> CommandLine::commands() const {
+  return command_names(parser_->app);
+}
+
 int CommandLine::run(int argc, const char* const* argv) {
   CLI::App& app = parser_->app;
-  check_command(app, argc, argv);
+  const bool version = argc == 2 && argv[1] == std::string_view("version");
+  const char* const said[] = {argv[0], version ? "--version" : "--help"};
+  if (argc < 2 || version) return run(2, said);
+  check_command(app, argv);
   check_options(app, argc, argv);
   try {
     app.parse(argc, argv);

@@ -81,9 +81,13 @@ class CommandLine {
   CommandLine(const CommandLine&) = delete;
   CommandLine& operator=(const CommandLine&) = delete;
 
+  // Heading of the commands that are added from here on, and a command line that shows one of them in use.
+  void begin_group(const std::string& heading, const std::string& example);
   // Adds a subcommand. It already has the options that all commands share.
   Command add(const std::string& name, const std::string& description);
-  // Parses, runs the chosen command and returns its exit code; --help and --version print and return 0.
+  std::vector<std::string> commands() const;  // their names
+  // Parses, runs the chosen command and returns its exit code; --help, --version, `version` and no word at all print
+  // and return 0.
   // Throws InputError for a bad command line: one line, with a suggestion for a mistyped word.
   int run(int argc, const char* const* argv);
 

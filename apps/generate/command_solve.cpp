@@ -25,6 +25,7 @@
 #include "geometry/states/energy_jet.hpp"
 #include "geometry/states/state_file.hpp"
 #include "geometry/states/state_outcome.hpp"
+#include "scheduling/session/arrivals.hpp"
 #include "solver/equilibrium/mesh_error.hpp"
 #include "solver/equilibrium/solver.hpp"
 
@@ -51,15 +52,13 @@ std::vector<Vec3> wanted_points(const SolveArguments& arguments) {
   return points;
 }
 
-// Refuses positions that are too far away, usually because of another unit or a mistyped exponent.
-void check_reach(const std::vector<Vec3>& points, double side) {
-  constexpr double farthest = 100;  // longest sides of the body
+// Refuses positions where no hand takes the body, usually because of another unit or a mistyped exponent: the solves
+// would take long and fail. As for recorded motions.
+void check_reach(const std::vector<Vec3>& points, double farthest) {
   for (const Vec3& x : points)
-    if (!(x.cwiseAbs().maxCoeff() <= farthest * side))
-      throw InputError("solve",
-                       fmt::format("the position ({:g}, {:g}, {:g}) m is farther from rest than {:.3g} m, "
-                                   "{:g} times the body's longest side; expected metres",
-                                   x[0], x[1], x[2], farthest * side, farthest));
+    if (!(x.stableNorm() <= farthest))
+      throw InputError("solve", fmt::format("the position ({:g}, {:g}, {:g}) m {}", x[0], x[1], x[2],
+                                            too_far(x.stableNorm(), farthest)));
 }
 
 // The share of all solves that is done. Half of a state's share is its straight path, half the second path,
@@ -331,7 +330,7 @@ int run_solve(const Globals& globals, const SolveArguments& arguments) {
   if (!arguments.output.empty()) check_writable(arguments.output, {arguments.scene, arguments.points});
   std::optional<SitedBody> sited;
   const Scene scene = read_scene(globals, arguments, sited);
-  check_reach(points, longest_side(scene.body->mesh));
+  check_reach(points, 2 * longest_side(scene.body->mesh));
   if (arguments.discretisation_error) check_finer(*scene.body);
   for (const std::string& warning : scene.source.warnings) warn(globals, warning);
   if (scene.spacing.automatic)

@@ -29,7 +29,10 @@ int run_program(const Program& program, int argc, const char* const* argv) {
   remember_command(program.name, argc, argv);
   check_instruction_set();
   CommandLine line(program.name, program.description, version_text);
-  for (const auto add : program.commands) add(line);
+  for (const CommandGroup& group : program.groups) {
+    line.begin_group(group.heading, group.example);
+    for (const auto add : group.commands) add(line);
+  }
   add_help(line, program);
   return line.run(argc, argv);
 }
@@ -101,12 +104,22 @@ int program_main(const Program& program, int argc, char** argv) {
 }
 
 const Program& forefeel_program() {
-  static const Program program{.name = "forefeel",
-                               .description = "Haptic rendering of soft bodies from states solved ahead",
-                               .commands = {add_mesh, add_solve, add_generate, add_import, add_export,
-                                            add_info, add_show, add_classify, add_evaluate, add_trace,
-                                            add_session, add_replay, add_study, add_reproduce, add_cache},
-                               .topics = help_topics};
+  static const Program program{
+      .name = "forefeel",
+      .description = "Haptic rendering of soft bodies from states solved ahead",
+      .groups = {{"A body and its forces",
+                  "forefeel mesh organ.obj --unit mm --elements 8000 -o organ.msh",
+                  {add_mesh, add_solve, add_info, add_show}},
+                 {"States, and where they make the force known",
+                  "forefeel classify points.csv -o coverage.svg",
+                  {add_generate, add_import, add_export, add_classify, add_evaluate}},
+                 {"Sessions, in which a hand touches the body while workers solve",
+                  "forefeel session apps/scenes/liver.toml -o run",
+                  {add_session, add_replay, add_trace}},
+                 {"Comparisons, and what else there is",
+                  "forefeel study apps/studies/quick.toml -o study",
+                  {add_study, add_reproduce, add_cache}}},
+      .topics = help_topics};
   return program;
 }
 

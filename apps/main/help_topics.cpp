@@ -126,7 +126,7 @@ std::string html_of(const DeclaredTable& table, const std::string& topic) {
 }  // namespace
 
 std::vector<HelpTopic> help_topics() {
-  return {scene_topic(), study_topic(), devices_topic(), outputs_topic()};
+  return {scene_topic(), study_topic(), devices_topic(), outputs_topic(), labels_topic(), words_topic()};
 }
 
 std::vector<DeclaredTable> tables_named(const HelpTopic& topic, const std::string& name) {

@@ -2,6 +2,7 @@
 // The reference that `forefeel help` prints: every key, setting and column, from the tables that the readers
 // and writers themselves use.
 
+#include <map>
 #include <nlohmann/json_fwd.hpp>
 #include <string>
 #include <vector>
@@ -15,8 +16,12 @@ struct HelpTopic {
   std::vector<DeclaredTable> tables = {};
 };
 
-// scene, study, devices, outputs.
+// scene, study, devices, outputs, labels, words.
 std::vector<HelpTopic> help_topics();
+HelpTopic labels_topic();  // guide_topics.cpp
+HelpTopic words_topic();
+// Other words that people look for, and the topic that answers them.
+const std::map<std::string, std::string>& help_aliases();
 // The table of this name and those nested in it: "session" also gives "session.jnd". Empty if there is none.
 std::vector<DeclaredTable> tables_named(const HelpTopic& topic, const std::string& name);
 

@@ -10,9 +10,15 @@
 
 namespace forefeel {
 
+// Commands that help lists together, and a command line that shows one of them in use.
+struct CommandGroup {
+  std::string heading, example;
+  std::vector<void (*)(CommandLine&)> commands;
+};
+
 struct Program {
   std::string name, description;
-  std::vector<void (*)(CommandLine&)> commands;
+  std::vector<CommandGroup> groups;    // `help` stands in the last one
   std::vector<HelpTopic> (*topics)();  // of `help`
 };
 const Program& forefeel_program();

@@ -30,14 +30,14 @@ namespace {
 
 namespace fs = std::filesystem;
 
-struct Arrival {
+struct PastState {
   double time;  // [s]
   State state;
 };
 
 // The states of a run in the order in which they became known.
-std::vector<Arrival> read_arrivals(const fs::path& folder) {
-  std::vector<Arrival> arrivals;
+std::vector<PastState> read_arrivals(const fs::path& folder) {
+  std::vector<PastState> arrivals;
   for (const DispatchRow& row : read_dispatch(folder / "dispatch.csv")) {
     if (!row.became_known()) continue;
     if (row.site.allFinite())
@@ -50,14 +50,14 @@ std::vector<Arrival> read_arrivals(const fs::path& folder) {
     if (std::isfinite(time) && state.at.allFinite()) arrivals.push_back({time, state});
   }
   std::stable_sort(arrivals.begin(), arrivals.end(),
-                   [](const Arrival& a, const Arrival& b) { return a.time < b.time; });
+                   [](const PastState& a, const PastState& b) { return a.time < b.time; });
   return arrivals;
 }
 
 // The states known at each time of a run.
 struct History {
   std::vector<State> start;
-  std::vector<Arrival> arrivals;
+  std::vector<PastState> arrivals;
   OwnFrame own;
 };
 
@@ -93,7 +93,7 @@ History read_history(const ClassifyArguments& arguments, const fs::path& folder)
   const auto key = [](const State& s) { return std::array{s.at.x(), s.at.y(), s.at.z()}; };
   std::map<std::array<double, 3>, State> by_position;
   for (State& state : solved) by_position.try_emplace(key(state), std::move(state));
-  for (Arrival& arrival : history.arrivals)
+  for (PastState& arrival : history.arrivals)
     if (const auto found = by_position.find(key(arrival.state)); found != by_position.end())
       arrival.state = found->second;
   return history;
@@ -201,7 +201,7 @@ SeriesResult make_series(const Globals& globals, const ClassifyArguments& argume
   const History past = read_history(arguments, folder);
   const Hip hip = read_hip(folder);
   std::vector<State> all = past.start;
-  for (const Arrival& a : past.arrivals) all.push_back(a.state);
+  for (const PastState& a : past.arrivals) all.push_back(a.state);
   const Classified set = prepare_states(arguments, folder.string(), std::move(all), past.own, globals);
   StateSpace space(
       {.spacing = set.spacing, .box = set.box, .coverage = arguments.space.coverage, .lattice = set.lattice});

@@ -24,7 +24,7 @@ endfunction()
 
 help_of(top)
 string(REGEX REPLACE "\n.*" "" summary "${top}")
-string(REGEX REPLACE ".*\nSubcommands:\n" "" listed "${top}")
+string(REGEX REPLACE "^.*--version[^\n]*\n" "" listed "${top}")
 string(REGEX MATCHALL "(^|\n)  [a-z]+ " names "${listed}")
 list(TRANSFORM names STRIP)
 if(NOT names)

@@ -11,8 +11,12 @@
 #include <sstream>
 #include <stdexcept>
 
+#include "apps/console/provenance.hpp"
 #include "apps/console/suggest.hpp"
 #include "apps/scene/toml_text.hpp"
+#include "geometry/mesh/mesh_file.hpp"
+#include "geometry/meshing/surface.hpp"
+#include "geometry/segmentation/label_volume.hpp"
 
 namespace forefeel {
 namespace {
@@ -275,8 +279,21 @@ namespace {
 
 namespace fs = std::filesystem;
 
+// A body is not a scene yet: names the command that makes its mesh.
+void refuse_mesh(const fs::path& file) {
+  if (!fs::is_regular_file(file)) return;
+  if (!is_mesh_file(file) && !is_surface_file(file) && !is_label_volume_file(file)) return;
+  const std::string body = file.stem().string() + (file.extension() == ".msh" ? "-mesh.msh" : ".msh");
+  throw InputError(
+      {.file = file.string()},
+      fmt::format("is a shape, expected a scene (TOML); forefeel mesh {} -o {} makes a mesh for its "
+                  "key body.mesh",
+                  shell_quoted(file.string()), shell_quoted(body)));
+}
+
 toml::table parse_scene(const fs::path& file) {
   if (!fs::exists(file)) throw InputError({.file = file.string()}, "no such file, expected a scene (TOML)");
+  refuse_mesh(file);
   return parse_toml(read_toml(file, "a scene"), file);
 }
 

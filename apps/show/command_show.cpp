@@ -208,7 +208,7 @@ ShowResult make(const Globals& globals, const ShowArguments& arguments) {
   return result;
 }
 
-nlohmann::ordered_json to_json(const ShowResult& result) {
+nlohmann::ordered_json show_json(const ShowResult& result) {
   using Json = nlohmann::ordered_json;
   const ShowContent& content = result.content;
   nlohmann::ordered_json out{{"kind", content.kind}, {"files", nlohmann::ordered_json::array()}};
@@ -253,7 +253,7 @@ int run_show(const Globals& globals, const ShowArguments& arguments) {
   use_palette(arguments.palette);
   const ShowResult result = make(globals, arguments);
   for (const std::string& warning : result.content.warnings) warn(globals, warning);
-  if (globals.json) print_json(to_json(result));
+  if (globals.json) print_json(show_json(result));
   std::vector<std::string> names;
   for (const fs::path& file : result.files) names.push_back(file.string());
   say(globals, fmt::format("{}: {} ({:.3g} MB, {:.2g} s)", result.content.title, fmt::join(names, ", "),

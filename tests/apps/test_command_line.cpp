@@ -26,13 +26,18 @@ std::string mesh_scene(const std::string& mesh = "body.msh", const std::string& 
 
 TEST_CASE("usage errors are one line", "[command-line]") {
   const BeamShop shop;
-  check_refused(shop, "", {"expected one of"});
+  check_refused(shop, "-v", {"unknown option '-v', expected a command or --version, see forefeel --help"});
   check_refused(shop, "sesion beam.toml", {"'sesion'", "did you mean 'session'"});
   check_refused(shop, "nosuch beam.toml", {"command 'nosuch': unknown, expected one of mesh, solve"});
   check_refused(shop, "--jsn", {"--jsn"});
   check_refused(shop, "solve beam.toml --att=0,0,0", {"--att", "did you mean '--at'"});
   check_refused(shop, "solve", {"SCENE"});
-  check_refused(shop, "solve beam.toml --at=0,0,1e300", {"farther from rest", "metres"});
+  check_refused(
+      shop, "solve beam.toml --at=0,0,-10",
+      {"the position (0, 0, -10) m is 10 m from rest, expected at most 0.2 m, twice the body's length (are "
+       "the values in metres?)"});
+  check_refused(shop, "solve beam.toml --at=0,0,1e300",
+                {"1e+300 m from rest", "twice the body's length", "metres?"});
   check_refused(shop, "solve beam.toml --at=0,0,0 --threads -2", {"--threads"});
   check_refused(shop, "solve beam.toml --at=0,0,0 --seed none", {"--seed"});
   check_refused(shop, "solve beam.toml --at=0,0,0 --seed -1", {"--seed", "at least 0"});
@@ -106,6 +111,19 @@ TEST_CASE("help and version are not errors", "[command-line]") {
   }
 }
 
+TEST_CASE("without a word the commands are listed in groups, each with an example", "[command-line]") {
+  const Workshop shop;
+  const auto bare = shop.run("");
+  CHECK(bare.out == shop.run("--help").out);
+  CHECK(shop.run("version").out == shop.run("--version").out);
+  std::size_t examples = 0;
+  for (std::size_t at = 0; (at = bare.out.find("\n  Example: forefeel ", at)) != std::string::npos; ++at)
+    ++examples;
+  CHECK(examples == 4);
+  CHECK(bare.out.find("  session ") > bare.out.find("  classify "));
+  CHECK_THAT(bare.out, Contains("\nStates, ") && Contains("\n  Example: forefeel session "));
+}
+
 TEST_CASE("positions must be three finite numbers", "[command-line]") {
   const BeamShop shop;
   for (const char* at :
@@ -122,6 +140,11 @@ TEST_CASE("positions must be three finite numbers", "[command-line]") {
 
 TEST_CASE("scenes that cannot be read", "[command-line]") {
   const Workshop shop;
+  shop.write("my organ.obj", "v 0 0 0\nv 1 0 0\nv 0 1 0\nf 1 2 3\n");
+  check_refused(shop, "session 'my organ.obj' -o run",
+                {"my organ.obj: is a shape", "forefeel mesh 'my organ.obj' -o 'my organ.msh'", "body.mesh"});
+  shop.write("body.msh", msh(good_tets, 2));
+  check_refused(shop, "solve body.msh --at=0,0,0", {"forefeel mesh body.msh -o body-mesh.msh"});
   check_refused(shop, "solve absent.toml --at=0,0,0", {"absent.toml"});
   shop.write("cut.toml", "[body]\nphantom = \"bea");
   check_refused(shop, "solve cut.toml --at=0,0,0", {"cut.toml:2"});

@@ -133,10 +133,25 @@ TEST_CASE("help lists its topics, prints one topic, and narrows it to a table") 
   CHECK(shop.files().empty());
 }
 
+TEST_CASE("help finds tables, keys and commands by their own names") {
+  const Workshop shop;
+  CHECK_THAT(shop.run("help path").out,
+             Catch::StartsWith("forefeel help devices:\npath") && Contains("speed"));
+  CHECK_THAT(shop.run("help session").out,
+             Contains("session.limits") && Contains("first visit") && Contains("forefeel session --help"));
+  CHECK_THAT(shop.run("help spacing").out, Contains("state_space") && !Contains("tolerance [1]"));
+  CHECK(shop.json("help state_space.spacing")["topics"][0]["tables"][0]["rows"].size() == 1);
+  CHECK_THAT(shop.run("help replay").out, Contains("forefeel replay --help"));
+  for (const char* word : {"safe ", "sparse ", "gap ", "blank ", "forefeel classify"})
+    CHECK_THAT(shop.run("help labels").out, Contains(word));
+  CHECK_THAT(shop.run("help report").out, Contains("slewed") && Contains("regret"));
+}
+
 TEST_CASE("a topic or table that help does not know is refused with the nearest one") {
   const Workshop shop;
   check_refused(shop, "help scenes", {"unknown topic", "did you mean 'scene'"});
-  check_refused(shop, "help session", {"unknown topic", "scene, study, devices, outputs", "--help"});
+  check_refused(shop, "help sesion",
+                {"unknown topic", "scene, study, devices, outputs, labels, words", "--help"});
   check_refused(shop, "help scene materials", {"unknown table", "did you mean 'material'"});
   check_refused(shop, "help scene -o a.txt", {"a.txt", ".html"});
 }
