@@ -85,12 +85,12 @@ int main(int argc, char** argv) try {
     largest_change = std::max(largest_change, (step.force - last).norm());
     last = step.force;
     if (frame % 500 == 0)
-      fmt::print("{:.1f} s: {:3} states, force {:6.3f} {:6.3f} {:6.3f} N\n", now.load(), solved.load(), last.x(),
-                 last.y(), last.z());
+      fmt::print("{:.1f} s: {:3} states, force {:6.3f} {:6.3f} {:6.3f} N\n", now.load(), solved.load(),
+                 last.x(), last.y(), last.z());
   }
   planner.request_stop();
-  fmt::print("{} states; largest change in a millisecond {:.1f} mN; latest frame {:.2f} ms late\n", solved.load(),
-             1e3 * largest_change, 1e3 * late);
+  fmt::print("{} states; largest change in a millisecond {:.1f} mN; latest frame {:.2f} ms late\n",
+             solved.load(), 1e3 * largest_change, 1e3 * late);
 } catch (const InputError& error) {
   fmt::print(stderr, "{}\n", error.what());
   return 2;

@@ -21,18 +21,20 @@ int main() {
   // 2. From here on its name is known like that of a built-in policy.
   register_policy("ahead", [](FactoryContext&) { return std::make_unique<Ahead>(); });
 
-  // 3. The same session with each policy.
+  // 3. The same session with each policy. The workers solve fewer states than the hand needs: it matters which.
   auto body = std::make_shared<Body>();
-  body->mesh = phantom("beam", 240);
+  body->mesh = phantom("liver", 1800);
+  body->material = {.law = Law::st_venant_kirchhoff, .young = 5000, .poisson = 0.3};
   body->clamp = body->mesh.groups.at("clamp");
   body->contact = body->mesh.groups.at("contact");
-  const Box reach{Vec3::Constant(-0.012), Vec3::Constant(0.012)};
-  const SessionInput input{.touched = {.body = body, .space = {.spacing = 0.004, .box = reach}}};
+  const Box reach{Vec3::Constant(-0.036), Vec3(0.036, 0.036, 0.024)};
+  const SessionInput input{.touched = {.body = body, .space = {.spacing = 0.006, .box = reach}}};
   for (const char* policy : {"ahead", "nearest"}) {
     SessionOptions options;
-    options.clock = {.kind = Clock::virtual_time, .seconds = 2};
+    options.clock = {.kind = Clock::virtual_time, .seconds = 4};
     options.planning.policy = policy;
-    options.workers.cost = ConstantCost{.seconds = 0.05};
+    options.motion.device = PathMotion{.path = PathName::lissajous, .speed = 0.06};  // [m/s]
+    options.workers.cost = ConstantCost{.seconds = 0.2};
     const SessionSummary summary = summarise(run_session(input, options), input, options);
     fmt::print("{}: within the JND on {:.0f} % of the path\n", policy,
                100 * summary.error.samples.within_jnd);

@@ -109,7 +109,9 @@ int run_help(const Globals& globals, const Program& program, const HelpArguments
   std::string text;
   const auto named = [&](const HelpTopic& topic) { return topic.name == arguments.topic; };
   const bool whole = std::ranges::any_of(topics, named) && arguments.table.empty();
-  if (whole) text = topics.front().meaning + "\n\n";
+  if (whole)
+    text = (topics.front().page.empty() ? topics.front().meaning + "\n" : std::string(topics.front().page)) +
+           "\n";
   for (const HelpTopic& topic : topics) {
     if (!whole && arguments.table.empty()) text += fmt::format("{} help {}:\n", program.name, topic.name);
     for (const DeclaredTable& table : topic.tables) text += as_text(table, terminal_width()) + "\n";

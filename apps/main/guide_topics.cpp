@@ -1,38 +1,15 @@
-// Topics of `forefeel help` that are about ideas, not about a file: the labels, and the words of reports. A topic of
-// more than a table is added here, and to help_topics().
+// Topics of `forefeel help` that are about ideas, not about a file: the pages of the guide, and the words of reports.
 
 #include "apps/main/help_topics.hpp"
+#include "apps/picture/page.hpp"
 
 namespace forefeel {
 
-HelpTopic labels_topic() {
-  return {
-      "labels",
-      "How well the force is known at a place: the first of four labels whose rule holds. h is the spacing, "
-      "state_space.spacing: the distance between states at which you call the space densely known.",
-      {{"label",
-        "Try forefeel classify points.csv -o coverage.svg; all four: forefeel classify setup:gap.",
-        {{"safe", "", "",
-          "states within 1.45 h on all sides, and a spread of at most 0.95 h: densely known; it says nothing "
-          "of stability"},
-         {"sparse", "", "", "the nearest state is within 1.5 h"},
-         {"gap", "", "",
-          "states within 8 h on all sides, no empty cone above 85 degrees: a bridge between known regions"},
-         {"blank", "", "", "beyond the known regions: the force is extrapolated"}}},
-       {"index",
-        "The numbers behind the labels, in coverage.csv (forefeel help outputs coverage.csv).",
-        {{"spread", "m", "",
-          "of the Delaunay cell of states that holds the place: sqrt(R^2 - d^2), for the radius R and the "
-          "distance d from the centre of its circumsphere; safe up to 0.95 h"},
-         {"alpha", "m", "", "least such radius R of the cells at the place"},
-         {"delta", "m", "", "distance to the nearest state"},
-         {"gamma", "degrees", "", "half-angle of the largest cone of directions without a state"}}},
-       {"where",
-        "Keys, commands and columns that deal with labels.",
-        {{"forefeel classify", "", "", "labels of given states, as numbers, picture or volume"},
-         {"state_space.spacing", "", "", "h, in a scene; forefeel help scene state_space"},
-         {"frames.csv label", "", "", "of the tip, each frame; forefeel help outputs frames.csv"},
-         {"session.policy", "", "", "what is solved next; forefeel help devices policy"}}}}};
+std::vector<HelpTopic> guide_topics() {
+  return {{"labels", "Where is the force known? Labels, own points, own meshes.", {}, guide_labels},
+          {"bodies", "Exact forces: bodies, pads, fine bodies, energy jets, hard cases.", {}, guide_bodies},
+          {"models", "The force between states: models, measured forces, error bars.", {}, guide_models},
+          {"report", "Reading a report, Python, clusters, figures, the paper.", {}, guide_report}};
 }
 
 HelpTopic words_topic() {
@@ -72,9 +49,13 @@ HelpTopic words_topic() {
 }
 
 const std::map<std::string, std::string>& help_aliases() {
-  static const std::map<std::string, std::string> aliases{{"label", "labels"}, {"coverage", "labels"},
-                                                          {"report", "words"}, {"glossary", "words"},
-                                                          {"keys", "scene"},   {"columns", "outputs"}};
+  static const std::map<std::string, std::string> aliases{
+      {"label", "labels"},    {"coverage", "labels"}, {"points", "labels"},  {"meshes", "labels"},
+      {"body", "bodies"},     {"pads", "bodies"},     {"jets", "bodies"},    {"model", "models"},
+      {"bars", "models"},     {"measured", "models"}, {"policies", "study"}, {"sessions", "study"},
+      {"studies", "study"},   {"reports", "report"},  {"python", "report"},  {"pandas", "report"},
+      {"clusters", "report"}, {"paper", "report"},    {"glossary", "words"}, {"keys", "scene"},
+      {"columns", "outputs"}};
   return aliases;
 }
 

@@ -30,7 +30,7 @@ HelpTopic scene_topic() {
 
 HelpTopic study_topic() {
   return {"study", "The study file (TOML): sessions for every combination of values, compared.",
-          study_tables()};
+          study_tables(), guide_study};
 }
 
 HelpTopic devices_topic() {
@@ -126,7 +126,10 @@ std::string html_of(const DeclaredTable& table, const std::string& topic) {
 }  // namespace
 
 std::vector<HelpTopic> help_topics() {
-  return {scene_topic(), study_topic(), devices_topic(), outputs_topic(), labels_topic(), words_topic()};
+  std::vector<HelpTopic> topics{scene_topic(), study_topic(), devices_topic(), outputs_topic()};
+  for (HelpTopic& page : guide_topics()) topics.push_back(std::move(page));
+  topics.push_back(words_topic());
+  return topics;
 }
 
 std::vector<DeclaredTable> tables_named(const HelpTopic& topic, const std::string& name) {
@@ -167,6 +170,7 @@ std::string as_html(const std::string& program, const std::vector<HelpTopic>& to
   }
   for (const HelpTopic& topic : topics) {
     html += fmt::format("<h2>{}</h2>\n<p>{}</p>\n", html_escaped(topic.name), html_escaped(topic.meaning));
+    if (!topic.page.empty()) html += "<pre>" + html_escaped(std::string(topic.page)) + "</pre>\n";
     for (const DeclaredTable& table : topic.tables) html += html_of(table, topic.name);
   }
   return html_page(program + ": reference", html);
@@ -185,6 +189,7 @@ nlohmann::ordered_json to_json(const std::vector<HelpTopic>& topics) {
       tables.push_back({{"name", table.name}, {"meaning", table.meaning}, {"rows", rows}});
     }
     document["topics"].push_back({{"topic", topic.name}, {"meaning", topic.meaning}, {"tables", tables}});
+    if (!topic.page.empty()) document["topics"].back()["page"] = std::string(topic.page);
   }
   return document;
 }

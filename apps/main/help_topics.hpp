@@ -5,6 +5,7 @@
 #include <map>
 #include <nlohmann/json_fwd.hpp>
 #include <string>
+#include <string_view>
 #include <vector>
 
 #include "geometry/common/declared.hpp"
@@ -14,11 +15,12 @@ namespace forefeel {
 struct HelpTopic {
   std::string name, meaning;
   std::vector<DeclaredTable> tables = {};
+  std::string_view page = {};  // of the guide, printed before the tables
 };
 
-// scene, study, devices, outputs, labels, words.
+// scene, study, devices, outputs, the pages of the guide, words.
 std::vector<HelpTopic> help_topics();
-HelpTopic labels_topic();  // guide_topics.cpp
+std::vector<HelpTopic> guide_topics();  // guide_topics.cpp; that of studies has its keys as well
 HelpTopic words_topic();
 // Other words that people look for, and the topic that answers them.
 const std::map<std::string, std::string>& help_aliases();

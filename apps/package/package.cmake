@@ -98,7 +98,13 @@ file(CONFIGURE OUTPUT ${PROJECT_BINARY_DIR}/installed/README.md @ONLY CONTENT
 @readme@")
 install(FILES ${package_folder}/copyright ${PROJECT_BINARY_DIR}/installed/README.md LICENSE
         DESTINATION ${CMAKE_INSTALL_DATADIR}/doc/forefeel)
-install(FILES apps/pictures/truth.svg DESTINATION ${CMAKE_INSTALL_DATADIR}/doc/forefeel/apps/pictures)
+install(DIRECTORY apps/pictures DESTINATION ${CMAKE_INSTALL_DATADIR}/doc/forefeel/apps)
+foreach(page geometry solver approx scheduling apps)
+  install(FILES ${page}/README.md DESTINATION ${CMAKE_INSTALL_DATADIR}/doc/forefeel/${page})
+endforeach()
+file(ARCHIVE_CREATE OUTPUT ${PROJECT_BINARY_DIR}/installed/changelog.Debian.gz PATHS ${package_folder}/changelog
+     FORMAT raw COMPRESSION GZip)
+install(FILES ${PROJECT_BINARY_DIR}/installed/changelog.Debian.gz DESTINATION ${CMAKE_INSTALL_DATADIR}/doc/forefeel)
 
 # Two packages: forefeel, and python3-forefeel where the Python module is built.
 set(CPACK_GENERATOR DEB)

@@ -20,6 +20,8 @@ extern const std::string_view shape_script;  // of the shapes in it
 
 // The viewer of `forefeel show`, and the scripts of three.js that it uses: empty if the build did not find them.
 extern const std::string_view viewer_script, viewer_style, viewer_body;
+// Pages of the guide, as they are in the folders that they explain.
+extern const std::string_view guide_labels, guide_bodies, guide_models, guide_study, guide_report;
 extern const std::string_view three_script, orbit_script, three_licence;
 
 // Values as whole multiples of `scale`, so that two bytes hold each, in base64 for a script.

@@ -33,7 +33,7 @@ void check_headers(const Workshop& shop) {
   CHECK(shop.shell(unprefixed).out.empty());
   CHECK(shop.shell("grep -rlE '#include <(CGAL|nlohmann|CLI|toml|sqlite3)' " + include).out.empty());
   CHECK(shop.shell("find " + include + " -name '*_cgal.hpp'").out.empty());
-  for (const char* header : {"forefeel.hpp", "command.hpp"})
+  for (const char* header : {"forefeel.hpp", "command.hpp", "scene.hpp"})
     CHECK(fs::exists(shop.path() / include / header));
   // All headers in one file, in order and backwards, so that each is parsed before those it might lean on.
   for (const char* order : {"sort", "sort -r"})
@@ -136,7 +136,7 @@ void check_readme(const Workshop& shop) {
 }  // namespace
 
 TEST_CASE("examples are built against the installed library in a clean prefix, and run",
-          "[package]" SLOW("installs the library and builds six programs with it")) {
+          "[package]" SLOW("installs the library and builds programs with it")) {
   if (sanitized) return skip("the library is built with a sanitizer");
   const Workshop shop;
   ran(shop, "cmake --install '" + build_folder().string() + "' --prefix prefix");
@@ -147,6 +147,28 @@ TEST_CASE("examples are built against the installed library in a clean prefix, a
   ran(shop,
       "cmake -S prefix/share/forefeel/examples -B build -G Ninja -DCMAKE_BUILD_TYPE=Release "
       "-DCMAKE_PREFIX_PATH=\"$PWD/prefix\" && cmake --build build");
+
+  // The C++ of README.md and of the guide.
+  int snippets = 0;
+  for (const char* page : {"README.md", "solver/README.md"}) {
+    std::ifstream in(source_folder() / page);
+    const std::string text{std::istreambuf_iterator<char>(in), {}}, fence = "\n```cpp\n";
+    const std::size_t at = text.find(fence);
+    REQUIRE(at != std::string::npos);
+    shop.write("snippet/main.cpp",
+               text.substr(at + fence.size(), text.find("\n```", at + 1) - at - fence.size()) + "\n");
+    shop.write(
+        "snippet/CMakeLists.txt",
+        "cmake_minimum_required(VERSION 3.25)\nproject(snippet LANGUAGES CXX)\nfind_package(forefeel "
+        "REQUIRED)\n"
+        "add_executable(snippet main.cpp)\ntarget_link_libraries(snippet PRIVATE forefeel::forefeel)\n");
+    ran(shop,
+        "rm -rf sb && cmake -S snippet -B sb -G Ninja -DCMAKE_BUILD_TYPE=Release "
+        "-DCMAKE_PREFIX_PATH=\"$PWD/prefix\" && cmake --build sb");
+    CHECK_THAT(ran(shop, "sb/snippet"), Contains(" N\n"));
+    ++snippets;
+  }
+  CHECK(snippets == 2);
 
   const std::string first = ran(shop, "build/first_force");
   CHECK(value_after(first, "states: ") == 125);
@@ -165,8 +187,9 @@ TEST_CASE("examples are built against the installed library in a clean prefix, a
   CHECK(value_after(session, "can tell: ") > 50);
 
   const std::string policies = ran(shop, "build/own_policy");
-  CHECK(value_after(policies, "ahead: within the JND on ") > 0);
-  CHECK(value_after(policies, "nearest: within the JND on ") > 0);
+  const double nearest = value_after(policies, "nearest: within the JND on ");
+  CHECK(nearest < 60);
+  CHECK(value_after(policies, "ahead: within the JND on ") > nearest + 10);
 
   shop.write("motion.csv", "t,x,y,z\n0,0,0,0\n0.5,0,0,-0.004\n1,0.002,0,-0.004\n");
   const std::string forces = ran(shop, "build/device motion.csv");
@@ -175,4 +198,8 @@ TEST_CASE("examples are built against the installed library in a clean prefix, a
   CHECK(shop.shell("build/device none.csv").code == 2);
 
   check_command(shop);
+  const std::string loop = ran(shop, "build/own_loop beam.toml");
+  CHECK(value_after(loop, "\n3.5 s: ") > 10);                          // states
+  CHECK(value_after(loop, "largest change in a millisecond ") < 100);  // [mN]
+  CHECK(shop.shell("build/own_loop none.toml").code == 2);
 }
