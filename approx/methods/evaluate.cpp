@@ -259,9 +259,12 @@ Evaluation evaluate(std::span<const State> states, std::span<const Vec3> points,
   AveragedStates mean = averaged(std::move(usable));
   result.repeated = mean.found;
   const double spacing = options.spacing > 0 ? options.spacing : estimate_spacing(mean.states);
-  const StateSpace space = space_of(mean.states, spacing);
-  mean.states = distinct(space);
-  result.states = space.size();
+  const StateSpace all = space_of(mean.states, spacing);
+  mean.states = distinct(all);
+  result.states = all.size();
+  // Wider heaps: the process has all their rows; what counts rows, or takes the nearest ones, has few.
+  const std::vector<State> even = stiffness ? mean.states : thinned_heaps(mean.states);
+  const StateSpace space = space_of(even, spacing);
   result.options.spacing = space.options().spacing;
   const bool moving = result.method == Method::rbf;
   std::vector<SeenPlace> wanted;
@@ -279,10 +282,10 @@ Evaluation evaluate(std::span<const State> states, std::span<const Vec3> points,
     result.field->stated = options.stiffest.has_value();
     if (options.stiffest) result.field->stiffest = *options.stiffest / across_of_95;
   }
-  const JudgedPoints judged = judge(space, points, result.field);
+  const JudgedPoints judged = judge(all, points, result.field);
   for (std::size_t i = 0; i < judged.at.size(); ++i) wanted[i].doubt = judged.at[i].own_deviation;
   if (open) {
-    result.chosen = choose_model(mean.states,
+    result.chosen = choose_model(even,
                                  {.field = result.field,
                                   .model = options.model,
                                   .spacing = result.options.spacing,
@@ -301,7 +304,7 @@ Evaluation evaluate(std::span<const State> states, std::span<const Vec3> points,
   const std::optional<FieldOptions> process = result.chosen ? result.chosen->field : std::nullopt;
   const bool own = process && !same_process(*process, *result.field);
   const bool local = process && process->local;  // it judges itself
-  const JudgedPoints near = own ? judge(space, points, process) : JudgedPoints{};
+  const JudgedPoints near = own ? judge(all, points, process) : JudgedPoints{};
   const JudgedPoints& made_by = own ? near : judged;
   std::unique_ptr<ForceMaker> maker;
   if (process)
@@ -310,11 +313,11 @@ Evaluation evaluate(std::span<const State> states, std::span<const Vec3> points,
     maker = models_of(space, model, result.chosen && result.chosen->all);
   else
     maker = std::make_unique<OneModel>(
-        [&] { return std::make_unique<const Approximation>(result.method, mean.states, result.options); });
+        [&] { return std::make_unique<const Approximation>(result.method, even, result.options); });
   result.made = evaluate_at(*maker, space, points, places, moving && !process ? &model : nullptr, show);
   if (process) result.made.fit_us = {made_by.fit_us}, result.made.evaluate_ns = made_by.evaluate_ns;
   if (moving && options.bars)
-    result.bars = bars_of(space, mean.states, points, result.made, local ? near : judged,
+    result.bars = bars_of(space, even, points, result.made, local ? near : judged,
                           {.model = model,
                            .all = result.chosen && result.chosen->all,
                            .field = process,
