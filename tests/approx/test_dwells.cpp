@@ -111,3 +111,20 @@ TEST_CASE("A dwell counts as few rows where a model is chosen: auto, its forces 
     CHECK(with[2] >= 0.93);
   }
 }
+
+TEST_CASE("A row of a tracker that was lost changes no force and no bar elsewhere", "[measured]") {
+  MeasuredCase given = dwell_of(3, 20, 0.02, 0);
+  const auto made_of = [&](std::span<const Vec3> points) {
+    return evaluate(given.states(), points, {.spacing = 0.5 * half, .bars = true});
+  };
+  const Evaluation alone = made_of(given.points);
+  given.at.emplace_back(0.5, 0.3, 0.4);
+  given.force.emplace_back(Vec3::Zero());
+  const Evaluation with = made_of(given.points);
+  for (std::size_t i = 0; i < given.points.size(); ++i) {
+    CHECK(with.made.forces[i] == alone.made.forces[i]);
+    CHECK(with.bars->at[i] == alone.bars->at[i]);
+  }
+  const Vec3 beside = given.at.back() + Vec3(0.001, 0, 0);  // asked about: it stays
+  CHECK(made_of(std::span(&beside, 1)).states == given.at.size());
+}
