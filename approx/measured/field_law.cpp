@@ -57,14 +57,19 @@ std::size_t box_size(std::size_t rows, std::size_t most_boxes) {
   return size;
 }
 
-// Whether the field bends less within boxes of `size` rows than the noise of their means.
-bool flat_within(std::span<const State> states, std::size_t size, const FieldLaw& law) {
+// Whether the field bends less within boxes of `size` rows than the noise of their means. even: those of the rows, in
+// order, at which that is asked; a heap would hide that its boxes are small and all others large.
+bool flat_within(std::span<const State> states, std::span<const State> even, std::size_t size,
+                 const FieldLaw& law) {
   if (size == 1) return true;
   const MeasuredRows boxes = averaged_boxes(states, size);
   const PositionGroups groups = compact_groups(positions_of(states), size, true);
   double squared = 0;
-  for (std::size_t i = 0; i < states.size(); ++i)
-    squared += (states[i].at - boxes.at[groups.of[i]]).squaredNorm() / double(states.size());
+  for (std::size_t i = 0, k = 0; i < states.size() && k < even.size(); ++i) {
+    if (states[i].at != even[k].at) continue;
+    squared += (states[i].at - boxes.at[groups.of[i]]).squaredNorm() / double(even.size());
+    ++k;
+  }
   const double sag = 0.5 * law.amplitude * squared / (law.length * law.length);
   return sag <= most_sag * law.noise / std::sqrt(double(size));
 }
@@ -227,15 +232,15 @@ std::optional<FieldOptions> field_of(std::span<const State> states, const KnownN
   const std::vector<State> even = thinned_heaps(states);
   const MeasuredRows some = rows_for_law(even, law_clusters), more = rows_for_law(even, more_clusters),
                      most = rows_for_law(even, most_clusters);
-  const std::size_t size = box_size(states.size(), law_boxes);
-  const MeasuredRows boxes = averaged_boxes(states, size);
+  const std::size_t size = box_size(even.size(), law_boxes);
+  const MeasuredRows boxes = averaged_boxes(even, size);
   std::optional<LikelyLaw> best, rough, doubt;
   Mat3 stretch = Mat3::Identity();
   const auto fit = [&](std::optional<double> known) {
     const ChosenLaw chosen = chosen_law(some, more, most, known);
     best = chosen.best;
     rough = chosen.rough;
-    if (best && size > 1 && flat_within(states, size, best->law))
+    if (best && size > 1 && flat_within(even, even, size, best->law))
       best = improved_law(boxes, best->law, {.steps = polishing, .noise = known});
     if (!best) return;
     stretch = likely_stretch(some, best->law, known);
@@ -264,7 +269,10 @@ std::optional<FieldOptions> field_of(std::span<const State> states, const KnownN
   found.noise = noise.force;
   if (found.stretch.isIdentity() && best->law.length <= found.doubt.length) found.doubt = {};
   found.spline = likely_spline(more, noise.force).value_or(SplineLaw{});
-  if (!flat_within(states, found.box, best->law)) found.neighbours = field_neighbours;
+  if (flat_within(states, even, found.box, best->law)) return found;
+  found.even = even.size() < states.size();
+  found.box = box_size(even.size(), most_rows);
+  if (!flat_within(even, even, found.box, best->law)) found.neighbours = field_neighbours;
   return found;
 }
 

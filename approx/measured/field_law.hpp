@@ -11,7 +11,8 @@
 // Where there are many rows, the mean of a box of neighbouring rows stands for them: its noise is less by the square
 // root of their number, and lines that are dense along themselves weigh no more than their length. Boxes are made only
 // where the field bends less within a box than the noise of its mean; else the rows nearest to a place serve, thinned
-// where they lie on lines or in heaps, so that they are of several of these.
+// where they lie on lines or in heaps, so that they are of several of these. Of heaps (geometry/states/heaps.hpp) few
+// rows count wherever rows are counted.
 //
 // S [N/m]: the largest secant |F_i - F_j| / |x_i - x_j| of neighbouring boxes, or the largest force over half the
 // extent of the rows, if that is more.

@@ -86,8 +86,9 @@ ForceField::ForceField(const StateSpace& known, const FieldOptions& options)
   // A dwell among few other rows would hide which directions these know.
   if (std::vector<State> even = thinned_heaps(states); even.size() < states.size()) {
     const auto space = std::make_shared<StateSpace>(known.options());
-    for (State& state : even) space->insert(std::move(state));
+    for (const State& state : even) space->insert(state);
     even_ = space;
+    if (options.even) states = std::move(even);
   }
   if (options.neighbours > 0) return;
   all_ = processes_of(averaged_boxes(states, options.box));

@@ -18,6 +18,7 @@
 #include "geometry/common/quantiles.hpp"
 #include "geometry/coverage/state_space.hpp"
 #include "geometry/states/heaps.hpp"
+#include "geometry/states/misleading.hpp"
 
 namespace forefeel {
 namespace {
@@ -150,6 +151,21 @@ void join_near(std::vector<State>& states) {
     if (const auto [id, is_new] = joined.insert(state); !is_new) state.at = joined[id].at;
 }
 
+// A row far from all others, as of a tracker that was lost, says nothing about them, yet a law of the field would reach
+// as far. It stays where a point is asked that is nearest to it.
+void leave_far_row_out(std::vector<State>& states, std::span<const Vec3> points) {
+  const std::optional<std::size_t> row = far_row(states);
+  if (!row || points.empty()) return;
+  const Vec3& far = states[*row].at;
+  const auto nearest_to_it = [&](const Vec3& x) {
+    return std::ranges::none_of(states, [&](const State& s) {
+      return s.at != far && (s.at - x).squaredNorm() < (far - x).squaredNorm();
+    });
+  };
+  if (std::ranges::none_of(points, nearest_to_it))
+    states.erase(states.begin() + static_cast<std::ptrdiff_t>(*row));
+}
+
 // One state at each position: the same row twice adds no knowledge, and a held-out force must have no twin that stays.
 std::vector<State> distinct(const StateSpace& space) {
   std::vector<State> states;
@@ -251,6 +267,7 @@ Evaluation evaluate(std::span<const State> states, std::span<const Vec3> points,
     throw InputError("states", "no state has an energy jet, expected columns e300 to e005, or other --data");
   const std::size_t rows = usable.size();
   if (!stiffness) {
+    leave_far_row_out(usable, points);
     join_near(usable);
     JoinedHeaps joined = join_heaps(std::move(usable));
     usable = std::move(joined.states);
@@ -259,9 +276,12 @@ Evaluation evaluate(std::span<const State> states, std::span<const Vec3> points,
   AveragedStates mean = averaged(std::move(usable));
   result.repeated = mean.found;
   const double spacing = options.spacing > 0 ? options.spacing : estimate_spacing(mean.states);
-  const StateSpace space = space_of(mean.states, spacing);
-  mean.states = distinct(space);
-  result.states = space.size();
+  const StateSpace all = space_of(mean.states, spacing);
+  mean.states = distinct(all);
+  result.states = all.size();
+  // Wider heaps: the process has all their rows; what counts rows, or takes the nearest ones, has few.
+  const std::vector<State> even = stiffness ? mean.states : thinned_heaps(mean.states);
+  const StateSpace space = space_of(even, spacing);
   result.options.spacing = space.options().spacing;
   const bool moving = result.method == Method::rbf;
   std::vector<SeenPlace> wanted;
@@ -279,10 +299,10 @@ Evaluation evaluate(std::span<const State> states, std::span<const Vec3> points,
     result.field->stated = options.stiffest.has_value();
     if (options.stiffest) result.field->stiffest = *options.stiffest / across_of_95;
   }
-  const JudgedPoints judged = judge(space, points, result.field);
+  const JudgedPoints judged = judge(all, points, result.field);
   for (std::size_t i = 0; i < judged.at.size(); ++i) wanted[i].doubt = judged.at[i].own_deviation;
   if (open) {
-    result.chosen = choose_model(mean.states,
+    result.chosen = choose_model(even,
                                  {.field = result.field,
                                   .model = options.model,
                                   .spacing = result.options.spacing,
@@ -301,7 +321,7 @@ Evaluation evaluate(std::span<const State> states, std::span<const Vec3> points,
   const std::optional<FieldOptions> process = result.chosen ? result.chosen->field : std::nullopt;
   const bool own = process && !same_process(*process, *result.field);
   const bool local = process && process->local;  // it judges itself
-  const JudgedPoints near = own ? judge(space, points, process) : JudgedPoints{};
+  const JudgedPoints near = own ? judge(all, points, process) : JudgedPoints{};
   const JudgedPoints& made_by = own ? near : judged;
   std::unique_ptr<ForceMaker> maker;
   if (process)
@@ -310,11 +330,11 @@ Evaluation evaluate(std::span<const State> states, std::span<const Vec3> points,
     maker = models_of(space, model, result.chosen && result.chosen->all);
   else
     maker = std::make_unique<OneModel>(
-        [&] { return std::make_unique<const Approximation>(result.method, mean.states, result.options); });
+        [&] { return std::make_unique<const Approximation>(result.method, even, result.options); });
   result.made = evaluate_at(*maker, space, points, places, moving && !process ? &model : nullptr, show);
   if (process) result.made.fit_us = {made_by.fit_us}, result.made.evaluate_ns = made_by.evaluate_ns;
   if (moving && options.bars)
-    result.bars = bars_of(space, mean.states, points, result.made, local ? near : judged,
+    result.bars = bars_of(space, even, points, result.made, local ? near : judged,
                           {.model = model,
                            .all = result.chosen && result.chosen->all,
                            .field = process,

@@ -63,6 +63,7 @@ struct FieldOptions {
   bool stated = false;               // S was given: S E is not held by the bound of the force
   std::size_t neighbours = 0;        // rows of each place; 0: all
   std::size_t box = 1;               // neighbouring rows averaged to one, of all rows
+  bool even = false;                 // of heaps only the few rows that count (geometry/states/heaps.hpp)
   FieldLaw rough = {};               // the likeliest of Matern's laws with 3/2
   bool local = false;                // the law is sought anew among the rows of each place
   std::optional<double> noise = {};  // known sigma [N]

@@ -3,6 +3,7 @@
 #include <fmt/format.h>
 
 #include <Eigen/Geometry>
+#include <algorithm>
 #include <cmath>
 #include <limits>
 
@@ -18,6 +19,15 @@ std::vector<Vec3> Classified::places() const {
   for (const State& state : states) all.push_back(turn * state.at);
   for (const Vec3& x : beside) all.push_back(turn * x);
   return all;
+}
+
+Coverage Classified::coverage(const Vec3& q) const {
+  Coverage found = index.space ? index.space->coverage(turn * q) : index.octree->coverage(turn * q);
+  if (beside.empty()) return found;
+  double least = std::numeric_limits<double>::infinity();
+  for (const State& s : states) least = std::min(least, (s.at - q).squaredNorm());
+  found.delta = std::sqrt(least);
+  return found;
 }
 
 void lay_flat(Classified& set) {

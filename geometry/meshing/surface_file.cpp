@@ -41,19 +41,20 @@ Vec3 read_obj_vertex(Scanner& in, const std::vector<std::string_view>& word) {
   Vec3 node;
   if (word.size() < 4) in.fail(fmt::format("a vertex with {} coordinates, expected 3", word.size() - 1));
   for (unsigned k = 0; k < 3; ++k)
-    if (!parse_real(word[k + 1], node[k]))
+    if (!parse_real(word[k + 1], node[k]) || !std::isfinite(node[k]))
       in.fail(fmt::format("'{:.40}' is not a number, expected a coordinate", word[k + 1]));
   return node;
 }
 
 void read_obj(Scanner& in, SurfaceBuilder& out) {
+  out.first = 1;
   std::string_view line;
   std::string joined;
   while (in.line(line)) {
     for (joined.clear(); trimmed(line).ends_with('\\');) {  // goes on in the next line
       joined += trimmed(line).substr(0, trimmed(line).size() - 1);
       joined += ' ';
-      if (!in.line(line)) break;
+      if (!in.line(line)) line = {};
     }
     joined += line;
     const std::vector<std::string_view> word = words_of(std::string_view(joined).substr(0, joined.find('#')));
@@ -98,6 +99,7 @@ void read_off(Scanner& in, SurfaceBuilder& out) {
     out.end_polygon(in.where().line);
     in.line(rest);
   }
+  out.say_rest(in, "the last face");
 }
 
 // A corner with coordinates of its own; equal ones become one node at the end.
@@ -249,9 +251,9 @@ void cut_polygons(SurfaceBuilder& from, const std::string& where) {
     polygon.clear();
     for (std::size_t k = begin; k < from.ends[face]; ++k) {
       if (from.corners[k] >= known)
-        throw InputError(
-            {.file = where, .line = from.lines[face]},
-            fmt::format("a face names vertex {} (from 0), but there are {}", from.corners[k], known));
+        throw InputError({.file = where, .line = from.lines[face]},
+                         fmt::format("a face names vertex {} (from {}), but there are {}",
+                                     from.corners[k] + from.first, from.first, known));
       polygon.push_back(static_cast<NodeIndex>(from.corners[k]));
     }
     const PolygonCut cut = cut_polygon(surface.nodes, polygon, surface.triangles);

@@ -21,7 +21,8 @@ class PlyReader {
     read_header();
     for (const Element& element : elements_)
       for (std::size_t i = 0; i < element.count; ++i) read_item(element);
-    if (binary_ && in_.remaining() > 0)
+    if (!binary_) return out_.say_rest(in_, "the last element");
+    if (in_.remaining() > 0)
       out_.surface.remarks.push_back(
           fmt::format("{} bytes behind the last element are left out", in_.remaining()));
   }
@@ -105,7 +106,7 @@ class PlyReader {
   }
 
   double value(const std::string& type) {
-    if (!binary_) return in_.real("a number");
+    if (!binary_) return text_value();
     const bool is_unsigned = type[0] == 'u';
     switch (size_of(type)) {
       case 1:
@@ -121,12 +122,30 @@ class PlyReader {
     }
   }
 
+  // Items of text stand on one line each: a wrong count would else take numbers of other items.
+  double text_value() {
+    const double number = in_.real("a number");
+    const std::size_t line = in_.where().line;
+    if (line_ == 0) line_ = line;
+    if (line != line_) fail_item("fewer");
+    return number;
+  }
+
+  [[noreturn]] void fail_item(const char* more_or_fewer) {
+    throw InputError({.file = in_.name(), .line = line_},
+                     fmt::format("{} numbers than one {:.40} has, of which the header announces {}, expected "
+                                 "one on each line",
+                                 more_or_fewer, item_->name, item_->count));
+  }
+
   [[noreturn]] void fail(const std::string& problem) {
     binary_ ? in_.fail_binary(problem) : in_.fail(problem);
   }
 
   void read_item(const Element& element) {
     const bool is_vertex = element.name == "vertex", is_face = element.name == "face";
+    item_ = &element;
+    line_ = 0;
     Vec3 node = Vec3::Constant(std::numeric_limits<double>::quiet_NaN());
     for (const Property& property : element.properties) {
       if (property.count_type.empty()) {
@@ -146,7 +165,9 @@ class PlyReader {
       }
     }
     if (is_vertex) out_.surface.nodes.push_back(node);
-    if (is_face) out_.end_polygon(binary_ ? 0 : in_.where().line);
+    if (is_face) out_.end_polygon(line_);
+    std::string_view rest;
+    if (!binary_ && in_.line(rest) && !trimmed(rest).empty()) fail_item("more");
   }
 
   std::int64_t vertex(double index) {
@@ -158,6 +179,8 @@ class PlyReader {
   Scanner& in_;
   SurfaceBuilder& out_;
   bool formatted_ = false, binary_ = false;
+  const Element* item_ = nullptr;  // being read
+  std::size_t line_ = 0;           // of its text; 0: none yet
   std::vector<Element> elements_;
 };
 

@@ -4,6 +4,7 @@
 #include <algorithm>
 #include <cstdint>
 #include <span>
+#include <string>
 #include <vector>
 
 #include "geometry/common/scanner.hpp"
@@ -28,6 +29,7 @@ struct SurfaceBuilder {
   std::vector<std::int64_t> corners;  // of all that are read
   std::vector<std::size_t> ends;      // of each, in `corners`
   std::vector<std::size_t> lines;     // of each, from 1; 0: in binary data
+  std::int64_t first = 0;             // number of the first vertex in the file
 
   void end_polygon(std::size_t line = 0) {
     // Some programs repeat a corner, or the first one at the end.
@@ -37,6 +39,19 @@ struct SurfaceBuilder {
     ends.push_back(corners.size());
     lines.push_back(line);
     polygon.clear();
+  }
+
+  // Text behind all that is announced, which may be of a count that is too small.
+  void say_rest(Scanner& in, const char* last) {
+    if (in.at_end()) return;
+    in.token(last);
+    const std::size_t line = in.where().line;
+    std::size_t count = 0;
+    for (std::string_view rest; in.line(rest) && !in.at_end();) ++count;
+    surface.remarks.push_back("line " + std::to_string(line) + ": " + std::to_string(count + 1) +
+                              (count == 0 ? " line" : " lines") + " behind " + last +
+                              (count == 0 ? " is" : " are") +
+                              " left out; is a count of the header too small?");
   }
 };
 

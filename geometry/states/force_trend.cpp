@@ -19,6 +19,7 @@ constexpr double clearly = 0.1;          // of the largest eigenvalue
 constexpr double not_symmetric = 0.5;    // |K - K^T| / |K + K^T|
 constexpr std::size_t fewest_skew = 20;  // states that show it
 constexpr double at_rest = 1e-6;         // [m]
+constexpr double rounding = 1e-9;        // of the largest eigenvalue
 constexpr double sure_of_offset = 4;     // standard errors
 constexpr std::size_t around = 12;       // states that tell the noise at rest
 constexpr double offset = 0.01, offset_share = 0.02;  // of a sensor: [N], of the largest force
@@ -78,10 +79,11 @@ Stability stability_of(const Trend& trend, const Columns& columns) {
   const Eigen::MatrixXd k = -trend.along.transpose() * slope * trend.along;
   const Eigen::VectorXd values = modes_of(0.5 * (k + k.transpose())).values;
   const double most = values.cwiseAbs().maxCoeff();
+  const auto digits = [&](double value) { return std::abs(value) > rounding * most ? value : 0; };
   return {.least = values.minCoeff() / most,
           .skew = (k - k.transpose()).norm() / std::max((k + k.transpose()).norm(), 1e-300),
-          .lowest = values.minCoeff(),
-          .highest = values.maxCoeff()};
+          .lowest = digits(values.minCoeff()),
+          .highest = digits(values.maxCoeff())};
 }
 
 // Deviation of a component [N] from the plane through the states nearest to rest; 0: too few to tell.

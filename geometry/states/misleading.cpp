@@ -25,28 +25,47 @@ constexpr double far_off = 8;                  // from them, in their largest di
 constexpr std::size_t most_lone_share = 100;   // one of so many
 constexpr std::size_t most_compared = 20'000;  // states
 
-// A tracker that was lost for one row makes the whole set look wide: the row, where all others are near.
+// Longest side of the box of all but one.
+double side_without(std::span<const State> states, const State* left_out) {
+  Vec3 low = Vec3::Constant(std::numeric_limits<double>::infinity()), high = -low;
+  for (const State& s : states)
+    if (&s != left_out) low = low.cwiseMin(s.at), high = high.cwiseMax(s.at);
+  return (high - low).maxCoeff();
+}
+
 std::string one_far_row(std::span<const State> states) {
-  constexpr double least_farther = 5;  // times as wide with it
-  if (states.size() < beside) return {};
-  const auto side_without = [&](const State* left_out) {
-    Vec3 low = Vec3::Constant(std::numeric_limits<double>::infinity()), high = -low;
-    for (const State& s : states)
-      if (&s != left_out) low = low.cwiseMin(s.at), high = high.cwiseMax(s.at);
-    return (high - low).maxCoeff();
-  };
-  // Only a row at an end of an axis can be it.
-  for (int axis = 0; axis < 3; ++axis) {
-    const auto [low, high] =
-        std::ranges::minmax_element(states, {}, [&](const State& s) { return s.at[axis]; });
-    for (const State* row : {&*low, &*high})
-      if (const double rest = side_without(row);
-          rest < widest_reach && least_farther * rest < side_without({}))
-        return fmt::format(
-            "row {} at {:.4g},{:.4g},{:.4g} m is far from all others, which span {:.3g} m; if the "
-            "tracker was lost there, leave it out",
-            row - states.data() + 1, row->at.x(), row->at.y(), row->at.z(), rest);
+  const std::optional<std::size_t> row = far_row(states);
+  if (!row) return {};
+  const Vec3& x = states[*row].at;
+  return fmt::format(
+      "row {} at {:.4g},{:.4g},{:.4g} m is far from all others, which span {:.3g} m; if the tracker was "
+      "lost there, leave it out",
+      *row + 1, x.x(), x.y(), x.z(), side_without(states, &states[*row]));
+}
+
+// The clock of a recorder where a place was expected. A lattice, a raster and a stroke repeat x, run back or have y and
+// z follow it.
+std::string time_for_x(std::span<const State> states) {
+  constexpr std::size_t fewest_rows = 20;
+  constexpr double equal = 1e-3;        // of a step: the digits of the file
+  constexpr double back_and_forth = 4;  // of the travel along an axis, in the width along it
+  if (states.size() < fewest_rows || !(states.front().at.x() >= 0)) return {};
+  const double step = (states.back().at.x() - states.front().at.x()) / double(states.size() - 1);
+  if (!(step > 0)) return {};
+  Vec3 travel = Vec3::Zero(), low = states.front().at, high = low;
+  for (std::size_t i = 1; i < states.size(); ++i) {
+    const Vec3 change = states[i].at - states[i - 1].at;
+    if (!(std::abs(change.x() - step) < equal * step)) return {};
+    travel += change.cwiseAbs();
+    low = low.cwiseMin(states[i].at), high = high.cwiseMax(states[i].at);
   }
+  const Vec3 width = high - low;
+  for (const int axis : {1, 2})
+    if (width[axis] > step && travel[axis] > back_and_forth * width[axis])
+      return fmt::format(
+          "x rises by {:.4g} from row to row, as a clock does, while {} goes back and forth; if it is the "
+          "time, import --columns names the columns of the position",
+          step, "xyz"[axis]);
   return {};
 }
 
@@ -58,8 +77,7 @@ std::string unlikely_unit(std::span<const State> states, double spacing) {
   }
   const double side = box ? box->size().maxCoeff() : 0, apart = typical_distance(states);
   if (!std::isfinite(apart) || (!(apart > most_spacings * spacing) && !(side > widest_reach))) return {};
-  if (side > widest_reach)
-    if (std::string row = one_far_row(states); !row.empty()) return row;
+  if (side > widest_reach && far_row(states)) return {};  // which is said
   const std::string of = spacing > 0 ? fmt::format(", with a spacing of {:g} mm", 1e3 * spacing) : "";
   Vec3 sides = box->size();
   Eigen::Index longest = 0;
@@ -127,10 +145,25 @@ std::string lone_forces(std::span<const State> states) {
 
 }  // namespace
 
+std::optional<std::size_t> far_row(std::span<const State> states) {
+  constexpr double least_farther = 5;  // times as wide with it
+  if (states.size() < beside) return {};
+  // Only a row at an end of an axis can be it.
+  const double side = side_without(states, nullptr);
+  for (int axis = 0; axis < 3; ++axis) {
+    const auto [low, high] =
+        std::ranges::minmax_element(states, {}, [&](const State& s) { return s.at[axis]; });
+    for (const State* row : {&*low, &*high})
+      if (const double rest = side_without(states, row); rest < widest_reach && least_farther * rest < side)
+        return static_cast<std::size_t>(row - states.data());
+  }
+  return {};
+}
+
 std::vector<std::string> misleading(std::span<const State> states, double spacing) {
   std::vector<std::string> lines = contrary_forces(states);
-  lines.insert(lines.begin(),
-               {disagreement_in_words(stiffness_agreement(states)), unlikely_unit(states, spacing)});
+  lines.insert(lines.begin(), {disagreement_in_words(stiffness_agreement(states)), one_far_row(states),
+                               time_for_x(states), unlikely_unit(states, spacing)});
   lines.push_back(lone_forces(states));
   lines.push_back(hysteresis_in_words(states));
   std::erase(lines, "");

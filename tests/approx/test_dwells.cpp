@@ -2,9 +2,12 @@
 // and changes nothing elsewhere.
 
 #include <algorithm>
+#include <array>
 #include <random>
+#include <span>
 
 #include "approx/measured/force_field.hpp"
+#include "approx/methods/evaluate.hpp"
 #include "tests/approx/measured_cases.hpp"
 #include "tests/support/test.hpp"
 
@@ -76,4 +79,52 @@ TEST_CASE("Rows of a dwell with any tremor spoil nothing elsewhere", "[measured]
     CHECK(with.most <= 2 * alone.most);
     CHECK(with.held >= 0.93);
   }
+}
+
+TEST_CASE("A dwell counts as few rows where a model is chosen: auto, its forces and its bars stay",
+          "[measured]") {
+  struct Draw {
+    std::size_t rows;
+    double tremor;
+  };
+  for (unsigned k = 0; const Draw draw : {Draw{600, 0.0008}, {700, 0.0012}, {1500, 0.0016}}) {
+    const MeasuredCase given = dwell_of(++k, draw.rows, draw.tremor, 0);
+    const auto errors_of = [&](std::size_t rows) {
+      std::vector<State> states = given.states();
+      states.resize(rows);
+      const Evaluation made = evaluate(states, given.points, {.spacing = 0.5 * half, .bars = true});
+      std::vector<double> errors, bars;
+      double held = 0;
+      for (std::size_t i = 0; i < given.points.size(); ++i) {
+        errors.push_back((made.made.forces[i] - given.truth[i]).norm());
+        bars.push_back(made.bars->at[i][1]);
+        held += errors[i] <= bars[i] ? 1 / double(given.points.size()) : 0;
+      }
+      std::ranges::sort(errors);
+      std::ranges::sort(bars);
+      return std::array{errors[errors.size() * 95 / 100], bars[bars.size() / 2], held};
+    };
+    const auto alone = errors_of(places), with = errors_of(given.at.size());
+    INFO(k);
+    CHECK(with[0] <= 1.5 * alone[0]);
+    CHECK(with[1] <= 1.5 * alone[1]);
+    CHECK(with[2] >= 0.93);
+  }
+}
+
+TEST_CASE("A row of a tracker that was lost changes no force and no bar elsewhere", "[measured]") {
+  MeasuredCase given = dwell_of(3, 20, 0.02, 0);
+  const auto made_of = [&](std::span<const Vec3> points) {
+    return evaluate(given.states(), points, {.spacing = 0.5 * half, .bars = true});
+  };
+  const Evaluation alone = made_of(given.points);
+  given.at.emplace_back(0.5, 0.3, 0.4);
+  given.force.emplace_back(Vec3::Zero());
+  const Evaluation with = made_of(given.points);
+  for (std::size_t i = 0; i < given.points.size(); ++i) {
+    CHECK(with.made.forces[i] == alone.made.forces[i]);
+    CHECK(with.bars->at[i] == alone.bars->at[i]);
+  }
+  const Vec3 beside = given.at.back() + Vec3(0.001, 0, 0);  // asked about: it stays
+  CHECK(made_of(std::span(&beside, 1)).states == given.at.size());
 }

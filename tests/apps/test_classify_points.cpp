@@ -3,6 +3,7 @@
 #include <fmt/format.h>
 
 #include <Eigen/Core>
+#include <sstream>
 
 #include "tests/support/executable.hpp"
 
@@ -67,6 +68,18 @@ TEST_CASE("states in a plane are labelled in it, wherever it lies; those of a li
     for (std::size_t at = 0; (at = labels.find(",safe", at)) != std::string::npos; ++at) ++safe;
     CHECK(safe == 9);
     CHECK_THAT(shop.forefeel("classify line.csv" + with).err, !Contains("plane"));
+    shop.forefeel(
+        fmt::format("classify flat.csv --spacing 0.004 --index {} --line=0,0,0.01:0,0,0.02:2 -o off.csv",
+                    index));  // delta: to the states, not to the places beside them
+    const std::string off = shop.read("off.csv");
+    std::istringstream table_of(off);
+    std::string row;
+    std::getline(table_of, row);
+    for (const double away : {0.01, 0.02}) {
+      std::getline(table_of, row);
+      for (int comma = 0; comma < 6; ++comma) row.erase(0, row.find(',') + 1);
+      CHECK(std::stod(row) == Approx(away));
+    }
   }
 }
 

@@ -70,6 +70,10 @@ TEST_CASE("one far row is named, and not the unit of all") {
   std::vector<State> rows = rows_of(60, 1, pushed);
   rows[41].at = Vec3(3.6, -0.2, 0.1);
   CHECK_THAT(said(rows), Contains("row 42 at 3.6,-0.2,0.1 m is far from all others") && !Contains("metres"));
+  rows[41].at = Vec3(0.3, -0.2, 0.1);
+  CHECK_THAT(said(rows), Contains("row 42 at 0.3,-0.2,0.1 m is far from all others"));
+  rows[41].at = Vec3(0.09, 0.01, 0);
+  CHECK_THAT(said(rows), !Contains("far from all others"));
   for (State& row : rows) row.at *= 1000;
   rows[41].at = rows[40].at;
   CHECK_THAT(said(rows), Contains("expected metres"));
@@ -112,6 +116,57 @@ TEST_CASE("one column in another unit is said by its axis") {
   std::vector<State> rows = rows_of(40, 2, pushed);
   for (State& row : rows) row.at.y() *= 1000;
   CHECK_THAT(said(rows), Contains("along y and at most 0.0"));
+}
+
+TEST_CASE("time for x is said; lattices, rasters and strokes are not taken for it") {
+  const auto clock = [](double from, double step) {
+    std::vector<State> rows = rows_of(90, 5, pushed);
+    for (std::size_t i = 0; i < rows.size(); ++i) rows[i].at.x() = from + step * double(i);
+    return rows;
+  };
+  constexpr auto word = "from row to row, as a clock does";
+  CHECK_THAT(said(clock(0, 0.001)), Contains("x rises by 0.001 from row to row, as a clock does"));
+  CHECK_THAT(said(clock(1.25, 0.004)), Contains(word));
+  std::vector<State> shuffled = clock(0, 0.001);
+  std::swap(shuffled[3], shuffled[50]);
+  CHECK_THAT(said(shuffled), !Contains(word));
+  const auto quiet = [&](std::size_t count, const std::function<Vec3(std::size_t)>& at) {
+    std::vector<State> rows(count);
+    for (std::size_t i = 0; i < count; ++i) rows[i].at = at(i), rows[i].force = pushed(rows[i].at);
+    CHECK_THAT(said(rows), !Contains(word));
+  };
+  const double step = 0.004;
+  for (const unsigned slow :
+       {1u, 10u, 100u})  // x as the slowest, the middle and the quickest axis of a lattice
+    quiet(1000, [&](std::size_t i) {
+      const auto at = [&](unsigned by) { return step * double(i / by % 10); };
+      return Vec3(at(slow),
+                  at(slow == 1    ? 10
+                     : slow == 10 ? 100
+                                  : 1),
+                  at(slow == 1    ? 100
+                     : slow == 10 ? 1
+                                  : 10));
+    });
+  const auto there_and_back = [&](std::size_t i) { return step * double(i / 10 % 2 ? 9 - i % 10 : i % 10); };
+  quiet(200, [&](std::size_t i) { return Vec3(step * double(i / 10), there_and_back(i), 0); });
+  quiet(200, [&](std::size_t i) { return Vec3(there_and_back(i), step * double(i / 10), 0); });
+  quiet(50, [&](std::size_t i) { return Vec3(0.001 * double(i), 0, 0); });  // a stroke
+  quiet(50, [&](std::size_t i) { return Vec3(0.001 * double(i), 0.0005 * double(i), 0.01); });
+  quiet(50,
+        [&](std::size_t i) { return Vec3(0.001 * double(i), 1e-5 * double(i % 3), 0); });  // that trembles
+  quiet(50, [&](std::size_t i) { return Vec3(0.001 * double(i), 0, 0.01 * std::sin(0.06 * double(i))); });
+}
+
+TEST_CASE("a stiffness that is 0 but for rounding is printed as 0") {
+  std::vector<State> rows(60);
+  std::mt19937 random(3);
+  std::uniform_real_distribution<double> share(-0.02, 0.02);
+  for (State& row : rows) {
+    row.at = Vec3(share(random), share(random), share(random));
+    row.force = Vec3(0, 0, 300 * row.at.z());
+  }
+  CHECK_THAT(said(rows), Contains("-300 to 0 N/m"));
 }
 
 TEST_CASE("a dwell counts as one place; other rows, lines and repeated scans stay as they are") {

@@ -194,6 +194,7 @@ TEST_CASE("what the formats allow is read: CR alone, lines that go on, missing k
   volume("a.obj", replaced(obj, "f 6 5 4", "f 6 5 \\\n  4"));
   volume("a.obj", obj.substr(obj.find('f')) + obj.substr(0, obj.find('f')));
   volume("a.obj", replaced(obj, "\n", " # c\n"));
+  volume("a.obj", obj.substr(0, obj.size() - 1) + " \\");
   const std::string off = files.at("p.off").substr(4);
   for (const char* start : {"", "off\n", "OFF ", "# c\nOFF # c\n\n"}) volume("a.off", start + off);
   volume("a.off", "STOFF\n" + replaced(off, "0\n", "0 0.5 0.5\n").replace(0, off.find('\n'), "12 8 0"));
@@ -244,6 +245,43 @@ TEST_CASE("STL: what follows the last triangle is said or refused, and text is t
   CHECK_THAT(error_of([&] { read_surface(folder.write("a.stl", stl(1, 0, "x"))); }),
              Contains("1 triangles are announced, and 50 bytes follow them"));
   CHECK_THAT(error_of([&] { read_surface(folder.write("a.stl", stl(3, 0, "x"))); }), Contains("cut short"));
+}
+
+TEST_CASE("counts of the header that are off by one are refused or said with their line") {
+  const TemporaryFolder folder;
+  const std::string corners = "0 0 0\n1 0 0\n0 1 0\n0 0 1\n", faces = "3 0 2 1\n3 0 1 3\n3 1 2 3\n3 0 3 2\n";
+  const auto ply = [&](int vertices, int edges, int face_count) {
+    return fmt::format(
+        "ply\nformat ascii 1.0\nelement vertex {}\nproperty float x\nproperty float y\n"
+        "property float z\nelement edge {}\nproperty int vertex1\nproperty int vertex2\n"
+        "element face {}\nproperty list uchar int vertex_indices\nend_header\n{}{}{}",
+        vertices, edges, face_count, corners, edges > 0 ? "0 1\n" : "", faces);
+  };
+  const auto off = [&](int vertices, int face_count) {
+    return fmt::format("OFF\n{} {} 0\n{}{}", vertices, face_count, corners, faces);
+  };
+  const auto read = [&](const char* name, const std::string& text) {
+    return read_surface(folder.write(name, text));
+  };
+  const auto refused = [&](const char* name, const std::string& text) {
+    return error_of([&] { read(name, text); });
+  };
+  CHECK(read("a.ply", ply(4, 1, 4)).remarks.empty());
+  CHECK_THAT(refused("a.ply", ply(5, 1, 4)),
+             Contains("a.ply:17: fewer numbers than one vertex has, of which the header announces 5"));
+  CHECK_THAT(refused("a.ply", ply(5, 0, 4)), Contains("a.ply:17: more numbers than one vertex has"));
+  CHECK_THAT(refused("a.ply", ply(3, 1, 4)), Contains("a.ply:16: more numbers than one edge has"));
+  CHECK_THAT(refused("a.ply", ply(4, 1, 5)), Contains("a.ply", "ends where"));
+  const Surface fewer = read("a.ply", ply(4, 1, 3));
+  REQUIRE(fewer.remarks.size() == 1);
+  CHECK_THAT(fewer.remarks[0], Contains("line 21: 1 line behind the last element is left out"));
+  CHECK(read("a.off", off(4, 4) + "\n# end\n").remarks.empty());
+  CHECK_THAT(refused("a.off", off(4, 5)), Contains("a.off", "ends where"));
+  CHECK_THAT(refused("a.off", off(5, 4)), Contains("a.off", "ends where"));
+  const Surface open = read("a.off", off(4, 2));
+  CHECK(open.triangles.size() == 2);
+  REQUIRE(open.remarks.size() == 1);
+  CHECK_THAT(open.remarks[0], Contains("line 9: 2 lines behind the last face are left out"));
 }
 
 TEST_CASE("PLY: bytes behind the last element are left out, and counted") {

@@ -64,10 +64,13 @@ TEST_CASE("surface errors name file and line") {
   refused("a.obj", "", "is empty");
   refused("a.obj", "v 0 0 0\n", "holds no triangles");
   refused("a.obj", "v 0 0 0\nv 1 x 0\n", "a.obj:2: 'x' is not a number");
-  refused("a.obj", "v 0 0 0\nv 1 0 0\nv 0 1 0\nf 1 2 4\n", "names vertex 3 (from 0), but there are 3");
+  refused("a.obj", "v 0 0 0\nv 1 0 0\nv 0 1 0\nf 1 2 4\n",
+          "a.obj:4: a face names vertex 4 (from 1), but there are 3");
   refused("a.obj", "v 0 0 0\nf 1 2 0\n", "a.obj:2: '0' is no vertex");
-  refused("a.obj", "v nan 0 0\nv 1 0 0\nv 0 1 0\nf 1 2 3\n",
+  refused("a.obj", "v nan 0 0\nv 1 0 0\nv 0 1 0\nf 1 2 3\n", "a.obj:1: 'nan' is not a number");
+  refused("a.off", "OFF\n3 1 0\nnan 0 0\n1 0 0\n0 1 0\n3 0 1 2\n",
           "vertex 0 (from 0) has a coordinate that is not finite");
+  refused("a.off", "OFF\n3 1 0\n0 0 0\n1 0 0\n0 1 0\n3 0 1 3\n", "a face names vertex 3 (from 0)");
   refused("a.off", "OFF\n3 1 0\n0 0 0\n1 0 0\n0 1\n", "expected");
   refused("a.ply", "ply\nformat weird 1.0\nend_header\n", "a.ply:2: format 'weird'");
   refused("a.stl", "solid a\nfacet normal 0 0 0\nouter loop\nvertex 0 0 0\n", "ends where");
