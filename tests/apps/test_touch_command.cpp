@@ -140,6 +140,10 @@ TEST_CASE("what is for one place is refused, and what is for a surface elsewhere
   shop.write("plain.toml", beam_scene());
   const std::string start = "session any.toml --clock virtual --seconds 1 -o run ";
   check_refused(shop, start + "--device path:circle", {"path:circle", "palpation"});
+  check_refused(shop, start + "--device hand:touch,target=reach", {"path:reach", "palpation"});
+  // Before the field is made, which would refuse these sites.
+  check_refused(shop, start + "--device path:circle --set contact.site_spacing=0.00001",
+                {"path:circle", "palpation"});
   check_refused(shop, start + "--device path:line,amplitude=0.01", {"amplitude", "depth"});
   check_refused(shop, start + "--device path:line,where=nowhere", {"where", "nowhere"});
   check_refused(shop, start + "--device path:line,where=5/5/5/0.01", {"where"});
