@@ -66,6 +66,17 @@ TEST_CASE("a linear body is exact everywhere, without a state") {
   CHECK(said["error"]["p95"].get<double>() < 0.01);
 }
 
+TEST_CASE("a pad that is smaller than a facet is said") {
+  const Workshop shop;
+  shop.write("any.toml", beam("linear"));
+  const std::string session =
+      "session any.toml --device path:line,depth=0.003 --clock virtual --seconds 0.1 ";
+  const std::string usual = shop.json(session + "-o usual")["notes"].dump();
+  CHECK_THAT(usual, !Contains("the pad is"));
+  const std::string small = shop.json(session + "-o small --set contact.radius=0.004")["notes"].dump();
+  CHECK_THAT(small, Contains("the pad is 8 mm across, less than the facets' edges, 11 mm in the mean"));
+}
+
 TEST_CASE("a recorded motion is registered by its first sample and the normal") {
   const Workshop shop;
   shop.write("any.toml", beam("neo-hookean"));
