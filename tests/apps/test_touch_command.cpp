@@ -32,6 +32,8 @@ TEST_CASE("a session touches anywhere: columns, labels, errors, states that the 
   CHECK(said["error"]["samples"].get<int>() > 10);
   CHECK(said["error"]["p50"].get<double>() < 0.001);
   CHECK(said["error"]["within_jnd"].get<double>() > 0.95);
+  CHECK(said["touch"]["out_of_cone"].get<double>() < 0.01);
+  CHECK(said["touch"]["out_of_cone_longest"].get<double>() < 0.05);
   CHECK(said["switch"]["frames_over_jnd"] == 0);
   CHECK(said["field"]["sites"].get<int>() > 10);
   const CsvTable frames =
