@@ -18,8 +18,8 @@ constexpr double least_share = 0.25;  // of the bound, left to the slide
 constexpr double tip_share = 0.5;     // of what the tip changes the force by, the same
 constexpr double site_over_tip = 3;   // most way of the site in a frame, over the tip's
 constexpr double least_way = 2e-5;    // of a site that follows a tip at rest [m]
-constexpr double part = 5e-5;         // of the tip's way in a frame, of those that are tried [m]
-constexpr int least_parts = 4, most_parts = 12;
+constexpr double part = 1e-4;         // of the tip's way in a frame, of those that are tried [m]
+constexpr int least_parts = 2, most_parts = 8;
 constexpr double bound = 0.007, bound_floor = 1e-3;  // of |f|, and [N]: of the damped switch, a frame
 
 // One site, seen along a direction of its facet.
@@ -199,6 +199,7 @@ Slip follow(const TouchField& field, const Touch& before, const SurfacePlace& fr
   const Slip whole = slide(field, from, tip, friction, before.steepness, limit);
   const Vec3 way = tip - before.tip;
   if (whole.end != SlipEnd::limited || !(way.norm() > 0)) return whole;
+  if (limit && whole.slid >= site_over_tip * way.norm() * (1 - 1e-6)) return whole;  // no parts go farther
   const int parts = std::clamp(static_cast<int>(std::ceil(way.norm() / part)), least_parts, most_parts);
   const SlideLimit in_part{.change = std::numeric_limits<double>::infinity(),
                            .way = site_over_tip * way.norm() / parts};
