@@ -22,6 +22,7 @@
 #include "geometry/common/error.hpp"
 #include "geometry/common/field.hpp"
 #include "scheduling/motion/prediction_score.hpp"
+#include "scheduling/motion/surface_shapes.hpp"
 #include "scheduling/record/run_files.hpp"
 #include "scheduling/record/summary.hpp"
 #include "scheduling/session/session.hpp"
@@ -125,6 +126,7 @@ class Arguments {
     }
     const bool own_motion = read_device(input, options);
     palpate(scene_, own_motion, options);
+    if (is_anywhere(scene_) && !options.motion.replay) check_on_surface(options.motion.device);
     read_parts(input, options);
     read_numbers(options);
     const auto seconds = taken<double>(given_, "seconds");

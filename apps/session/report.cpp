@@ -133,6 +133,7 @@ std::string touch_words(const SessionSummary& s) {
   if (std::isfinite(t.angle_p50))
     words += fmt::format(" Angle of the force to the normal: {:.0f} degrees at the median, {:.0f} at p95.",
                          t.angle_p50 * 57.29578, t.angle_p95 * 57.29578);
+  if (t.out_of_cone > 0) words += " The " + out_of_cone_in_words(t) + ".";
   return words + "</p>\n";
 }
 

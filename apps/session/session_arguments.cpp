@@ -9,6 +9,7 @@
 #include "apps/scene/scene_session.hpp"
 #include "apps/scene/spec_text.hpp"
 #include "geometry/common/error.hpp"
+#include "scheduling/motion/surface_shapes.hpp"
 
 namespace forefeel {
 namespace {
@@ -146,6 +147,7 @@ SessionPlan plan_of(const Globals& globals, const SessionArguments& given, const
   try {
     SessionOptions options = session_options_of(globals, given, scene);
     palpate(scene, given.motion.device.has_value(), options);
+    if (is_anywhere(scene) && !options.motion.replay) check_on_surface(options.motion.device);
     warn_of_solving(globals, scene, given);
     if (ranks) join(ranks, given, options);
     SessionInput input = session_input(scene);

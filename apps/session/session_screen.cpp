@@ -49,12 +49,15 @@ void tell_figures(const Globals& globals, const SessionSummary& s) {
                   share(s.time_in[Label::blank]),
                   std::isfinite(s.motion.outside) ? "; outside the box " + share(s.motion.outside) : ""));
   const std::string felt = in_words(s.safety.felt);
+  const std::string behind = s.motion.touch && s.motion.touch->out_of_cone > 0
+                                 ? "; the " + out_of_cone_in_words(*s.motion.touch)
+                                 : "";
   const std::size_t noun = felt.find(' ') + 1;
   tell_figure(globals, "felt", felt.substr(0, noun - 1),
               fmt::format("{}; of {} changes of model {} moved it by more than their bound in a frame; "
-                          "clamped {}, slewed {} of the frames",
+                          "clamped {}, slewed {} of the frames{}",
                           felt.substr(noun), s.switching.count, s.switching.frames_over_jnd,
-                          share(s.safety.clamped_share), share(s.safety.slewed_share)));
+                          share(s.safety.clamped_share), share(s.safety.slewed_share), behind));
 }
 
 std::string in_words(const SessionSummary::Mesh& mesh) {

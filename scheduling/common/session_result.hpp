@@ -54,15 +54,27 @@ struct LoopReport {
   double last_force = 0;           // |F| sent in the last frame [N]
 };
 
-// Touches of a body that may be touched anywhere. Shares: `time` of the frames, `slipping` and `beyond` of those in
-// touch; beyond: the tip is farther from its site than any state is placed (touch/touch_field.hpp).
+// What keeps a site from following the tip, most of the time that it is beyond (below).
+enum class SiteHolder {
+  friction,
+  edge,  // kept by the smooth surface (solver/jet/smooth_surface.hpp), within the pad's radius
+  clamp,
+  lag,     // the slide is not at its end yet
+  minimum  // of the energy
+};
+
+// Touches of a body that may be touched anywhere. Shares: `time` of the frames, `slipping`, `beyond` and `out_of_cone`
+// of those in touch; beyond: the tip is farther from its site than any state is placed (touch/touch_field.hpp);
+// out_of_cone: the slide is not at its end yet (TouchRecord::snaps).
 struct TouchNumbers {
   std::size_t count = 0, jets = 0;  // that began; jets at rest that were made at the hand's place
   double time = unknown, slipping = unknown, beyond = unknown;
   double friction = unknown;              // coefficient; unknown: bonded
   double slid = 0, lost = 0, stored = 0;  // way of the site [m]; energy lost, the most that was stored [J]
   double cone = unknown;                  // |(|g| / f . n) - mu| / mu while sliding on a facet, the largest
-  double angle_p50 = unknown, angle_p95 = unknown;  // of the force to the normal [rad]
+  double out_of_cone = unknown, out_of_cone_longest = unknown;  // the longest time on end [s]
+  double angle_p50 = unknown, angle_p95 = unknown;              // of the force to the normal [rad]
+  SiteHolder holder = SiteHolder::friction;
 };
 
 struct SolverReport {

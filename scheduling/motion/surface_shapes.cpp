@@ -151,7 +151,22 @@ PathShape tour(const Hand& hand, const SurfacePoint& start, std::uint64_t seed) 
   return shape;
 }
 
+InputError no_path_on_surface(PathName path) {
+  return InputError(
+      {.key = "device", .value = fmt::format("path:{}", name(path))},
+      "is a path around one place, expected line, raster, palpation or tour with contact.anywhere");
+}
+
 }  // namespace
+
+void check_on_surface(const DeviceSpec& device) {
+  const auto* hand = std::get_if<HandMotion>(&device.motion());
+  const PathMotion* motion = hand ? &hand->target : std::get_if<PathMotion>(&device.motion());
+  if (motion &&
+      std::ranges::none_of(std::array{PathName::line, PathName::raster, PathName::palpation, PathName::tour},
+                           [&](PathName path) { return path == motion->path; }))
+    throw no_path_on_surface(motion->path);
+}
 
 PathShape surface_shape(const PathMotion& motion, const TouchSurface& surface, std::uint64_t seed) {
   constexpr std::size_t palpated = 12;
@@ -169,9 +184,7 @@ PathShape surface_shape(const PathMotion& motion, const TouchSurface& surface, s
     case PathName::tour:
       return tour(hand, places.front(), seed);
     default:
-      throw InputError(
-          {.key = "device", .value = fmt::format("path:{}", name(motion.path))},
-          "is a path around one place, expected line, raster, palpation or tour with contact.anywhere");
+      throw no_path_on_surface(motion.path);
   }
 }
 

@@ -12,6 +12,9 @@
 
 namespace forefeel {
 
+// InputError for a path around one place, of a device or its hand; nothing of the body is needed.
+void check_on_surface(const DeviceSpec& device);
+
 // InputError for another path, and for motion.where without a free part of the surface.
 PathShape surface_shape(const PathMotion& motion, const TouchSurface& surface, std::uint64_t seed);
 

@@ -58,6 +58,22 @@ std::string unstable(const StabilityReport& report, const SessionSummary::Safety
   return line;
 }
 
+std::string held_by(const TouchNumbers& touch) {
+  switch (touch.holder) {
+    case SiteHolder::edge:
+      return "an edge of the body holds the site; lift the tip to touch the face beyond it";
+    case SiteHolder::clamp:
+      return "the border of the clamp holds the site";
+    case SiteHolder::lag:
+      return "the body snaps under the tip, and the site is behind";
+    case SiteHolder::minimum:
+      return "the site is where its energy is least; raise state_space.depth";
+    default:
+      return fmt::format("contact.friction = {:g} holds the site; lower it, or raise state_space.depth",
+                         touch.friction);
+  }
+}
+
 // A site that does not follow the tip.
 std::string dragged(const TouchNumbers& touch) {
   const std::string share = fmt::format(
@@ -67,8 +83,7 @@ std::string dragged(const TouchNumbers& touch) {
       100 * touch.beyond);
   if (!std::isfinite(touch.friction))
     return share + "contact.bonded = true holds the site; without it the site slides after the tip";
-  return share + fmt::format("contact.friction = {:g} holds the site; lower it, or raise state_space.depth",
-                             touch.friction);
+  return share + held_by(touch);
 }
 
 // A label whose 95 % bars held far less often than they say, with enough samples to tell.

@@ -285,7 +285,11 @@ void add_touches(std::vector<Column>& columns, const std::optional<TouchNumbers>
       .number(
           "cone", t.cone, "1",
           "largest relative distance of |g| / (f . n) from the coefficient of friction while sliding on a "
-          "facet; kept edges, the clamp's border and frames of a snap left out")
+          "facet; kept edges, the clamp's border and frames out of the cone left out")
+      .number("out_of_cone", t.out_of_cone, "1",
+              "share of the time in touch in which the site is out of the cone: behind the tip and catching "
+              "up, where the body snaps or the tip is too fast")
+      .number("out_of_cone_longest", t.out_of_cone_longest, "s", "longest such time on end")
       .number("angle_p50", t.angle_p50, "rad", "median angle of the force to the normal")
       .number("angle_p95", t.angle_p95, "rad", "95th percentile of it")
       .number("jets", known(t.jets), "",

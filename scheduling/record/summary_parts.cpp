@@ -1,6 +1,9 @@
 #include "scheduling/record/summary_parts.hpp"
 
+#include <fmt/format.h>
+
 #include <algorithm>
+#include <array>
 #include <cmath>
 #include <vector>
 
@@ -85,10 +88,57 @@ void add_sliding(const FrameRecord& frame, const FrameRecord* before, const Touc
 
 }  // namespace
 
+namespace {
+
+// The edges that a slide may end at, and what holds a site that is far from its tip.
+class Holders {
+ public:
+  explicit Holders(const TouchTask& task)
+      : friction_(task.friction.value_or(0)), radius_(task.field->rest().pad().radius()) {
+    const SurfaceMap& map = task.field->rest().map();
+    for (std::size_t f = 0; f < map.facets().size(); ++f) {
+      const auto facet = static_cast<std::int32_t>(f);
+      if (map.facets()[f].clamped) continue;
+      const std::array<Vec3, 3> corner = map.corners(facet);
+      for (std::size_t side = 0; side < 3; ++side)
+        if (map.smooth().keeps(facet, side)) edges_.push_back({corner[side], corner[(side + 1) % 3]});
+    }
+  }
+
+  void add(const TouchRecord& touch) { ++times_[static_cast<std::size_t>(of(touch))]; }
+  SiteHolder most() const {
+    return static_cast<SiteHolder>(std::ranges::max_element(times_) - times_.begin());
+  }
+
+ private:
+  SiteHolder of(const TouchRecord& touch) const {
+    constexpr double much = 0.5;  // of what friction can hold
+    if (touch.at_border) return SiteHolder::clamp;
+    if (touch.snaps) return SiteHolder::lag;
+    if (friction_ > 0 && touch.slope >= much * friction_) return SiteHolder::friction;
+    return beside_edge(touch.site.at) ? SiteHolder::edge : SiteHolder::minimum;
+  }
+  bool beside_edge(const Vec3& at) const {
+    return std::ranges::any_of(edges_, [&](const std::array<Vec3, 2>& edge) {
+      const Vec3 way = edge[1] - edge[0];
+      const double along = std::clamp((at - edge[0]).dot(way) / way.squaredNorm(), 0.0, 1.0);
+      return (at - edge[0] - along * way).norm() < radius_;
+    });
+  }
+
+  double friction_, radius_;
+  std::vector<std::array<Vec3, 2>> edges_;
+  std::array<std::size_t, 5> times_{};
+};
+
+}  // namespace
+
 TouchNumbers touches_of(const SessionResult& result, const TouchTask& task) {
   TouchNumbers touches;
   std::vector<double> angles;
-  std::size_t touching = 0, slipping = 0, beyond = 0;
+  std::size_t touching = 0, slipping = 0, beyond = 0, out = 0;
+  double out_for = 0, longest = 0;
+  Holders holders(task);
   const double reach = reach_of(task.depth);
   touches.friction = task.friction.value_or(unknown);
   const FrameRecord* before = nullptr;
@@ -96,7 +146,10 @@ TouchNumbers touches_of(const SessionResult& result, const TouchTask& task) {
     touches.lost += frame.touch.lost;
     if (frame.touch.kind != TouchKind::none) {
       ++touching;
-      beyond += (frame.at - frame.touch.site.at).norm() > reach;
+      if ((frame.at - frame.touch.site.at).norm() > reach) ++beyond, holders.add(frame.touch);
+      out += frame.touch.snaps;
+      out_for = frame.touch.snaps ? out_for + (before ? frame.t - before->t : 0) : 0;
+      longest = std::max(longest, out_for);
       touches.count += !before || before->touch.kind == TouchKind::none;
       touches.stored = std::max(touches.stored, frame.touch.energy);
       const double push = frame.undamped.dot(frame.touch.normal), size = frame.undamped.norm();
@@ -110,11 +163,21 @@ TouchNumbers touches_of(const SessionResult& result, const TouchTask& task) {
   if (touching > 0) {
     touches.slipping = static_cast<double>(slipping) / static_cast<double>(touching);
     touches.beyond = static_cast<double>(beyond) / static_cast<double>(touching);
+    touches.out_of_cone = static_cast<double>(out) / static_cast<double>(touching);
+    touches.out_of_cone_longest = longest;
+    touches.holder = holders.most();
   }
   if (!angles.empty())
     touches.angle_p50 = quantile_of(angles, 0.5), touches.angle_p95 = quantile_of(angles, 0.95);
   touches.jets = jets_at_rest(result);
   return touches;
+}
+
+std::string out_of_cone_in_words(const TouchNumbers& touch) {
+  return fmt::format(
+      "site was out of the cone of friction, catching up, for {:.2g} % of the time in touch, up to {:.2g} s "
+      "on end",
+      100 * touch.out_of_cone, touch.out_of_cone_longest);
 }
 
 }  // namespace forefeel

@@ -50,6 +50,8 @@ bool is_jet_at_rest(const DispatchRecord& dispatch);
 std::size_t jets_at_rest(const SessionResult& result);  // solved ones
 
 TouchNumbers touches_of(const SessionResult& result, const TouchTask& task);
+// "site was out of the cone of friction, catching up, for 3 % of the time in touch, up to 0.05 s on end".
+std::string out_of_cone_in_words(const TouchNumbers& touch);
 
 // Steps of the force that a hand feels, and what caused each (felt_steps.hpp).
 enum class FeltCause { change_of_model, slip, snap, begin, end, motion };

@@ -79,6 +79,26 @@ std::string viscosity_in_words(const TouchedBody& touched) {
                                : " (quasi-linear: an approximation where the law is not linear)");
 }
 
+// Under a pad that fits on a facet the stiffness is that of nodes and facets, not of the body.
+std::optional<std::string> small_pad(const TouchTask& task) {
+  const RestSites& rest = task.field->rest();
+  double edges = 0;
+  std::size_t count = 0;
+  for (std::size_t f = 0; f < rest.map().facets().size(); ++f) {
+    if (rest.map().facets()[f].clamped) continue;
+    const std::array<Vec3, 3> corner = rest.map().corners(static_cast<std::int32_t>(f));
+    for (std::size_t i = 0; i < 3; ++i) edges += (corner[(i + 1) % 3] - corner[i]).norm(), ++count;
+  }
+  const double edge = edges / static_cast<double>(std::max<std::size_t>(1, count));
+  const double across = 2 * rest.pad().radius();
+  if (!(across < edge)) return {};
+  return fmt::format(
+      "the pad is {:.2g} mm across, less than the facets' edges, {:.2g} mm in the mean: a slide may stick "
+      "and slip "
+      "from facet to facet; more elements or a larger contact.radius avoid that",
+      1e3 * across, 1e3 * edge);
+}
+
 // What is known before the first frame.
 std::vector<std::string> notes_of(const SessionPlan& plan) {
   const WorkerOptions& workers = plan.options.workers;
@@ -95,6 +115,8 @@ std::vector<std::string> notes_of(const SessionPlan& plan) {
               "this body is rendered"
             : "they alone are rendered"));
   notes.insert(notes.end(), plan.motion_notes.begin(), plan.motion_notes.end());
+  if (plan.input.touched.anywhere)
+    if (auto note = small_pad(*plan.input.touched.anywhere)) notes.push_back(std::move(*note));
   if (!plan.input.touched.viscosity.empty()) notes.push_back(viscosity_in_words(plan.input.touched));
   if (!plan.guess.left_out.empty())
     notes.push_back(fmt::format("no first guess: {}; the force is zero until the first state is solved",

@@ -3,6 +3,7 @@
 #include <Eigen/Geometry>
 #include <algorithm>
 #include <cmath>
+#include <limits>
 
 namespace forefeel {
 
@@ -12,10 +13,13 @@ constexpr double settled = 5e-4;   // of mu f . n, or of |f| where the force pul
 constexpr double shortest = 1e-9;  // step [m]
 constexpr double longest = 2e-3;   // step [m]; a longer way has several
 constexpr int most_steps = 200, most_halvings = 60;
-constexpr double near_limit = 0.1;                   // of what the force may change by: close enough
-constexpr double least_share = 0.25;                 // of the bound, left to the slide
-constexpr double site_over_tip = 3;                  // most way of the site in a frame, over the tip's
-constexpr double least_way = 2e-5;                   // of a site that follows a tip at rest [m]
+constexpr double near_limit = 0.1;    // of what the force may change by: close enough
+constexpr double least_share = 0.25;  // of the bound, left to the slide
+constexpr double tip_share = 0.5;     // of what the tip changes the force by, the same
+constexpr double site_over_tip = 3;   // most way of the site in a frame, over the tip's
+constexpr double least_way = 2e-5;    // of a site that follows a tip at rest [m]
+constexpr double part = 1e-4;         // of the tip's way in a frame, of those that are tried [m]
+constexpr int least_parts = 2, most_parts = 8;
 constexpr double bound = 0.007, bound_floor = 1e-3;  // of |f|, and [N]: of the damped switch, a frame
 
 // One site, seen along a direction of its facet.
@@ -50,7 +54,8 @@ class Slider {
   void start(const Seen& at) {
     if (!limit_) return;
     const double by_tip = (at.terms.at.force - limit_->before).norm();
-    limit_->change = std::max(limit_->change, by_tip + least_share * limit_->change);
+    limit_->change =
+        std::max(limit_->change, by_tip + std::max(least_share * limit_->change, tip_share * by_tip));
   }
   bool limited() const { return limited_; }
 
@@ -187,6 +192,34 @@ Slip slide(const TouchField& field, const SurfacePlace& from, const Vec3& tip, d
 
 namespace {
 
+// The slide of a frame. Where the limit ends it the body may have a fold, or the tip is only fast: then the site follows
+// its way in parts, at most three times as far in each, and is at its end with the last.
+Slip follow(const TouchField& field, const Touch& before, const SurfacePlace& from, const Vec3& tip,
+            double friction, const std::optional<SlideLimit>& limit) {
+  const Slip whole = slide(field, from, tip, friction, before.steepness, limit);
+  const Vec3 way = tip - before.tip;
+  if (whole.end != SlipEnd::limited || !(way.norm() > 0)) return whole;
+  if (limit && whole.slid >= site_over_tip * way.norm() * (1 - 1e-6)) return whole;  // no parts go farther
+  const int parts = std::clamp(static_cast<int>(std::ceil(way.norm() / part)), least_parts, most_parts);
+  const SlideLimit in_part{.change = std::numeric_limits<double>::infinity(),
+                           .way = site_over_tip * way.norm() / parts};
+  Slip slip;
+  slip.site = from, slip.steepness = before.steepness;
+  for (int i = 1; i <= parts; ++i) {
+    const Vec3 to = i < parts ? Vec3(before.tip + double(i) / parts * way) : tip;
+    const double slid = slip.slid;
+    slip = slide(field, slip.site, to, friction, slip.steepness, in_part);
+    slip.slid += slid;
+    if (slip.pulled || (slip.end != SlipEnd::sticks && slip.end != SlipEnd::limited)) return whole;
+  }
+  if (slip.end == SlipEnd::limited) return whole;
+  // Against the start of the whole, so that the energy of the frames adds up, and only falls.
+  slip.lost = whole.terms.at.energy + whole.lost - slip.terms.at.energy;
+  if (slip.lost < whole.lost) return whole;
+  slip.held = whole.held;
+  return slip;
+}
+
 // The touch of a tip that has just come in; none through a clamped facet.
 std::optional<SurfacePlace> begin(const TouchField& field, const Touch& before, const Vec3& tip) {
   std::optional<SurfacePlace> place;
@@ -235,7 +268,7 @@ TouchFrame touch(const TouchField& field, const Touch& before, const Vec3& tip,
       limit = {.before = before.force,
                .change = std::max(bound * before.force.norm(), bound_floor),
                .way = std::max(site_over_tip * (tip - before.tip).norm(), least_way)};
-    const Slip slip = slide(field, now.site, tip, friction.value_or(0), now.steepness, limit);
+    const Slip slip = follow(field, before, now.site, tip, friction.value_or(0), limit);
     terms = slip.terms;
     frame.tip_change = by_tip(slip.held);
     frame.snaps = slip.end == SlipEnd::limited;

@@ -26,9 +26,10 @@ namespace forefeel {
 // g is not the tangential force: pressed straight along -n on a curved body it does not vanish.
 
 // Where E has a fold, equality is far: the body itself snaps. There a frame goes only a part of the way, as the damped
-// switch does with a change of models: until the force has changed by the switch's bound, or by little more than the
-// motion of the tip changes it where that is more, or the site has gone three times the tip's way. The next frames go
-// on.
+// switch does with a change of models: until the force has changed by the switch's bound, or by half as much again as
+// the motion of the tip changes it where that is more, or the site has gone three times the tip's way. The next frames
+// go on. Behind a fast tip the force changes by more although the body has no fold; that is not held up: the slide is
+// followed in parts of the tip's way, and is at its end if the site is so with the last.
 
 enum class SlipEnd {
   sticks,    // |g| <= mu f . n, or at a kept edge the same along it

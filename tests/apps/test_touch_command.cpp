@@ -32,6 +32,8 @@ TEST_CASE("a session touches anywhere: columns, labels, errors, states that the 
   CHECK(said["error"]["samples"].get<int>() > 10);
   CHECK(said["error"]["p50"].get<double>() < 0.001);
   CHECK(said["error"]["within_jnd"].get<double>() > 0.95);
+  CHECK(said["touch"]["out_of_cone"].get<double>() < 0.01);
+  CHECK(said["touch"]["out_of_cone_longest"].get<double>() < 0.05);
   CHECK(said["switch"]["frames_over_jnd"] == 0);
   CHECK(said["field"]["sites"].get<int>() > 10);
   const CsvTable frames =
@@ -64,6 +66,17 @@ TEST_CASE("a linear body is exact everywhere, without a state") {
   // Facets are polynomials, near the exact field; where the hand's jet is known the force is exact.
   CHECK(said["error"]["p50"].get<double>() < 1e-6);
   CHECK(said["error"]["p95"].get<double>() < 0.01);
+}
+
+TEST_CASE("a pad that is smaller than a facet is said") {
+  const Workshop shop;
+  shop.write("any.toml", beam("linear"));
+  const std::string session =
+      "session any.toml --device path:line,depth=0.003 --clock virtual --seconds 0.1 ";
+  const std::string usual = shop.json(session + "-o usual")["notes"].dump();
+  CHECK_THAT(usual, !Contains("the pad is"));
+  const std::string small = shop.json(session + "-o small --set contact.radius=0.004")["notes"].dump();
+  CHECK_THAT(small, Contains("the pad is 8 mm across, less than the facets' edges, 11 mm in the mean"));
 }
 
 TEST_CASE("a recorded motion is registered by its first sample and the normal") {
@@ -140,6 +153,10 @@ TEST_CASE("what is for one place is refused, and what is for a surface elsewhere
   shop.write("plain.toml", beam_scene());
   const std::string start = "session any.toml --clock virtual --seconds 1 -o run ";
   check_refused(shop, start + "--device path:circle", {"path:circle", "palpation"});
+  check_refused(shop, start + "--device hand:touch,target=reach", {"path:reach", "palpation"});
+  // Before the field is made, which would refuse these sites.
+  check_refused(shop, start + "--device path:circle --set contact.site_spacing=0.00001",
+                {"path:circle", "palpation"});
   check_refused(shop, start + "--device path:line,amplitude=0.01", {"amplitude", "depth"});
   check_refused(shop, start + "--device path:line,where=nowhere", {"where", "nowhere"});
   check_refused(shop, start + "--device path:line,where=5/5/5/0.01", {"where"});

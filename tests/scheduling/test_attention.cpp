@@ -56,6 +56,23 @@ TEST_CASE("the mesh's own error comes first only where a hand would feel it and 
   CHECK_THAT(attention(summary)[0], Catch::EndsWith("the errors below leave that out"));
 }
 
+TEST_CASE("a tip far from its site: what holds the site is named, and no friction of 0 is to be lowered") {
+  SessionSummary summary = summarise(quiet_run(), small_input(), virtual_options(1));
+  summary.motion.touch = TouchNumbers{.beyond = 0.25, .friction = 0.3};
+  REQUIRE(attention(summary).size() == 1);
+  CHECK_THAT(attention(summary)[0], Contains("contact.friction = 0.3 holds the site; lower it"));
+  summary.motion.touch->friction = 0;
+  for (const auto& [holder, words] : {std::pair(SiteHolder::edge, "an edge of the body holds the site"),
+                                      std::pair(SiteHolder::clamp, "the border of the clamp holds the site"),
+                                      std::pair(SiteHolder::lag, "the site is behind"),
+                                      std::pair(SiteHolder::minimum, "its energy is least")}) {
+    summary.motion.touch->holder = holder;
+    REQUIRE(attention(summary).size() == 1);
+    CHECK_THAT(attention(summary)[0], Contains("25 % of the time in touch") && Contains(words));
+    CHECK_THAT(attention(summary)[0], !Contains("lower it"));
+  }
+}
+
 TEST_CASE("what passivity control changes of the force is said, as the errors do not hold it") {
   SessionSummary summary = summarise(quiet_run(), small_input(), virtual_options(1));
   summary.energy.control.added_p50 = 0.2;

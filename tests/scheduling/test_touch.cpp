@@ -219,32 +219,61 @@ TEST_CASE("Over closed paths the model of a session gains no work either") {
   check_loops(session_model());
 }
 
-TEST_CASE("A tip that slides around a ball feels no facet") {
-  auto body = std::make_shared<Body>();
-  body->mesh = phantom("ball", 800);
-  body->material = {Law::neo_hookean, 5000, 0.4};
-  body->clamp = body->mesh.groups.at("clamp");
-  body->pad = Pad{};
-  const auto sites = std::make_shared<const SiteField>(std::make_shared<const RestSites>(body, 2),
-                                                       SiteFieldOptions{.spacing = 0.015, .threads = 2});
-  const SurfaceMap& map = sites->rest().map();
-  CHECK(map.smooth().farthest() > 5e-4);  // of the facets
-  const FieldOfSites field(sites, std::make_shared<const SurfaceGrid>(map), 0.06,
-                           std::make_shared<const FieldPatches>(sites));
-  constexpr double radius = 0.05, depth = 0.008, height = 0.4, step = 6e-5;  // 60 mm/s at 1 kHz
-  const double across = std::sqrt(1 - height * height);
-  const auto tip = [&](double r, double way) {
-    const double angle = way / (radius * across);
+namespace {
+
+// A ball as a session has it, and a hand that slides around it.
+struct Ball {
+  static constexpr double radius = 0.05, height = 0.4, step = 6e-5;  // 60 mm/s at 1 kHz
+  std::shared_ptr<const SiteField> sites;
+  std::shared_ptr<const FieldOfSites> field;
+
+  static Vec3 tip(double r, double way) {
+    const double across = std::sqrt(1 - height * height), angle = way / (radius * across);
     return Vec3(r * across * std::cos(angle), r * across * std::sin(angle), r * height);
-  };
-  for (const double friction : {0.0, 0.1, 0.3}) {
+  }
+  Touch pressed(double depth, double friction) const {
     Touch now;
     for (int i = 0; i < 200; ++i)
-      now = touch(field, now, tip(radius + 0.001 - (depth + 0.001) * i / 199, 0), friction).touch;
+      now = touch(*field, now, tip(radius + 0.001 - (depth + 0.001) * i / 199, 0), friction).touch;
+    return now;
+  }
+};
+
+const Ball& ball() {
+  static const Ball made = [] {
+    auto body = std::make_shared<Body>();
+    body->mesh = phantom("ball", 800);
+    body->material = {Law::neo_hookean, 5000, 0.4};
+    body->clamp = body->mesh.groups.at("clamp");
+    body->pad = Pad{};
+    Ball ball;
+    ball.sites = std::make_shared<const SiteField>(std::make_shared<const RestSites>(body, 2),
+                                                   SiteFieldOptions{.spacing = 0.015, .threads = 2});
+    ball.field = std::make_shared<const FieldOfSites>(
+        ball.sites, std::make_shared<const SurfaceGrid>(ball.sites->rest().map()), 0.06,
+        std::make_shared<const FieldPatches>(ball.sites));
+    return ball;
+  }();
+  return made;
+}
+
+double off_cone(const TouchFrame& frame, double friction) {
+  const double limit = friction * frame.force.dot(frame.normal);
+  return std::abs(frame.drive.norm() - limit) / (limit > 0 ? limit : frame.force.norm());
+}
+
+}  // namespace
+
+TEST_CASE("A tip that slides around a ball feels no facet") {
+  const FieldOfSites& field = *ball().field;
+  CHECK(field.map().smooth().farthest() > 5e-4);  // of the facets
+  constexpr double depth = 0.008, step = Ball::step;
+  for (const double friction : {0.0, 0.1, 0.3}) {
+    Touch now = ball().pressed(depth, friction);
     double largest = 0, farthest = 0, cone = 0, mean = 0;
     int slips = 0;
     for (int i = 1; i < 3000; ++i) {
-      const TouchFrame frame = touch(field, now, tip(radius - depth, step * i), friction);
+      const TouchFrame frame = touch(field, now, Ball::tip(Ball::radius - depth, step * i), friction);
       REQUIRE(frame.touch.kind != TouchKind::none);
       CHECK_FALSE(frame.snaps);
       largest = std::max(largest, (frame.force - now.force).norm() / frame.force.norm());
@@ -252,9 +281,7 @@ TEST_CASE("A tip that slides around a ball feels no facet") {
       mean += frame.force.norm() / 3000;
       if (frame.touch.kind == TouchKind::slip) {
         ++slips;
-        const double limit = friction * frame.force.dot(frame.normal);
-        cone =
-            std::max(cone, std::abs(frame.drive.norm() - limit) / (limit > 0 ? limit : frame.force.norm()));
+        cone = std::max(cone, off_cone(frame, friction));
       }
       now = frame.touch;
     }
@@ -265,6 +292,37 @@ TEST_CASE("A tip that slides around a ball feels no facet") {
     CHECK(farthest < 3 * step);
     CHECK(cone < 1e-3);
   }
+}
+
+TEST_CASE("A fast hand on a ball finds the site that a slow one finds") {
+  const FieldOfSites& field = *ball().field;
+  constexpr double depth = 0.015, friction = 0.1;
+  constexpr int ratio = 10;
+  Touch slow = ball().pressed(depth, friction), fast = slow;
+  int slips = 0, limited = 0, limited_slowly = 0;
+  double cone = 0, apart = 0, force = 0;
+  for (int i = 1; i <= 5000; ++i) {
+    const Vec3 tip = Ball::tip(Ball::radius - depth, Ball::step * i);
+    const TouchFrame slowly = touch(field, slow, tip, friction);
+    slow = slowly.touch, limited_slowly += slowly.snaps;
+    if (i % ratio != 0) continue;
+    const TouchFrame frame = touch(field, fast, tip, friction);
+    CHECK(frame.lost >= 0);
+    CHECK(frame.energy + frame.lost ==
+          Approx(field.at(fast.site, tip - fast.site.at).at.energy).epsilon(1e-12));
+    limited += frame.snaps;
+    if (frame.touch.kind == TouchKind::slip) ++slips, cone = std::max(cone, off_cone(frame, friction));
+    apart = std::max(apart, (frame.touch.site.at - slow.site.at).norm());
+    force = std::max(force, (frame.force - slowly.force).norm() / slowly.force.norm());
+    fast = frame.touch;
+  }
+  INFO("cone " << cone << " apart " << apart << " force " << force << " limited " << limited << " slowly "
+               << limited_slowly);
+  CHECK(slips > 400);
+  CHECK(limited == 0);
+  CHECK(cone < 1e-3);
+  CHECK(apart < 1e-3);
+  CHECK(force < 0.03);
 }
 
 namespace {

@@ -96,6 +96,56 @@ TEST_CASE("A line with friction slides on the cone, and gains no work", "[touch 
   CHECK(most > 0);
   CHECK(std::abs(given - stored - lost) < 0.01 * lost);
   CHECK(worst(run) < 0.1);
+
+  // Frames out of the cone are left out of its exactness, and counted.
+  SessionResult marked = run;
+  std::size_t touching = 0;
+  for (FrameRecord& frame : marked.frames) frame.touch.snaps = false, touching += frame.touch.site.exists();
+  for (const std::size_t k : {1000, 1500, 1501, 1502, 1503, 1504}) {
+    REQUIRE(marked.frames[k].touch.kind != TouchKind::none);
+    marked.frames[k].touch.snaps = true;
+  }
+  const TouchNumbers counted_touches = touches_of(marked, *input.touched.anywhere);
+  CHECK(counted_touches.out_of_cone == Approx(6.0 / static_cast<double>(touching)));
+  CHECK(counted_touches.out_of_cone_longest == Approx(0.005));
+  CHECK(
+      out_of_cone_in_words(counted_touches) ==
+      fmt::format("site was out of the cone of friction, catching up, for {:.2g} % of the time in touch, up "
+                  "to 0.005 s on end",
+                  600.0 / static_cast<double>(touching)));
+}
+
+TEST_CASE("What holds a site far from its tip: friction, an edge that is kept, or neither",
+          "[touch session]") {
+  auto body = std::make_shared<Body>();
+  body->mesh = phantom("slab", 600);
+  body->material = {Law::linear, 5000, 0.4};
+  body->clamp = body->mesh.groups.at("clamp");
+  body->pad = Pad{.radius = 0.008, .stiffness = 400};
+  TouchTask task;
+  task.field = std::make_shared<const SiteField>(std::make_shared<const RestSites>(body, 2),
+                                                 SiteFieldOptions{.spacing = 0.03, .threads = 2});
+  task.friction = 0.0;
+  const SurfaceMap& map = task.field->rest().map();
+  const Box box = bounding_box(body->mesh);
+  const auto holder_at = [&](const Vec3& at, double slope, bool border = false) {
+    SessionResult result;
+    FrameRecord frame;
+    frame.touch = {.applies = true, .kind = TouchKind::stick, .inside = true, .site = map.nearest(at)};
+    frame.touch.slope = slope, frame.touch.at_border = border;
+    frame.at = frame.touch.site.at - Vec3(0, 0, 0.05);
+    result.frames = {frame};
+    CHECK(touches_of(result, task).beyond == 1);
+    return touches_of(result, task).holder;
+  };
+  const Vec3 middle(0.5 * (box.low.x() + box.high.x()), 0.5 * (box.low.y() + box.high.y()), box.high.z());
+  const Vec3 rim(box.high.x() - 0.002, middle.y(), box.high.z());
+  CHECK(holder_at(middle, 0) == SiteHolder::minimum);
+  CHECK(holder_at(rim, 0) == SiteHolder::edge);
+  CHECK(holder_at(rim, 0, true) == SiteHolder::clamp);
+  task.friction = 0.3;
+  CHECK(holder_at(rim, 0.29) == SiteHolder::friction);
+  CHECK(holder_at(rim, 0.01) == SiteHolder::edge);
 }
 
 TEST_CASE("A bonded site stays, and deep states are solved where the field is not trusted",
