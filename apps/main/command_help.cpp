@@ -86,8 +86,8 @@ void list_topics(const Globals& globals, const Program& program, const std::vect
   for (const HelpTopic& topic : topics) {
     std::vector<std::string> names;
     for (const DeclaredTable& table : topic.tables) names.push_back(table.name);
-    answer(globals,
-           fmt::format("{} help {}\n  {}\n  {}", program.name, topic.name, topic.meaning, listed(names)));
+    answer(globals, fmt::format("{} help {}\n  {}{}{}", program.name, topic.name, topic.meaning,
+                                names.empty() ? "" : "\n  ", listed(names)));
   }
   answer(globals,
          fmt::format("{0} help TOPIC TABLE: one table. {0} COMMAND --help: the options of a command.",
@@ -128,7 +128,7 @@ void add_help(CommandLine& line, const Program& program) {
   const auto arguments = std::make_shared<HelpArguments>();
   std::vector<std::string> names;
   for (const HelpTopic& topic : program.topics()) names.push_back(topic.name);
-  Command sub = line.add("help", "Every key, setting and column of what is read and written");
+  Command sub = line.add("help", "The guide, and every key, setting and column of what is read and written");
   sub.runs([arguments, &program, &line](const Globals& globals) {
     return run_help(globals, program, *arguments, line.commands());
   });
