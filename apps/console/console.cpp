@@ -56,6 +56,13 @@ void warn(const Globals&, const std::string& line) {
   waiting_warnings.push_back(line);
 }
 
+namespace {}  // namespace
+
+std::string rough_time(double seconds) {
+  if (seconds < 90) return fmt::format("{:.0f} s", 5 * std::ceil(seconds / 5));
+  return fmt::format("{:.0f} min", std::round(seconds / 60));
+}
+
 namespace {
 
 std::string clock_text(double seconds) {
@@ -66,31 +73,50 @@ std::string clock_text(double seconds) {
 
 }  // namespace
 
-std::string progress_line(const std::string& title, double share, const std::string& text, double elapsed) {
-  if (!(share >= 0)) return fmt::format("{}  {}, {} so far", title, text, clock_text(elapsed));
-  std::string left;
-  if (share > 0.01 && share < 1) left = fmt::format(", {} left", clock_text(elapsed * (1 - share) / share));
-  return fmt::format("{} {:3.0f} %  {}{}", title, 100 * share, text, left);
+double seconds_left(double share, double before, double elapsed) {
+  const double done = share - before;
+  return done > 0.01 && share < 1 ? elapsed * (1 - share) / done : std::nan("");
+}
+
+std::string progress_line(const std::string& title, double share, const std::string& text, double elapsed,
+                          double before) {
+  if (!(share >= 0))
+    return fmt::format("{}  {}{}{} so far", title, text, text.empty() ? "" : ", ", clock_text(elapsed));
+  const double left = seconds_left(share, before, elapsed);
+  return fmt::format("{} {:3.0f} %  {}{}", title, 100 * share, text,
+                     std::isfinite(left) ? fmt::format(", {} left", clock_text(left)) : "");
+}
+
+bool line_is_due(double left, double elapsed, double silent, bool first) {
+  constexpr double interval = 10, measured = 2;  // [s]
+  return silent >= interval || (first && elapsed >= measured && left >= interval);
 }
 
 struct Progress::Line {
   std::mutex mutex;
+  const bool terminal = isatty(STDERR_FILENO) != 0;
   std::string title, text;
-  double share = 0;
+  double share = -1, before = 0;  // below 0: not known; before: done when the phase began, by an earlier run
   std::int64_t started_ns = 0, shown_ns = 0, drawn_ns = 0;  // shown: what show() gave was drawn
+  std::int64_t told_ns = 0;                                 // the last line where there is no terminal
+  bool given = false, first = true;                         // show() was called in this phase; no line yet
   std::condition_variable_any stopped;
   std::jthread ticker;  // the last member: it ends first
 
   explicit Line(std::string name)
       : title(std::move(name)),
         started_ns(now_ns()),
+        told_ns(started_ns),
         ticker([this](const std::stop_token& stop) { tick(stop); }) {}
 
   void show(double new_share, const std::string& new_text) {
     const std::lock_guard lock(mutex);
     const std::int64_t now = now_ns();
+    if (!given && now - started_ns < 1'000'000'000) before = std::clamp(new_share, 0.0, 1.0);
     share = new_share;
     text = new_text;
+    given = true;
+    if (!terminal) return tell_if_due(now);
     if (now - shown_ns < 100'000'000) return;
     shown_ns = now;
     draw(now);
@@ -101,26 +127,45 @@ struct Progress::Line {
     title = next;
     started_ns = now_ns();
     shown_ns = 0;
+    given = false, first = true;
+    share = -1, before = 0;
+    text.clear();
+  }
+  void tell_if_due(std::int64_t now) {
+    const double elapsed = 1e-9 * static_cast<double>(now - started_ns);
+    const double left = seconds_left(share, before, elapsed),
+                 silent = 1e-9 * static_cast<double>(now - told_ns);
+    if (!line_is_due(left, elapsed, silent, first)) return;
+    told_ns = now;
+    first = false;
+    flush_warnings();
+    std::cerr << progress_line(title, share, text, elapsed, before) + '\n' << std::flush;
   }
   void draw(std::int64_t now) {
     if (drawn_ns == 0) flush_warnings();
     drawn_ns = now;
     const double elapsed = 1e-9 * static_cast<double>(now - started_ns);
-    std::cerr << "\r\033[K" << progress_line(title, share, text, elapsed) << std::flush;
+    std::cerr << "\r\033[K" << progress_line(title, share, text, elapsed, before) << std::flush;
+  }
+  void note(const std::string& line) {
+    const std::lock_guard lock(mutex);
+    flush_warnings();
+    std::cerr << (terminal ? "\r\033[K" : "") << line + '\n' << std::flush;
+    told_ns = now_ns();
   }
   void tick(const std::stop_token& stop) {
     std::unique_lock lock(mutex);
     while (!stop.stop_requested()) {
       stopped.wait_for(lock, stop, std::chrono::seconds(1), [] { return false; });
       const std::int64_t now = now_ns();
+      if (!stop.stop_requested() && !terminal) tell_if_due(now);
       if (!stop.stop_requested() && drawn_ns > 0 && now - drawn_ns > 900'000'000) draw(now);
     }
   }
 };
 
 Progress::Progress(const Globals& globals, std::string title)
-    : line_(!globals.quiet && isatty(STDERR_FILENO) != 0 ? std::make_unique<Line>(std::move(title))
-                                                         : nullptr) {}
+    : line_(globals.quiet ? nullptr : std::make_unique<Line>(std::move(title))) {}
 
 Progress::~Progress() {
   if (!line_) return;
@@ -139,6 +184,10 @@ void Progress::show(const std::string& text) {
 
 void Progress::phase(const std::string& title) {
   if (line_) line_->phase(title);
+}
+
+void Progress::note(const std::string& line) {
+  if (line_) line_->note(line);
 }
 
 }  // namespace forefeel

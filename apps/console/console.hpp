@@ -35,7 +35,7 @@ void flush_warnings();
 void complain(std::string_view program, std::string_view line);
 
 // One progress line on stderr, redrawn at most 10 times a second and at least once a second, so that the time advances
-// during long steps. Prints nothing if stderr is not a terminal. For any thread.
+// during long steps. If stderr is not a terminal: a new line when line_is_due(). For any thread.
 class Progress {
  public:
   Progress(const Globals& globals, std::string title);
@@ -48,13 +48,23 @@ class Progress {
   void show(const std::string& text);  // the remaining work is unknown; shows the time so far
   // Begins the next phase: sets the title of the line and restarts its time. No effect if the title is the same.
   void phase(const std::string& title);
+  void note(const std::string& line);  // a line of its own that stays
 
  private:
   struct Line;
   std::unique_ptr<Line> line_;  // null: prints nothing
 };
 
+// As said of an estimate: "35 s", "7 min".
+std::string rough_time(double seconds);
+// Of work of which `before` was done when it began and `share` is now; NaN where too little is done to tell [s].
+double seconds_left(double share, double before, double elapsed);
+// Without a terminal: after 10 s without a line, and once 2 s of work show that at least 10 s more are needed.
+// left, elapsed: of the phase [s]; silent: since the last line [s]; first: no line yet in this phase.
+bool line_is_due(double left, double elapsed, double silent, bool first);
+
 // The line: "title  62 %  text, 0:34 left"; with a share below 0, "title  text, 0:34 so far". elapsed [s].
-std::string progress_line(const std::string& title, double share, const std::string& text, double elapsed);
+std::string progress_line(const std::string& title, double share, const std::string& text, double elapsed,
+                          double before = 0);
 
 }  // namespace forefeel

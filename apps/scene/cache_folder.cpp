@@ -58,8 +58,9 @@ bool is_of_cache(const std::string& name) {
   if (rest.starts_with('-'))
     rest.remove_prefix(
         std::min(rest.size(), rest.find_first_not_of("-abcdefghijklmnopqrstuvwxyz0123456789")));
-  for (const std::string_view kept : {".mesh", ".spacing.json", ".mesh-error.json", ".accuracy.json",
-                                      ".costs.csv", ".rest-cost.csv", ".jet.json", ".sites", ".states"})
+  for (const std::string_view kept :
+       {".mesh", ".spacing.json", ".mesh-error.json", ".accuracy.json", ".costs.csv", ".rest-cost.csv",
+        ".jet.json", ".sites", ".patches", ".states"})
     if (rest.starts_with(kept)) return true;
   return false;
 }

@@ -14,6 +14,7 @@
 
 #include "apps/console/console.hpp"
 #include "apps/scene/cache_folder.hpp"
+#include "apps/scene/kept_pieces.hpp"
 #include "apps/scene/scene_fine.hpp"
 #include "geometry/common/error.hpp"
 #include "geometry/common/output_file.hpp"
@@ -134,6 +135,11 @@ void write_cached(const fs::path& file, const std::string& bytes) {
   }
 }
 
+// Beside the file of the whole.
+fs::path pieces_of(const fs::path& file) {
+  return file.empty() ? file : fs::path(file.string() + ".part");
+}
+
 // That a touch anywhere is answered for.
 std::shared_ptr<const Body> answered_body(const Scene& scene) {
   const std::shared_ptr<const FineBodies>& fine = scene.touch.anywhere->fine;
@@ -153,6 +159,50 @@ void check_sizes(const Scene& scene, const Body& body, double spacing) {
                      fmt::format("is {:g} m, which needs about {:.2g} sites, expected at least {:.2g} m",
                                  spacing, sites, std::sqrt(area / most_sites)));
 }
+
+// Says what a field will cost, once its first pieces are measured.
+class FieldCost {
+ public:
+  FieldCost(const Scene& scene, const Body& body, double spacing, Progress& progress)
+      : fine_(scene.touch.anywhere->fine != nullptr), progress_(progress) {
+    const SurfaceMap map(body);
+    const auto facets = static_cast<double>(map.facets().size());
+    const double nodes = body.element == Element::quadratic ? 2 * facets : facets / 2,
+                 sites = map.free_area() / (spacing * spacing);
+    whole_ = (1 + jets * sites / nodes) * facets_too;
+    what_ = fmt::format("{} {} elements", body.mesh.tets.size(), name(body.element));
+  }
+
+  void show(double share) {
+    progress_.show(share, "compliance of the surface");
+    const auto now = std::chrono::steady_clock::now();
+    const double seconds = std::chrono::duration<double>(now - start_).count();
+    ++calls_;
+    if (calls_ <= 2) start_ = now, first_ = share;  // what is kept; then the first piece, with the factor
+    if (said_ || calls_ < 3 || seconds < measured) return;
+    said_ = true;
+    const double all = seconds / (share - first_);
+    const double left = all * (whole_ - share);
+    if (left < worth_saying) return;
+    progress_.note(fmt::format(
+        "The field at rest of {} takes about {} more; it is kept piece by piece, and a "
+        "rerun resumes. Quicker: {}",
+        what_, rough_time(left), fine_ ? "--set body.fine=false" : "a larger contact.site_spacing"));
+  }
+
+ private:
+  // Measured on phantoms: seconds of a jet over those of a surface node's columns, and of all over those of both.
+  static constexpr double jets = 20, facets_too = 1.4;
+  static constexpr double measured = 1, worth_saying = 15;  // [s]
+
+  bool fine_, said_ = false;
+  Progress& progress_;
+  double whole_ = 1;  // the field's time over its compliance's
+  std::string what_;
+  int calls_ = 0;
+  double first_ = 0;
+  std::chrono::steady_clock::time_point start_ = std::chrono::steady_clock::now();
+};
 
 }  // namespace
 
@@ -174,14 +224,18 @@ FieldFound find_field(const Scene& scene, const Globals& globals, const std::sto
     found.field = std::make_shared<const SiteField>(rest, options, kept->sites);
     found.kept = true;
   } else {
-    Progress progress(globals, "Field at rest");
-    progress.show("compliance of the surface");
-    const auto rest = std::make_shared<const RestSites>(body, options.threads);
-    progress.phase("Field at rest, jets");
+    Progress progress(globals, "Field at rest (1 of 3)");
+    PieceFile pieces(pieces_of(file));
+    FieldCost cost(scene, *body, options.spacing, progress);
+    const auto rest = std::make_shared<const RestSites>(
+        body, options.threads, std::span<const double>(), [&](double share) { cost.show(share); }, &pieces);
+    progress.phase("Field at rest (2 of 3)");
     found.field = std::make_shared<const SiteField>(
-        rest, options, [&](double share) { progress.show(share, "sites"); }, stop);
-    if (!stop.stop_requested())
+        rest, options, [&](double share) { progress.show(share, "jets of sites"); }, stop, &pieces);
+    if (!stop.stop_requested()) {
       write_cached(file, bytes_of({found.field->rest().compliance(), found.field->sites()}));
+      pieces.remove();
+    }
   }
   found.seconds = seconds_since(start);
   return found;
@@ -191,15 +245,17 @@ std::shared_ptr<const FieldPatches> find_patches(const Scene& scene, std::shared
                                                  const Globals& globals, const std::stop_token& stop) {
   const fs::path file = file_of_field(scene, field->options().spacing, patches_magic, ".patches");
   const std::optional<std::vector<double>> kept = read_cached(file, patches_of_bytes);
-  Progress progress(globals, "Field at rest, facets");
+  Progress progress(globals, "Field at rest (3 of 3)");
+  PieceFile pieces(kept ? fs::path() : pieces_of(file));
   const auto patches = std::make_shared<const FieldPatches>(
       std::move(field), kept ? *kept : std::vector<double>(),
-      [&](double share) { progress.show(share, "facets"); }, stop);
+      [&](double share) { progress.show(share, "places on facets"); }, stop, &pieces);
   if (!stop.stop_requested() && (!kept || kept->size() != patches->values().size())) {
     Packer out;
     out.add_raw(patches_magic);
     out.add(patches->values());
     write_cached(file, signed_bytes(out));
+    pieces.remove();
   }
   return patches;
 }

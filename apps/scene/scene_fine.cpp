@@ -4,6 +4,7 @@
 
 #include <algorithm>
 #include <array>
+#include <chrono>
 #include <cmath>
 #include <cstdint>
 #include <exception>
@@ -48,21 +49,44 @@ std::optional<RestJet> rest_jet_in(const Json& kept) {
   }
 }
 
-Json to_file(const RestJet& rest) {
-  Json file{{"stiffness", Json::array()}, {"jet", Json::object()}};
+Json to_file(const RestJet& rest, double seconds) {
+  Json file{{"stiffness", Json::array()}, {"jet", Json::object()}, {"seconds", seconds}};
   for (int i = 0; i < 9; ++i) file["stiffness"].push_back(rest.stiffness(i / 3, i % 3));
   for (std::size_t i = 0; i < jet_size; ++i) file["jet"][jet_names()[i]] = rest.jet.coefficients[i];
   return file;
 }
 
-RestJet kept_rest_jet(const Body& body, const InputPlace& where, Progress& progress) {
+struct TimedJet {
+  RestJet jet;
+  double seconds = 0;  // that it took when it was made; 0: not known
+};
+
+// about: the seconds that it will take, or 0.
+TimedJet kept_rest_jet(const Body& body, const InputPlace& where, Progress& progress, double about = 0) {
+  constexpr double worth_saying = 10;  // [s]
   const fs::path file = file_of(body, cache_folder());
   if (const std::optional<Json> kept = read_kept(file))
-    if (const std::optional<RestJet> rest = rest_jet_in(*kept)) return *rest;
-  progress.show(fmt::format("{} {} elements", body.mesh.tets.size(), name(body.element)));
+    if (const std::optional<RestJet> rest = rest_jet_in(*kept)) return {*rest, kept->value("seconds", 0.0)};
+  const std::string what = fmt::format("{} {} elements", body.mesh.tets.size(), name(body.element));
+  progress.show(what);
+  if (about >= worth_saying)
+    progress.note(
+        fmt::format("The fine body of {} takes about {}, once: it is kept. Quicker: fewer "
+                    "body.fine.elements, or --set body.fine=false",
+                    what, rough_time(about)));
+  const auto start = std::chrono::steady_clock::now();
   const RestJet rest = rest_jet(body, where);
-  keep(file, to_file(rest));
-  return rest;
+  const double seconds = seconds_since(start);
+  keep(file, to_file(rest, seconds));
+  return {rest, seconds};
+}
+
+// Of a jet at rest of `body`, from another body's: a factor of n nodes takes n^2, its jet n.
+double about_seconds(const Body& body, const Body& other, double of_other) {
+  const auto nodes = [](const Body& of) {
+    return (of.element == Element::quadratic ? 1.5 : 0.25) * static_cast<double>(of.mesh.tets.size());
+  };
+  return of_other * std::pow(nodes(body) / nodes(other), 1.5);
 }
 
 // Eight times the elements, as far as a desktop makes and factors them within half a minute, twice at least. Where a
@@ -82,12 +106,12 @@ std::optional<Refinement> refine(const FineBodies& fine, const InputPlace& where
     Refinement made;
     auto solved =
         std::make_shared<Body>(elements <= 1.5 * solved_elements ? fine.first : fine.make(solved_elements));
-    made.of_solved = kept_rest_jet(*solved, where, progress);
+    made.of_solved = kept_rest_jet(*solved, where, progress).jet;
     made.solved = std::move(solved);
     const Body finer = fine.make(finer_elements(elements, fine.subdivided));
     made.ratio = std::cbrt(static_cast<double>(finer.mesh.tets.size()) / static_cast<double>(elements));
     if (made.ratio == 1) return {};
-    made.finer = kept_rest_jet(finer, where, progress);
+    made.finer = kept_rest_jet(finer, where, progress).jet;
     return made;
   } catch (const std::exception&) {
     return {};
@@ -101,11 +125,12 @@ std::shared_ptr<const FineJet> fine_jet_of(const Body& body, FineBodies fine, co
   Globals globals;
   globals.quiet = quiet;
   Progress progress(globals, "Fine body");
-  const RestJet of_fine = kept_rest_jet(fine.first, where, progress);
-  const RestJet of_body = kept_rest_jet(body, where, progress);
+  const TimedJet of_body = kept_rest_jet(body, where, progress);
+  const RestJet of_fine =
+      kept_rest_jet(fine.first, where, progress, about_seconds(fine.first, body, of_body.seconds)).jet;
   std::string words = fine_body_in_words(fine.first);
   return std::make_shared<const FineJet>(
-      of_fine, of_body, std::move(words),
+      of_fine, of_body.jet, std::move(words),
       [fine = std::move(fine), where, globals] { return refine(fine, where, globals); });
 }
 

@@ -70,9 +70,7 @@ std::string level_points(const Study& study, const std::vector<StudyCellResult>&
   const StudyMetric metric = primary_metric(study);
   std::string lines;
   for (std::size_t v = 0; v < x.size(); ++v) {
-    const LevelRanking ranking =
-        rank(observations(study, cells, 0, metric, {{axis, v}}), study.axes.front().values.size(),
-             metric.larger_is_better, {.shares = metric.share});
+    const LevelRanking ranking = ranking_of(study, cells, 0, metric, {{axis, v}});
     for (const Ranked& r : ranking.ranked) {
       if (r.level != level) continue;
       const double mean = in_unit(metric, r.value.student.mean);
@@ -89,6 +87,10 @@ std::string level_points(const Study& study, const std::vector<StudyCellResult>&
 }
 
 }  // namespace
+
+std::string name_of(const StudyAxis& axis, std::size_t level) {
+  return axis.values[level].text + (is_bound(axis, level) ? " (bound)" : "");
+}
 
 double in_unit(const StudyMetric& metric, double value) {
   return metric.scale * (metric.ratio ? std::exp(value) : value);
@@ -121,7 +123,7 @@ std::optional<Figure> ranking_figure(const Study& study, const AxisRanking& entr
     thick += interval_row(metric, y, mean, ranked[i].value.bootstrap, range);
     thin += interval_row(metric, y, mean, ranked[i].value.student, range);
     tics += fmt::format("{}'{}' {}", i > 0 ? ", " : "",
-                        plain_text(study.axes[entry.axis].values[ranked[i].level].text), y);
+                        plain_text(name_of(study.axes[entry.axis], ranked[i].level)), y);
   }
   std::string script = data_block("means", means) + data_block("thick", thick) + data_block("thin", thin);
   script += fmt::format(
@@ -139,8 +141,8 @@ std::optional<Figure> ranking_figure(const Study& study, const AxisRanking& entr
       .caption = std::string("Mean over motions and seeds; thick: bootstrap interval, thin: Student "
                              "interval over motions") +
                  (metric.share ? " on the logit scale" : "") +
-                 ", both 95 %. Intervals that say nothing (one motion, or as wide as the scale) are left "
-                 "out; an end at the frame lies beyond it.",
+                 ", both 95 %. Intervals that say nothing (fewer than four motions, or as wide as the scale) "
+                 "are left out; an end at the frame lies beyond it.",
       .width = 960,
       .height = std::clamp(110 + 34 * static_cast<int>(ranked.size()), 170, 900),
       .script = script};
@@ -153,13 +155,13 @@ std::optional<Figure> curves_figure(const Study& study, const std::vector<StudyC
   const StudyMetric metric = primary_metric(study);
   std::string script, plot;
   Range seen;
-  for (std::size_t level = 0; level < study.axes.front().values.size(); ++level) {
+  for (const std::size_t level : ranked_levels(study, cells, 0)) {
     script += data_block(fmt::format("level{}", level), level_points(study, cells, axis, *x, level, seen));
     plot += fmt::format(
         "{}$level{} using 1:2:3:4 with yerrorbars pt 0 lc rgb '{}' notitle, $level{} using 1:2 with "
         "linespoints pt 7 ps 0.6 lw 2 lc rgb '{}' title '{}' noenhanced",
-        level > 0 ? ", " : "plot ", level, colour_of(palette, level), level, colour_of(palette, level),
-        plain_text(study.axes.front().values[level].text));
+        plot.empty() ? "plot " : ", ", level, colour_of(palette, level), level, colour_of(palette, level),
+        plain_text(name_of(study.axes.front(), level)));
   }
   const bool positive = std::ranges::all_of(*x, [](double v) { return v > 0; });
   const auto [least, most] = std::ranges::minmax(*x);

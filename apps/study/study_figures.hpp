@@ -12,6 +12,8 @@
 
 namespace forefeel {
 
+// As shown: "clairvoyant (bound)".
+std::string name_of(const StudyAxis& axis, std::size_t level);
 // A value of a metric in the unit of its title.
 double in_unit(const StudyMetric& metric, double value);
 // False for an interval without information: unknown, without width, or nearly as wide as the metric's whole range.

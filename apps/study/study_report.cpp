@@ -123,11 +123,18 @@ double mean_at(const StudyResults& results, std::size_t axis, std::size_t level,
   return n > 0 ? sum / static_cast<double>(n) : std::nan("");
 }
 
-// Values that are not significantly different from the first share its place: "1=".
-std::string place_of(const std::vector<Ranked>& ranked, std::size_t i) {
-  const bool any_tie = std::ranges::any_of(ranked.begin() + 1, ranked.end(), &Ranked::tied);
+// Values that are not significantly different from the first share its place: "1=". Bounds have none.
+std::string place_of(const StudyAxis& axis, const std::vector<Ranked>& ranked, std::size_t i) {
+  if (is_bound(axis, ranked[i].level)) return "";
+  const bool any_tie = std::ranges::any_of(ranked.begin() + 1, ranked.end(), [&](const Ranked& row) {
+    return row.tied && !is_bound(axis, row.level);
+  });
   if (i == 0 || ranked[i].tied) return any_tie ? "1=" : "1";
   return std::to_string(i + 1);
+}
+
+bool few_motions(const AxisRanking& entry) {
+  return entry.ranking.ranked.front().value.groups < fewest_motions;
 }
 
 std::string ranking_table(const StudyResults& results, const AxisRanking& entry) {
@@ -144,12 +151,14 @@ std::string ranking_table(const StudyResults& results, const AxisRanking& entry)
   for (std::size_t i = 0; i < ranked.size(); ++i) {
     const Ranked& r = ranked[i];
     const bool first = i == 0;
-    html += "<tr><td class=\"n\">" + place_of(ranked, i) + "</td><td class=\"name\">" +
-            html_escaped(axis.values[r.level].text) + "</td>" + cell(shown(metric, r.value.bootstrap, true)) +
+    html += "<tr><td class=\"n\">" + place_of(axis, ranked, i) + "</td><td class=\"name\">" +
+            html_escaped(name_of(axis, r.level)) + "</td>" + cell(shown(metric, r.value.bootstrap, true)) +
             cell(shown(metric, r.value.student, false)) +
             cell(first ? "" : shown_difference(metric, r.to_best.bootstrap, true)) +
             cell(first ? "" : shown_difference(metric, r.to_best.student, false)) +
-            cell(first ? "" : verdict(metric, r.to_best));
+            cell(first                     ? ""
+                 : is_bound(axis, r.level) ? "reached by no real policy"
+                                           : verdict(metric, r.to_best));
     for (const Beside& column : beside)
       html += cell(shown(column.scale * mean_at(results, entry.axis, r.level, column.key)));
     html += "</tr>\n";
@@ -165,6 +174,9 @@ std::string ranking_section(const StudyResults& results, const AxisRanking& entr
   if (entry.ranking.ranked.empty())
     return html + "<p class=\"note\">No motion and seed has a result for every value.</p>\n";
   html += picture(ranking_figure(results.study, entry, palette)) + ranking_table(results, entry);
+  if (few_motions(entry))
+    html += fmt::format("<p class=\"note\">{} too few to compare: no interval is given.</p>\n",
+                        counted(entry.ranking.ranked.front().value.groups, "motion is", "motions are"));
   if (std::ranges::find(axis.values, std::string("clairvoyant"), &StudyValue::text) != axis.values.end())
     html +=
         "<p class=\"muted\">clairvoyant knows the motion and the costs. It simulates the session under every "
@@ -225,12 +237,13 @@ std::string metrics_section(const StudyResults& results) {
       "<h2>Every measure by {} ({})</h2>\n<div class=\"scroll\"><table><tr><th>mean over all "
       "cells</th>",
       html_escaped(axis.column), counted(results.cells.size(), "cell"));
-  for (const StudyValue& value : axis.values) html += "<th>" + html_escaped(value.text) + "</th>";
+  const std::vector<std::size_t> order = ranked_levels(results.study, results.cells, 0);
+  for (const std::size_t level : order) html += "<th>" + html_escaped(name_of(axis, level)) + "</th>";
   html += "</tr>\n";
   for (const StudyMetric& metric : study_metrics(results.study)) {
     std::string line;
     bool any = false;
-    for (std::size_t level = 0; level < axis.values.size(); ++level) {
+    for (const std::size_t level : order) {
       const double mean = metric.scale * mean_at(results, 0, level, metric.key);
       any = any || std::isfinite(mean);
       line += cell(shown(mean));

@@ -93,7 +93,8 @@ Json ranking_json(const Study& study, const std::vector<AxisRanking>& ranked,
       rows.push_back({{"value", study.axes[entry.axis].values[row.level].text},
                       {"result", comparison_json(row.value, metric)},
                       {"to_best", comparison_json(row.to_best, metric)},
-                      {"tied", row.tied}});
+                      {"tied", row.tied},
+                      {"bound", is_bound(study.axes[entry.axis], row.level)}});
     document["rankings"].push_back({{"axis", study.axes[entry.axis].column},
                                     {"units", entry.ranking.blocks},
                                     {"units_dropped", entry.ranking.dropped},

@@ -216,7 +216,7 @@ class VirtualRun {
     interrupted_ = motion_.stop.is_interrupted();
     if (interrupted_) return false;
     events_.push(ns(static_cast<double>(k + 1) * motion_.clock.frame), Kind::frame, k + 1);
-    if (show_ && (k + 1) % 250 == 0) show_progress(k, now);
+    if (show_ && k % 50 == 0) show_progress(k, now);
     return true;
   }
 

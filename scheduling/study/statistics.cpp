@@ -158,7 +158,7 @@ Comparison compare(const GroupedValues& differences, const BootstrapOptions& opt
 }
 
 LevelRanking rank(std::span<const Observation> observations, std::size_t levels, bool larger_is_better,
-                  const BootstrapOptions& options) {
+                  const BootstrapOptions& options, std::span<const std::size_t> bounds) {
   std::map<std::size_t, Block> blocks = by_block(observations);
   LevelRanking ranking;
   ranking.dropped =
@@ -174,6 +174,9 @@ LevelRanking rank(std::span<const Observation> observations, std::size_t levels,
   std::ranges::stable_sort(ranking.ranked, [&](const Ranked& a, const Ranked& b) {
     return larger_is_better ? a.value.student.mean > b.value.student.mean
                             : a.value.student.mean < b.value.student.mean;
+  });
+  std::ranges::stable_partition(ranking.ranked, [&](const Ranked& entry) {
+    return std::ranges::find(bounds, entry.level) == bounds.end();
   });
   const std::size_t best = ranking.ranked.front().level;
   BootstrapOptions of_differences = options;

@@ -29,7 +29,25 @@ double value_of(const Study& study, const StudyCellResult& cell, const StudyMetr
   return std::log(std::max(value, speed ? study.sustained->low : 1e-6));
 }
 
+std::vector<std::size_t> bounds_of(const StudyAxis& axis) {
+  std::vector<std::size_t> bounds;
+  for (std::size_t level = 0; level < axis.values.size(); ++level)
+    if (is_bound(axis, level)) bounds.push_back(level);
+  return bounds;
+}
+
+void drop_interval_of_few(Comparison& c) {
+  if (c.groups >= fewest_motions) return;
+  for (ConfidenceInterval* interval : {&c.student, &c.bootstrap})
+    interval->low = interval->high = std::nan("");
+}
+
 }  // namespace
+
+bool is_bound(const StudyAxis& axis, std::size_t level) {
+  return (axis.column == "policy" || axis.column == "session.policy") &&
+         axis.values[level].text.starts_with("clairvoyant");
+}
 
 StudyMetric primary_metric(const Study& study) {
   return study_metrics(study).front();
@@ -118,16 +136,35 @@ std::vector<Observation> observations(const Study& study, const std::vector<Stud
   return seen;
 }
 
+LevelRanking ranking_of(const Study& study, const std::vector<StudyCellResult>& cells, std::size_t axis,
+                        const StudyMetric& metric, const std::vector<StudySlice>& slices) {
+  LevelRanking ranking =
+      rank(observations(study, cells, axis, metric, slices), study.axes[axis].values.size(),
+           metric.larger_is_better, {.shares = metric.share}, bounds_of(study.axes[axis]));
+  for (Ranked& row : ranking.ranked) {
+    drop_interval_of_few(row.value);
+    drop_interval_of_few(row.to_best);
+    row.tied = row.to_best.verdict() == 0;
+  }
+  return ranking;
+}
+
+std::vector<std::size_t> ranked_levels(const Study& study, const std::vector<StudyCellResult>& cells,
+                                       std::size_t axis) {
+  std::vector<std::size_t> order;
+  for (const Ranked& row : ranking_of(study, cells, axis, primary_metric(study)).ranked)
+    order.push_back(row.level);
+  for (std::size_t level = 0; level < study.axes[axis].values.size(); ++level)
+    if (std::ranges::find(order, level) == order.end()) order.push_back(level);
+  return order;
+}
+
 std::vector<AxisRanking> rankings(const Study& study, const std::vector<StudyCellResult>& cells) {
   std::vector<AxisRanking> all;
   const StudyMetric metric = primary_metric(study);
-  for (std::size_t axis = 0; axis < study.axes.size(); ++axis) {
-    const std::size_t levels = study.axes[axis].values.size();
-    if (levels < 2) continue;
-    all.push_back({axis, metric,
-                   rank(observations(study, cells, axis, metric), levels, metric.larger_is_better,
-                        {.shares = metric.share})});
-  }
+  for (std::size_t axis = 0; axis < study.axes.size(); ++axis)
+    if (study.axes[axis].values.size() > 1)
+      all.push_back({axis, metric, ranking_of(study, cells, axis, metric)});
   return all;
 }
 
@@ -135,23 +172,28 @@ std::vector<Contrast> contrasts(const Study& study, const std::vector<StudyCellR
                                 const StudyMetric& metric) {
   std::vector<Contrast> all;
   if (study.axes.empty() || study.axes.front().values.size() < 2) return all;
-  const std::size_t levels = study.axes.front().values.size();
   const std::vector<Observation> whole = observations(study, cells, 0, metric);
+  const auto compared = [](const std::vector<Observation>& seen, std::size_t a, std::size_t b) {
+    Comparison c = compare_levels(seen, a, b);
+    drop_interval_of_few(c);
+    return c;
+  };
   if (study.axes.front().column == "step") {
-    for (std::size_t level = 1; level < levels; ++level)
-      all.push_back({metric, level, level - 1, {}, compare_levels(whole, level, level - 1)});
+    for (std::size_t level = 1; level < study.axes.front().values.size(); ++level)
+      all.push_back({metric, level, level - 1, {}, compared(whole, level, level - 1)});
     if (!study.baseline) return all;
   }
+  const std::vector<std::size_t> order = ranked_levels(study, cells, 0);
   std::size_t reference = study.baseline.value_or(0);
   if (!study.baseline) {
-    const LevelRanking ranking = rank(whole, levels, metric.larger_is_better);
+    const LevelRanking ranking = ranking_of(study, cells, 0, metric);
     if (!ranking.ranked.empty()) reference = ranking.ranked.front().level;
   }
   const auto add = [&](std::optional<StudySlice> slice) {
     const std::vector<Observation> seen = slice ? observations(study, cells, 0, metric, {*slice}) : whole;
-    for (std::size_t level = 0; level < levels; ++level)
+    for (const std::size_t level : order)
       if (level != reference)
-        all.push_back({metric, level, reference, slice, compare_levels(seen, level, reference)});
+        all.push_back({metric, level, reference, slice, compared(seen, level, reference)});
   };
   add({});
   for (std::size_t axis = 1; axis < study.axes.size(); ++axis)

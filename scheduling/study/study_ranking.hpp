@@ -37,6 +37,19 @@ std::vector<Observation> observations(const Study& study, const std::vector<Stud
                                       std::size_t axis, const StudyMetric& metric,
                                       const std::vector<StudySlice>& slices = {});
 
+// Below this number of motions no interval is given and nothing is significant: how much motions differ is not known.
+inline constexpr std::size_t fewest_motions = 4;
+
+// A policy that knows the motion (clairvoyant …): a bound that no real policy reaches. It does not compete.
+bool is_bound(const StudyAxis& axis, std::size_t level);
+
+// The values of an axis, best first, the bounds last.
+LevelRanking ranking_of(const Study& study, const std::vector<StudyCellResult>& cells, std::size_t axis,
+                        const StudyMetric& metric, const std::vector<StudySlice>& slices = {});
+// The order of table, report, picture and verdict: that of ranking_of() by the primary metric, then what is not ranked.
+std::vector<std::size_t> ranked_levels(const Study& study, const std::vector<StudyCellResult>& cells,
+                                       std::size_t axis);
+
 struct AxisRanking {
   std::size_t axis = 0;
   StudyMetric metric;
@@ -55,7 +68,7 @@ struct Contrast {
 };
 // If the first axis is `step`: each value against the one before. For other axes, and for `step` with a
 // baseline: each value against the baseline or, without one, against the best over all. These compare all
-// cells, and the cells at each value of every other axis except traces.
+// cells, and the cells at each value of every other axis except traces; in the order of ranked_levels().
 std::vector<Contrast> contrasts(const Study& study, const std::vector<StudyCellResult>& cells,
                                 const StudyMetric& metric);
 

@@ -28,11 +28,6 @@ std::optional<std::size_t> axis_of_verdict(const Study& study) {
   return of_traces;
 }
 
-bool is_bound(const StudyAxis& axis, std::size_t level) {
-  return (axis.column == "policy" || axis.column == "session.policy") &&
-         axis.values[level].text.starts_with("clairvoyant");
-}
-
 struct Contender {
   std::size_t level = 0;
   double mean = 0;  // in the metric's scale, factors as logarithms
@@ -54,14 +49,18 @@ std::string amount(const StudyMetric& metric, double mean) {
   return fmt::format("{:.3g}", metric.scale * (metric.ratio ? std::exp(mean) : mean));
 }
 
+std::string size_in_words(const StudyMetric& metric, const Comparison& d) {
+  if (metric.ratio) return fmt::format("a factor {:.3g}", std::exp(d.student.mean));
+  return fmt::format("{:.3g}{}", metric.scale * d.student.mean, metric.share ? " points" : "");
+}
+
 // "2.1 points, 95 % interval 0.5 to 3.7", "a factor 1.2, without an interval".
 std::string difference_in_words(const StudyMetric& metric, const Comparison& d) {
   const auto size = [&](double value) {
     return metric.ratio ? fmt::format("{:.3g}", std::exp(value))
                         : fmt::format("{:.3g}", metric.scale * value);
   };
-  const char* unit = metric.share ? " points" : "";
-  std::string text = metric.ratio ? "a factor " + size(d.student.mean) : size(d.student.mean) + unit;
+  std::string text = size_in_words(metric, d);
   if (!std::isfinite(d.student.low)) return text + ", without an interval";
   return text + fmt::format(", 95 % interval {} to {}", size(d.student.low), size(d.student.high));
 }
@@ -71,24 +70,65 @@ std::string over(const Comparison& d) {
 }
 
 bool is_shown(const Comparison& d, const StudyMetric& metric) {
-  return (metric.larger_is_better ? d.verdict() : -d.verdict()) > 0;
+  return d.groups >= fewest_motions && (metric.larger_is_better ? d.verdict() : -d.verdict()) > 0;
 }
 
-// Compares the best value with the next one, in words.
-std::string against_next(const StudyAxis& axis, std::span<const Observation> seen, const StudyMetric& metric,
-                         const std::vector<Contender>& all) {
-  const Comparison next = compare_levels(seen, all[0].level, all[1].level);
-  const std::string name = axis.values[all[1].level].text;
-  if (next.won == 0 && next.lost == 0)
-    return fmt::format("; {} is equal to it in all {}: no difference is shown", name, over(next));
+// "95 %", "52.1 mm/s"; and what that is of: " of first visits within the JND".
+struct MetricWords {
+  std::string unit, what;
+};
+MetricWords in_words(const StudyMetric& metric) {
+  const std::size_t open = metric.title.rfind(" [");
+  if (open == std::string::npos) return {"", metric.title};
+  return {" " + metric.title.substr(open + 2, metric.title.size() - open - 3), metric.title.substr(0, open)};
+}
+
+// "coverage 98 %, nearest 95 % of first visits within the JND".
+std::string two_best(const StudyAxis& axis, const StudyMetric& metric, const std::vector<Contender>& all) {
+  const MetricWords words = in_words(metric);
+  std::string text = metric.share ? "" : words.what + ": ";
+  for (std::size_t i = 0; i < std::min<std::size_t>(2, all.size()); ++i)
+    text += fmt::format("{}{} {}{}", i > 0 ? ", " : "", axis.values[all[i].level].text,
+                        amount(metric, all[i].mean), words.unit);
+  return metric.share ? text + " of " + words.what : text;
+}
+
+// Those after the next that the best beats.
+std::string beaten_by_best(const StudyAxis& axis, std::span<const Observation> seen,
+                           const StudyMetric& metric, const std::vector<Contender>& all) {
   std::string beaten;
   for (std::size_t i = 2; i < all.size(); ++i)
     if (is_shown(compare_levels(seen, all[0].level, all[i].level), metric))
       beaten += (beaten.empty() ? "" : ", ") + axis.values[all[i].level].text;
-  return fmt::format("; the next, {}, has {} (difference {}, over {}): the difference is {}{}", name,
-                     amount(metric, all[1].mean), difference_in_words(metric, next), over(next),
-                     is_shown(next, metric) ? "significant" : "not significant",
-                     beaten.empty() ? "" : fmt::format("; that to {} is significant", beaten));
+  return beaten.empty() ? "" : fmt::format("; that to {} is significant", beaten);
+}
+
+// "2 motions are too few to compare; about 16 more would settle a difference of 5 points".
+std::string too_few(const StudyMetric& metric, const Comparison& d) {
+  std::string text = fmt::format("{} too few to compare", counted(d.groups, "motion is", "motions are"));
+  const std::optional<std::size_t> needed = motions_needed(d);
+  if (needed && *needed > d.groups)
+    return text + fmt::format("; about {} more would settle a difference of {}", *needed - d.groups,
+                              size_in_words(metric, d));
+  return text + fmt::format("; {} is the least", fewest_motions);
+}
+
+// Why there is no winner: "the difference …".
+std::string no_winner(const StudyAxis& axis, std::span<const Observation> seen, const StudyMetric& metric,
+                      const std::vector<Contender>& all, const Comparison& next) {
+  std::string text = fmt::format("No winner: {}", two_best(axis, metric, all));
+  if (next.won == 0 && next.lost == 0) return text + fmt::format(". They are equal in all {}", over(next));
+  if (next.groups < fewest_motions) return text + ". " + too_few(metric, next);
+  return text + fmt::format(". The difference, {}, over {}, is not significant{}",
+                            difference_in_words(metric, next), over(next),
+                            beaten_by_best(axis, seen, metric, all));
+}
+
+std::string winner(const StudyAxis& axis, std::span<const Observation> seen, const StudyMetric& metric,
+                   const std::vector<Contender>& all, const Comparison& next) {
+  return fmt::format("Best {}: {} ({}, over {}): the difference is significant{}", axis.column,
+                     two_best(axis, metric, all), difference_in_words(metric, next), over(next),
+                     beaten_by_best(axis, seen, metric, all));
 }
 
 }  // namespace
@@ -106,13 +146,16 @@ std::optional<std::string> study_verdict(const Study& study, const std::vector<S
   std::string bounds;
   for (std::size_t level = 0; level < axis.values.size(); ++level)
     if (is_bound(axis, level)) bounds += (bounds.empty() ? "" : ", ") + axis.values[level].text;
-  const bool tied = all.size() > 1 && !is_shown(compare_levels(seen, all[0].level, all[1].level), metric);
-  return fmt::format(
-      "{} {}{}: {}, with a {}mean of {} ({}){}.{}", tied ? "No best" : "Best", axis.column,
-      tied ? " is shown. First" : "", axis.values[all[0].level].text, metric.ratio ? "geometric " : "",
-      amount(metric, all[0].mean), metric.title,
-      all.size() > 1 ? against_next(axis, seen, metric, all) : std::string(),
-      bounds.empty() ? "" : fmt::format(" Not compared, because it knows the motion: {}.", bounds));
+  std::string text;
+  if (all.size() == 1) {
+    text = fmt::format("Only {} competes: {}", axis.values[all[0].level].text, two_best(axis, metric, all));
+  } else {
+    const Comparison next = compare_levels(seen, all[0].level, all[1].level);
+    text = is_shown(next, metric) ? winner(axis, seen, metric, all, next)
+                                  : no_winner(axis, seen, metric, all, next);
+  }
+  return text +
+         (bounds.empty() ? "." : fmt::format(". Not compared, because it knows the motion: {}.", bounds));
 }
 
 // ---- advice
@@ -133,9 +176,8 @@ double mean_of(const std::vector<StudyCellResult>& cells, std::string_view colum
 }
 
 std::string more_motions(const Comparison& d) {
-  if (d.groups < 2)
-    return "One motion gives no interval over motions: add motions of other kinds as values of device, at "
-           "least 5.";
+  if (d.groups < fewest_motions)
+    return fmt::format("Add motions of other kinds as values of device, {} in all at least.", fewest_motions);
   const std::optional<std::size_t> needed = motions_needed(d);
   if (!needed)
     return fmt::format(

@@ -206,33 +206,22 @@ double FieldPatches::measured_error() const {
 }
 
 FieldPatches::FieldPatches(std::shared_ptr<const SiteField> field, std::span<const double> known,
-                           const std::function<void(double)>& progress, const std::stop_token& stop)
+                           const std::function<void(double)>& progress, const std::stop_token& stop,
+                           KeptPieces* kept)
     : field_(std::move(field)), degree_(degree_for(field_->rest())) {
   constexpr int most_parts = 4;
   constexpr std::size_t most_points = 60'000;
   constexpr double enough = 0.002;
-  const auto doubles = [&] { return places_.size() * static_cast<std::size_t>(quantities) + 1; };
   for (int parts = 1; parts <= most_parts && !known.empty(); parts *= 2) {
     place_points(parts);
-    if (known.size() != doubles()) continue;
+    if (known.size() != places_.size() * static_cast<std::size_t>(quantities) + 1) continue;
     values_.assign(known.begin(), known.end());
     find_turns();
     return;
   }
   for (int parts = 1;; parts *= 2) {
     place_points(parts);
-    values_.assign(doubles(), 0);
-    std::size_t done = 0;
-#pragma omp parallel for schedule(dynamic, 8) num_threads(field_->options().threads)
-    for (std::size_t i = 0; i < places_.size(); ++i) {
-      if (stop.stop_requested()) continue;
-      Eigen::Map<Quantities>(values_.data() + i * static_cast<std::size_t>(quantities)) =
-          quantities_at(*field_, places_[i]);
-#pragma omp critical
-      if (++done % 64 == 0 && progress)
-        progress(static_cast<double>(done) / static_cast<double>(places_.size()));
-    }
-    if (done < places_.size()) {
+    if (!find_values(parts, progress, stop, kept)) {
       first_.assign(first_.size(), -1), values_.clear();
       return;
     }
@@ -240,6 +229,34 @@ FieldPatches::FieldPatches(std::shared_ptr<const SiteField> field, std::span<con
     values_.back() = measured_error();
     if (2 * parts > most_parts || 4 * places_.size() > most_points || error() <= enough) return;
   }
+}
+
+// At all places; false where it was stopped before.
+bool FieldPatches::find_values(int parts, const std::function<void(double)>& progress,
+                               const std::stop_token& stop, KeptPieces* kept) {
+  constexpr auto width = static_cast<std::size_t>(quantities);
+  values_.assign(places_.size() * width + 1, 0);
+  const auto values_at = [&](std::size_t i) { return std::span(values_).subspan(i * width, width); };
+  const auto piece_of = [&](std::size_t i) { return (static_cast<std::uint64_t>(parts) << 40) + i; };
+  std::vector<char> made(places_.size(), 0);
+  for (std::size_t i = 0; i < places_.size() && kept; ++i)
+    made[i] = kept->take(piece_of(i), values_at(i)) ? 1 : 0;
+  auto done = static_cast<std::size_t>(std::ranges::count(made, 1));
+  const auto show = [&] {
+    if (progress) progress(static_cast<double>(done) / static_cast<double>(places_.size()));
+  };
+  show();
+#pragma omp parallel for schedule(dynamic, 8) num_threads(field_->options().threads)
+  for (std::size_t i = 0; i < places_.size(); ++i) {
+    if (made[i] != 0 || stop.stop_requested()) continue;
+    Eigen::Map<Quantities>(values_at(i).data()) = quantities_at(*field_, places_[i]);
+#pragma omp critical
+    {
+      if (kept) kept->keep(piece_of(i), values_at(i));
+      if (++done % 64 == 0) show();
+    }
+  }
+  return done == places_.size();
 }
 
 // Half of what the derivatives across an edge lack to be one, at as many places of it as its polynomial has terms.

@@ -24,7 +24,8 @@ class FieldPatches {
   // known: values() of the same field; else they are computed, by the field's threads. progress as SiteField's.
   // Stopped early, no facet has a patch.
   explicit FieldPatches(std::shared_ptr<const SiteField> field, std::span<const double> known = {},
-                        const std::function<void(double)>& progress = {}, const std::stop_token& stop = {});
+                        const std::function<void(double)>& progress = {}, const std::stop_token& stop = {},
+                        KeptPieces* kept = nullptr);
 
   bool has(std::int32_t facet) const { return first_[static_cast<std::size_t>(facet)] >= 0; }
   // Of a place on a facet that has a patch, with slopes. root: also what corrections by states need.
@@ -37,6 +38,8 @@ class FieldPatches {
  private:
   std::shared_ptr<const SiteField> field_;
   void place_points(int parts);
+  bool find_values(int parts, const std::function<void(double)>& progress, const std::stop_token& stop,
+                   KeptPieces* kept);
   void find_turns();
   double measured_error() const;
 

@@ -112,6 +112,23 @@ struct RestSites::Impl {
     }
   }
 
+  // Visits what is kept of eight columns of C, number by number.
+  template <class Visit>
+  void visit_columns(std::size_t first, Visit visit) {
+    for (std::size_t k = first; k < std::min(first + lane_count, 3 * local.size()); ++k)
+      for (std::size_t i = 0; i < near[k / 3].size(); ++i)
+        for (std::size_t c = 0; c < 3; ++c) visit(compliance[k / 3][9 * i + 3 * c + k % 3], k, i, c);
+  }
+  std::vector<double> packed_columns(std::size_t first) {
+    std::vector<double> values;
+    visit_columns(first, [&](double value, auto...) { values.push_back(value); });
+    return values;
+  }
+  void take_columns(std::size_t first, std::span<const double> values) {
+    std::size_t at = 0;
+    visit_columns(first, [&](double& value, auto...) { value = values[at++]; });
+  }
+
   // Eight columns of C, of the nodes' three components one after the other.
   void solve_columns(const Factorisation& solver, std::size_t first, std::vector<double>& lanes) {
     const std::size_t last = std::min(first + lane_count, 3 * local.size());
@@ -119,12 +136,10 @@ struct RestSites::Impl {
     for (std::size_t k = first; k < last; ++k)
       lanes[(3 * static_cast<std::size_t>(local[k / 3]) + k % 3) * lane_count + (k - first)] = 1;
     solver.solve_lanes(lanes.data());
-    for (std::size_t k = first; k < last; ++k)
-      for (std::size_t i = 0; i < near[k / 3].size(); ++i)
-        for (std::size_t c = 0; c < 3; ++c) {
-          const auto row = static_cast<std::size_t>(local[static_cast<std::size_t>(near[k / 3][i])]);
-          compliance[k / 3][9 * i + 3 * c + k % 3] = lanes[(3 * row + c) * lane_count + (k - first)];
-        }
+    visit_columns(first, [&](double& value, std::size_t k, std::size_t i, std::size_t c) {
+      const auto row = static_cast<std::size_t>(local[static_cast<std::size_t>(near[k / 3][i])]);
+      value = lanes[(3 * row + c) * lane_count + (k - first)];
+    });
   }
 
   bool take(std::span<const double> known) {
@@ -174,18 +189,42 @@ Mat3 SiteRest::body_stiffness() const {
   return (stiffness.inverse() - Mat3::Identity() / springs).inverse();
 }
 
-RestSites::RestSites(std::shared_ptr<const Body> body, int threads, std::span<const double> compliance) {
+RestSites::RestSites(std::shared_ptr<const Body> body, int threads, std::span<const double> compliance,
+                     const std::function<void(double)>& progress, KeptPieces* kept) {
   if (!body->pad) throw InputError("pad", "missing, expected a body with a pad");
   impl_ = std::make_unique<Impl>(std::move(body));
   if (!compliance.empty() && impl_->take(compliance)) return;
+  const std::size_t columns = 3 * impl_->local.size();
+  std::vector<std::size_t> left;  // first of each piece
+  for (std::size_t first = 0; first < columns; first += lane_count) {
+    std::vector<double> values = kept ? impl_->packed_columns(first) : std::vector<double>();
+    if (kept && kept->take(first, values))
+      impl_->take_columns(first, values);
+    else
+      left.push_back(first);
+  }
+  const auto all = static_cast<double>((columns + lane_count - 1) / lane_count);
+  std::size_t still = left.size();
+  const auto show = [&] {
+    if (progress) progress(1 - static_cast<double>(still) / all);
+  };
+  show();
+  if (left.empty()) return;
   static_cast<void>(impl_->factor());  // throws here, not in a thread
 #pragma omp parallel num_threads(threads)
   {
     const Factorisation factor = impl_->factor();
     std::vector<double> lanes(static_cast<std::size_t>(impl_->d->local_size()) * lane_count);
 #pragma omp for schedule(dynamic)
-    for (std::size_t first = 0; first < 3 * impl_->local.size(); first += lane_count)
+    for (const std::size_t first : left) {
       impl_->solve_columns(factor, first, lanes);
+#pragma omp critical
+      {
+        if (kept) kept->keep(first, impl_->packed_columns(first));
+        --still;
+        show();
+      }
+    }
   }
 }
 RestSites::~RestSites() = default;

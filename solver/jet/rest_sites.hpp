@@ -7,6 +7,8 @@
 //   A^{-1} b = A_0^{-1} (b - P (I + M C)^{-1} M P^T A_0^{-1} b),   A = A_0 + P M P^T    (Woodbury 1950)
 // so a site costs a dense system of its pad's nodes, and its jet at rest three solves in lanes and no factor.
 
+#include <cstdint>
+#include <functional>
 #include <memory>
 #include <span>
 #include <vector>
@@ -28,13 +30,23 @@ struct SiteRest {
   Mat3 body_stiffness() const;
 };
 
+// Where a long computation keeps what it has, piece by piece, so that another run resumes. A piece is a list of numbers,
+// always of one length. Called by one thread at a time.
+class KeptPieces {
+ public:
+  virtual ~KeptPieces() = default;
+  virtual bool take(std::uint64_t piece, std::span<double> values) = 0;  // false: it is not there
+  virtual void keep(std::uint64_t piece, std::span<const double> values) = 0;
+};
+
 // Immutable after construction; any thread may ask.
 class RestSites {
  public:
   // body.pad gives radius and stiffness; its site and the fine body do not count. The compliance is computed here, by
   // up to `threads` threads, unless it is given: compliance() of the same body. One of another length is computed anew.
-  // InputError without a pad, and if the body is not stable at rest.
-  RestSites(std::shared_ptr<const Body> body, int threads, std::span<const double> compliance = {});
+  // progress: 0 to 1, first with what `kept` has. InputError without a pad, and if the body is not stable at rest.
+  RestSites(std::shared_ptr<const Body> body, int threads, std::span<const double> compliance = {},
+            const std::function<void(double)>& progress = {}, KeptPieces* kept = nullptr);
   ~RestSites();
 
   const Body& body() const;

@@ -4,7 +4,9 @@
 
 #include <Eigen/LU>
 #include <algorithm>
+#include <array>
 #include <cmath>
+#include <cstdint>
 
 #include "geometry/common/dense.hpp"
 #include "solver/jet/site_cover.hpp"
@@ -150,12 +152,13 @@ double SiteModel::spread(const Vec3& x) const {
 // ---- the field
 
 SiteField::SiteField(std::shared_ptr<const RestSites> sites, const SiteFieldOptions& options,
-                     const std::function<void(double)>& progress, const std::stop_token& stop)
+                     const std::function<void(double)>& progress, const std::stop_token& stop,
+                     KeptPieces* kept)
     : rest_(std::move(sites)), options_(options), length_(normal_length * rest_->pad().radius()) {
   for (const SurfacePlace& place :
        cover(rest_->map(), rest_->pad(), options.first, {.spacing = options.spacing}))
     sites_.emplace_back().place = place;
-  make_jets(progress, stop);
+  make_jets(progress, stop, kept);
   connect();
 }
 
@@ -173,35 +176,68 @@ void SiteField::connect() {
   for (std::size_t i = 0; i < sites_.size(); ++i) follow_neighbours(i);
 }
 
-void SiteField::make_jets(const std::function<void(double)>& progress, const std::stop_token& stop) {
+void SiteField::make_jet(SiteJets& jets, Site& site) const {
+  const RestJet jet = jets.at(site.place);
+  site.stiffness = jet.stiffness;
+  site.normal = rest_->pad().normal(site.place);
+  const double c = scale_of(site.stiffness, options_.theta);
+  site.own =
+      substituted(coefficients_of(jet.jet), root_of(site.stiffness, options_.theta).inverse()) / (c * c);
+}
+
+namespace {
+
+// What is kept of a site, by its number; the pieces below are those of the compliance.
+constexpr std::uint64_t first_jet_piece = std::uint64_t{1} << 40;
+using JetPiece = std::array<double, 9 + 3 + jet_size>;
+
+JetPiece piece_of(const FieldSite& site) {
+  JetPiece piece;
+  double* out = std::copy_n(site.stiffness.data(), 9, piece.data());
+  out = std::copy_n(site.normal.data(), 3, out);
+  std::copy_n(site.own.data(), jet_size, out);
+  return piece;
+}
+
+void take_piece(const JetPiece& piece, FieldSite& site) {
+  std::copy_n(piece.data(), 9, site.stiffness.data());
+  std::copy_n(piece.data() + 9, 3, site.normal.data());
+  std::copy_n(piece.data() + 12, jet_size, site.own.data());
+}
+
+}  // namespace
+
+void SiteField::make_jets(const std::function<void(double)>& progress, const std::stop_token& stop,
+                          KeptPieces* kept) {
   std::vector<char> made(sites_.size(), 0);
-  std::size_t done = 0;
+  JetPiece piece{};
+  for (std::size_t i = 0; i < sites_.size() && kept; ++i)
+    if (kept->take(first_jet_piece + i, piece)) take_piece(piece, sites_[i]), made[i] = 1;
+  auto done = static_cast<std::size_t>(std::ranges::count(made, 1));
+  const auto show = [&] {
+    if (progress) progress(static_cast<double>(done) / static_cast<double>(sites_.size()));
+  };
+  show();
 #pragma omp parallel num_threads(options_.threads)
   {
     SiteJets jets(*rest_);
 #pragma omp for schedule(dynamic)
     for (std::size_t i = 0; i < sites_.size(); ++i) {
-      if (stop.stop_requested()) continue;
-      Site& site = sites_[i];
-      const RestJet jet = jets.at(site.place);
-      site.stiffness = jet.stiffness;
-      site.normal = rest_->pad().normal(site.place);
-      const double c = scale_of(site.stiffness, options_.theta);
-      site.own =
-          substituted(coefficients_of(jet.jet), root_of(site.stiffness, options_.theta).inverse()) / (c * c);
-
+      if (made[i] != 0 || stop.stop_requested()) continue;
+      make_jet(jets, sites_[i]);
       made[i] = 1;
 #pragma omp critical
       {
+        if (kept) kept->keep(first_jet_piece + i, piece_of(sites_[i]));
         ++done;
-        if (progress) progress(static_cast<double>(done) / static_cast<double>(sites_.size()));
+        show();
       }
     }
   }
-  std::vector<Site> kept;
+  std::vector<Site> all;
   for (std::size_t i = 0; i < sites_.size(); ++i)
-    if (made[i] != 0) kept.push_back(std::move(sites_[i]));
-  sites_ = std::move(kept);
+    if (made[i] != 0) all.push_back(std::move(sites_[i]));
+  sites_ = std::move(all);
 }
 
 EnergyJet SiteField::jet_of(const FieldSite& site) const {

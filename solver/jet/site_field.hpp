@@ -103,9 +103,11 @@ struct FieldSite {
 
 class SiteField {
  public:
-  // Makes the field; `progress` (0 to 1) is called by one thread at a time. Stops early, with fewer sites, if asked.
+  // Makes the field; `progress` (0 to 1, first with what `kept` has) is called by one thread at a time. Stops early,
+  // with fewer sites, if asked.
   SiteField(std::shared_ptr<const RestSites> sites, const SiteFieldOptions& options,
-            const std::function<void(double)>& progress = {}, const std::stop_token& stop = {});
+            const std::function<void(double)>& progress = {}, const std::stop_token& stop = {},
+            KeptPieces* kept = nullptr);
 
   // The same field again, from sites() of one with these options: nothing is solved.
   SiteField(std::shared_ptr<const RestSites> sites, const SiteFieldOptions& options,
@@ -130,7 +132,8 @@ class SiteField {
     std::int32_t site = 0;
     double way = 0;  // along the surface [m]
   };
-  void make_jets(const std::function<void(double)>& progress, const std::stop_token& stop);
+  void make_jets(const std::function<void(double)>& progress, const std::stop_token& stop, KeptPieces* kept);
+  void make_jet(SiteJets& jets, Site& site) const;
   void connect();
   void find_near();
   void follow_neighbours(std::size_t i);

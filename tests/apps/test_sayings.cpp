@@ -100,7 +100,7 @@ TEST_CASE("a study says each device's length and its verdict in a sentence") {
              "device = [\"path:circle,speed=0.05\", \"trace:short.csv\"]\n");
   const auto run = shop.run("study study.toml -o out --json");
   const auto document = run.json();
-  CHECK_THAT(document["verdict"].get<std::string>(), Catch::StartsWith("No best policy is shown. First: "));
+  CHECK_THAT(document["verdict"].get<std::string>(), Catch::StartsWith("No winner: "));
   REQUIRE(document["devices"].size() == 2);
   CHECK(document["devices"][0]["motion_seconds"].is_null());
   CHECK(document["devices"][0]["seconds"] == 0.5);
@@ -108,7 +108,7 @@ TEST_CASE("a study says each device's length and its verdict in a sentence") {
   CHECK(document["devices"][1]["seconds"] == Approx(0.201));
   for (const char* key : {"clamped_share", "slewed_share", "time_outside", "busy_share", "generated_J"})
     CHECK(document["devices"][0][key].is_number());
-  CHECK_THAT(run.err, Contains("No best policy is shown. First: ", "trace:short.csv | 0.2 s"));
+  CHECK_THAT(run.err, Contains("No winner: ", "trace:short.csv | 0.2 s"));
   CHECK_THAT(first_line(shop.read("out/cells.csv")), Contains("motion_seconds"));
-  CHECK_THAT(shop.read("out/report.html"), Contains("No best policy is shown. First: ", "<h2>Devices</h2>"));
+  CHECK_THAT(shop.read("out/report.html"), Contains("No winner: ", "<h2>Devices</h2>"));
 }

@@ -2,6 +2,7 @@
 
 #include "apps/console/console.hpp"
 #include "apps/scene/cache_folder.hpp"
+#include "apps/scene/kept_pieces.hpp"
 #include "apps/scene/palpation_map.hpp"
 #include "apps/scene/scene_anywhere.hpp"
 #include "apps/scene/scene_field.hpp"
@@ -93,6 +94,123 @@ TEST_CASE("a field that is stopped is not kept", "[scene]") {
   stop.request_stop();
   CHECK(find_field(load(shop), quiet, stop.get_token()).field->size() == 0);
   CHECK_FALSE(find_field(load(shop), quiet).kept);
+}
+
+TEST_CASE("pieces of a killed run are read to the last whole one, and one process at a time keeps them",
+          "[scene]") {
+  const Workshop shop;
+  const fs::path file = cache_folder() / "pieces";
+  const std::vector<double> a{1, 2.5, -3}, b{4};
+  std::vector<double> three(3), one(1);
+  {
+    PieceFile pieces(file);
+    pieces.keep(7, a);
+    pieces.keep(1, b);
+    PieceFile other(file);
+    other.keep(2, b);
+    CHECK(other.size() == 0);
+  }
+  {
+    PieceFile pieces(file);
+    CHECK(pieces.size() == 2);
+    CHECK_FALSE(pieces.take(7, one));  // of another length
+    REQUIRE(pieces.take(7, three));
+    CHECK(three == a);
+    CHECK_FALSE(pieces.take(7, three));
+    CHECK_FALSE(pieces.take(2, one));
+  }
+  fs::resize_file(file, fs::file_size(file) - 1);
+  {
+    PieceFile pieces(file);
+    CHECK(pieces.size() == 1);
+    pieces.keep(3, b);  // after the last whole one
+  }
+  PieceFile pieces(file);
+  CHECK((pieces.take(3, one) && one == b && pieces.take(7, three)));
+  pieces.remove();
+  CHECK_FALSE(fs::exists(file));
+  PieceFile nowhere{fs::path()};
+  nowhere.keep(1, b);
+  CHECK_FALSE(nowhere.take(1, one));
+}
+
+TEST_CASE("a field resumes from the pieces of a run that was killed, to the bit", "[scene]") {
+  struct Counted final : KeptPieces {
+    explicit Counted(const fs::path& path) : file(path) {}
+    bool take(std::uint64_t piece, std::span<double> values) override { return file.take(piece, values); }
+    void keep(std::uint64_t piece, std::span<const double> values) override {
+      ++made;
+      file.keep(piece, values);
+    }
+    PieceFile file;
+    std::size_t made = 0;
+  };
+  const Workshop shop;
+  const Scene scene = load(shop);
+  const SiteFieldOptions options{.threads = 2};
+  const fs::path file = cache_folder() / "pieces";
+  std::vector<double> shares;
+  const auto make = [&](Counted* kept) {
+    shares.clear();
+    const auto show = [&](double share) { shares.push_back(share); };
+    const auto rest = std::make_shared<const RestSites>(scene.body, 2, std::span<const double>(), show, kept);
+    return std::make_shared<const SiteField>(rest, options, show, std::stop_token(), kept);
+  };
+  const auto values = [](std::shared_ptr<const SiteField> field, KeptPieces* kept) {
+    return FieldPatches(std::move(field), {}, {}, {}, kept).values();
+  };
+  std::size_t all = 0;
+  std::shared_ptr<const SiteField> first;
+  {
+    Counted kept(file);
+    first = make(&kept);
+    all = kept.made;
+    CHECK(all > first->size());
+    CHECK(shares.front() == 0);
+    CHECK(shares.back() == 1);
+  }
+  fs::resize_file(file, fs::file_size(file) / 2);
+  {
+    Counted kept(file);
+    const auto again = make(&kept);
+    CHECK(kept.made > 0);
+    CHECK(kept.made < 0.9 * static_cast<double>(all));
+    REQUIRE(again->size() == first->size());
+    CHECK(again->rest().compliance() == first->rest().compliance());
+    for (std::size_t i = 0; i < first->size(); ++i) CHECK(again->stiffness(i) == first->stiffness(i));
+    CHECK(force_of(*again, top, pressed) == force_of(*first, top, pressed));
+  }
+  Counted kept(file);
+  CHECK(make(&kept)->size() == first->size());
+  CHECK(kept.made == 0);
+  CHECK(shares == std::vector<double>{1, 1});  // of the compliance and of the sites: what is there
+  const std::vector<double> patches = values(first, &kept);
+  CHECK(kept.made > 0);
+  const std::size_t before = kept.made;
+  Counted after(file.string() + ".other");
+  CHECK(values(first, &after) == patches);
+  CHECK(after.made == before);
+}
+
+TEST_CASE("a field whose run was killed is finished from the cache", "[scene]") {
+  const Workshop shop;
+  empty_cache(cache_folder());
+  const Scene scene = load(shop);
+  const FieldFound made = find_field(scene, quiet);
+  const fs::path file = only_field(), part = file.string() + ".part";
+  CHECK_FALSE(fs::exists(part));
+  fs::remove(file);
+  {  // as a killed run leaves it
+    PieceFile pieces(part);
+    const RestSites rest(scene.body, 1, {}, {}, &pieces);
+  }
+  const auto before = fs::file_size(part);
+  CHECK(before > 1000);
+  CHECK(cache_content(cache_folder()).foreign == 0);
+  const FieldFound again = find_field(scene, quiet);
+  CHECK(force_of(*again.field, top, pressed) == force_of(*made.field, top, pressed));
+  CHECK_FALSE(fs::exists(part));
+  CHECK(find_field(scene, quiet).kept);
 }
 
 TEST_CASE("with a fine body the field is that of the fine body, and so is a state near rest", "[scene]") {

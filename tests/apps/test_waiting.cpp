@@ -25,6 +25,39 @@ TEST_CASE("a progress line gives the time left of a share, and without a share t
   CHECK_THAT(progress_line("solve", 0.5, "", 7200), Catch::EndsWith("2:00:00 left"));
 }
 
+TEST_CASE("what an earlier run did does not count in the time left") {
+  CHECK(progress_line("sites", 0.75, "", 10, 0.5) == "sites  75 %  , 0:10 left");
+  CHECK(std::isnan(seconds_left(0.5, 0.5, 10)));
+  CHECK(std::isnan(seconds_left(1, 0, 10)));
+  CHECK(seconds_left(0.5, 0, 10) == 10);
+}
+
+TEST_CASE(
+    "without a terminal a line comes every 10 s, and early where a first piece shows that it takes long") {
+  const double not_known = seconds_left(0.001, 0, 3);
+  CHECK_FALSE(line_is_due(9, 9, 9, true));
+  CHECK(line_is_due(9, 10, 10, true));
+  CHECK(line_is_due(not_known, 10, 10, true));
+  CHECK_FALSE(line_is_due(100, 15, 5, false));
+  CHECK(line_is_due(18, 2, 2, true));
+  CHECK_FALSE(line_is_due(18, 1.9, 1.9, true));
+  CHECK_FALSE(line_is_due(not_known, 3, 3, true));
+}
+
+TEST_CASE("what takes long says how long, also where stderr is a pipe", "[waiting]" SLOW("runs for 12 s")) {
+  const Workshop shop;
+  shop.write(
+      "slab.toml",
+      "[body]\nphantom = \"slab\"\nelements = 30000\n[material]\nlaw = \"neo-hookean\"\nyoung = 5000.0\n"
+      "poisson = 0.3\n[clamp]\ngroup = \"clamp\"\n[contact]\npad = 400.0\nradius = 0.012\n");
+  std::string places;
+  for (int i = 0; i < 40; ++i) places += fmt::format(" --at=0,0,-{}", 0.02 + 1e-4 * i);
+  const auto told = shop.shell("timeout 12 '" + executable() + "' solve slab.toml --threads 1" + places +
+                               " 2>&1 >/dev/null");
+  CHECK_THAT(told.out, Contains("solve ") && Contains(" of 40 states, ") && Contains(" left\n"));
+  CHECK_THAT(told.out, !Contains("\r"));
+}
+
 TEST_CASE("solve measures no spacing, and gives the same forces as with a spacing of its own") {
   const BeamShop shop;
   const std::string at = "solve beam.toml --at=0.002,0,0.003 --json";

@@ -6,11 +6,17 @@
 
 namespace {
 
-// Three policies and the bound on two motions with four seeds; the value of each policy and a spread by seed.
+// Three policies and the bound on four motions with four seeds; the value of each policy and a spread by seed.
 Study policies() {
   return {.seeds = {1, 2, 3, 4},
           .axes = {{"policy", {{"nearest"}, {"coverage"}, {"fifo"}, {"clairvoyant"}}},
-                   {"device", {{"path:press"}, {"path:circle"}, {"path:line"}}}}};
+                   {"device", {{"path:press"}, {"path:circle"}, {"path:line"}, {"path:reach"}}}}};
+}
+
+Study with_motions(std::size_t count) {
+  Study study = policies();
+  study.axes[1].values.resize(count);
+  return study;
 }
 
 std::vector<StudyCellResult> cells_with(const Study& study, const std::vector<double>& shares,
@@ -38,25 +44,57 @@ TEST_CASE("the verdict names the best policy, the next, their difference and whe
   const Study study = policies();
   const auto sure = study_verdict(study, cells_with(study, {0.6, 0.9, 0.5, 0.95}, 0.0002));
   REQUIRE(sure);
-  CHECK_THAT(*sure, Catch::StartsWith("Best policy: coverage, with a mean of 90") &&
-                        Contains("the next, nearest, has 60", "30 points", "12 pairs on 3 motions",
-                                 "the difference is significant", "that to fifo is significant") &&
-                        Catch::EndsWith("it knows the motion: clairvoyant."));
+  CHECK_THAT(*sure,
+             Catch::StartsWith("Best policy: coverage 90 %, nearest 60 % of first visits within the JND (") &&
+                 Contains("30 points", "16 pairs on 4 motions", "the difference is significant",
+                          "that to fifo is significant") &&
+                 Catch::EndsWith("it knows the motion: clairvoyant."));
   const auto unsure = study_verdict(study, cells_with(study, {0.6, 0.601, 0.5, 0.95}, 0.05));
   REQUIRE(unsure);
-  CHECK_THAT(*unsure, Catch::StartsWith("No best policy is shown. First: ") &&
-                          Contains("the difference is not significant"));
+  CHECK_THAT(*unsure, Catch::StartsWith("No winner: ") && Contains("95 % interval", "is not significant"));
   const auto equal = study_verdict(study, cells_with(study, {0.6, 0.6, 0.5, 0.95}, 0));
   REQUIRE(equal);
-  CHECK_THAT(*equal, Catch::StartsWith("No best policy is shown. First: ") &&
-                         Contains("equal", "no difference is shown"));
+  CHECK_THAT(*equal, Catch::StartsWith("No winner: nearest 60 %, coverage 60 %") && Contains("equal in all"));
 }
 
-TEST_CASE("a verdict on one motion and one seed is never shown") {
-  const Study study{.seeds = {1}, .axes = {{"policy", {{"nearest"}, {"coverage"}}}}};
-  const auto verdict = study_verdict(study, cells_with(study, {0.2, 0.9}, 0));
-  REQUIRE(verdict);
-  CHECK_THAT(*verdict, Contains("without an interval", "is not significant"));
+TEST_CASE("below four motions there is no winner and no interval, and it is said how many more settle it") {
+  for (const std::size_t count : {1u, 2u, 3u}) {
+    const Study study = with_motions(count);
+    const auto cells = cells_with(study, {0.6, 0.65, 0.5, 0.95}, 0.01);
+    const auto verdict = study_verdict(study, cells);
+    REQUIRE(verdict);
+    CHECK_THAT(*verdict, Catch::StartsWith("No winner: coverage ") && Contains("too few to compare") &&
+                             !Contains("interval"));
+    for (const Ranked& row : ranking_of(study, cells, 0, primary_metric(study)).ranked) {
+      CHECK(std::isnan(row.value.student.low));
+      CHECK(std::isnan(row.to_best.bootstrap.high));
+      CHECK(row.tied);
+    }
+    for (const Contrast& c : contrasts(study, cells, primary_metric(study)))
+      CHECK((c.comparison.verdict() == 0 && std::isnan(c.comparison.student.low)));
+  }
+  const Study two = with_motions(2);
+  CHECK_THAT(
+      *study_verdict(two, cells_with(two, {0.6, 0.65, 0.5, 0.95}, 0.05)),
+      Contains("2 motions are too few to compare; about ", " more would settle a difference of ", " points"));
+  const Study one = with_motions(1);
+  CHECK_THAT(*study_verdict(one, cells_with(one, {0.6, 0.65, 0.5, 0.95}, 0.01)),
+             Contains("1 motion is too few to compare; 4 is the least"));
+}
+
+TEST_CASE("table, contrasts and verdict have one order: the best first, a bound last") {
+  const Study study = policies();
+  const auto cells = cells_with(study, {0.6, 0.7, 0.65, 0.95}, 0.0002);
+  const std::vector<std::size_t> order{1, 2, 0, 3};
+  CHECK(ranked_levels(study, cells, 0) == order);
+  const LevelRanking ranking = ranking_of(study, cells, 0, primary_metric(study));
+  for (std::size_t i = 0; i < order.size(); ++i) CHECK(ranking.ranked[i].level == order[i]);
+  CHECK(ranking.ranked[3].to_best.student.mean ==
+        Approx(0.25).margin(0.001));  // against the best real policy
+  std::vector<std::size_t> compared;
+  for (const Contrast& c : contrasts(study, cells, primary_metric(study))) compared.push_back(c.a);
+  CHECK(compared == std::vector<std::size_t>{2, 0, 3});  // each against the first
+  CHECK_THAT(*study_verdict(study, cells), Catch::StartsWith("Best policy: coverage 70 %, fifo 65 % "));
 }
 
 TEST_CASE("there is no verdict where nothing competes") {
