@@ -33,21 +33,16 @@ std::string in_words(const SessionSummary::Bars& bars) {
 
 Card bars_card(const SessionSummary::ErrorBars& bars) {
   if (bars.all.samples == 0) return {"–", "no sample has an error bar"};
-  Card card{.value = fmt::format("{:.1f} %", 100 * bars.all.inside[1]),
-            .what = fmt::format("of {} inside the error bar of 95 %; bars of 90/95/99 % hold {}",
-                                counted(bars.all.samples, "sample"), in_words(bars.all)),
+  Card card{.value = said_percent(bars.all.inside[1]),
+            .what = fmt::format("of {} inside their error bars of 95 %", counted(bars.all.samples, "sample")),
             .judged = judged(bars.all, few_samples)};
   for (const Label label : all_labels) {
     const SessionSummary::Bars& own = bars.by_label[label];
     if (own.samples == 0) continue;
-    card.what += fmt::format("; {} {}", name(label), in_words(own));
-    card.judged = std::max(card.judged, judged(own, enough_of_label));
+    const Judged of_label = judged(own, enough_of_label);
+    if (of_label > Judged::good) card.what += fmt::format("; {} {}", name(label), in_words(own));
+    card.judged = std::max(card.judged, of_label);
   }
-  if (bars.at_floor[1] > 0 && std::isfinite(bars.inside_above[1]))
-    card.what += fmt::format(
-        "; {} a bar of 95 % at its floor, a tenth of the just noticeable "
-        "difference, {:.1f} % of the others are inside",
-        counted(bars.at_floor[1], "sample has", "samples have"), 100 * bars.inside_above[1]);
   if (std::isfinite(bars.all.width_p50))
     card.what += fmt::format("; median half-width {:.3g} N", bars.all.width_p50);
   return card;

@@ -17,6 +17,7 @@ struct Card {
 
 // Bad if the share inside is more than 5 points below a level, over all samples (at least 20) or over a label with at
 // least 100; a warning from 2 points on.
+// Labels are named where theirs are short.
 Card bars_card(const SessionSummary::ErrorBars& bars);
 
 }  // namespace forefeel

@@ -18,6 +18,7 @@
 #include "apps/picture/palette.hpp"
 #include "apps/picture/plot.hpp"
 #include "apps/picture/slice_figure.hpp"
+#include "apps/session/all_numbers.hpp"
 #include "apps/session/bars_card.hpp"
 #include "apps/session/report_figures.hpp"
 #include "apps/session/run_charts.hpp"
@@ -43,8 +44,7 @@ std::string shown(std::size_t value) {
 }
 std::string percent(double share) {
   if (!std::isfinite(share)) return "–";
-  const double value = 100 * share;
-  return value != 0 && value < 0.1 ? fmt::format("{:.2g} %", value) : fmt::format("{:.1f} %", value);
+  return said_percent(share);
 }
 std::string with_unit(double value, const std::string& unit) {
   return std::isfinite(value) ? shown(value) + " " + unit : "–";
@@ -82,10 +82,8 @@ std::string tiles(const SessionSummary& s) {
   const Card bars = bars_card(s.error.bars);
   html += tile(bars.value, bars.what, bars.judged);
   if (std::isfinite(s.error.mesh.error))
-    html +=
-        tile(percent(s.error.mesh.error),
-             "discretisation error of the mesh, not in the errors before: " + html_escaped(s.error.mesh.how),
-             small_is_good(s.error.mesh.error, felt_share, 0.3));
+    html += tile(percent(s.error.mesh.error), "error of the mesh itself, not part of the errors before",
+                 s.error.mesh.error > felt_share ? Judged::warn : Judged::good);
   html += tile(shown(s.switching.frames_over_jnd),
                fmt::format("of {} in which a switch exceeded its bound", counted(s.run.frames, "frame")),
                small_is_good(static_cast<double>(s.switching.frames_over_jnd), 0, 0));
@@ -109,7 +107,7 @@ std::string tiles(const SessionSummary& s) {
   if (std::isfinite(s.motion.outside))
     html += tile(percent(s.motion.outside),
                  fmt::format("of {} outside the box of states", counted(s.run.frames, "frame")),
-                 small_is_good(s.motion.outside, 0, outside_too_often));
+                 outside_is_felt(s) ? Judged::bad : Judged::plain);
   if (s.settings.clock == Clock::real)
     html += tile(shown(s.deadline.missed),
                  "deadlines missed of " + counted(s.run.frames, "frame") + "; a frame costs " +
@@ -125,10 +123,9 @@ std::string touch_words(const SessionSummary& s) {
   if (!s.motion.touch) return "";
   const TouchNumbers& t = *s.motion.touch;
   std::string words = fmt::format(
-      "<p>{} in {} of the time; the site slid in {} of the time in touch, {:.3g} m in all, and lost {:.3g} "
-      "J. {} "
+      "<p>{} in {} of the time; the site slid in {} of the time in touch, {:.3g} m in all, and lost {}. {} "
       "made at the hand's place. Shares of labels and of trust are of the time in touch.",
-      counted(t.count, "touch", "touches"), percent(t.time), percent(t.slipping), t.slid, t.lost,
+      counted(t.count, "touch", "touches"), percent(t.time), percent(t.slipping), t.slid, said_joules(t.lost),
       counted(t.jets, "jet at rest was", "jets at rest were"));
   if (std::isfinite(t.angle_p50))
     words += fmt::format(" Angle of the force to the normal: {:.0f} degrees at the median, {:.0f} at p95.",
@@ -176,6 +173,7 @@ std::string pictures(const SessionSummary& summary, const ReportPictures& drawin
 }
 
 std::string error_row(std::string_view name, const SessionSummary::Errors& row) {
+  if (row.samples == 0) return {};
   const auto cell = [](const std::string& text) { return "<td class=\"n\">" + text + "</td>"; };
   return fmt::format("<tr><td>{}</td>", name) + cell(shown(row.samples)) + cell(percent(row.p50)) +
          cell(percent(row.p95)) + cell(percent(row.max)) + cell(percent(row.within_jnd)) + "</tr>\n";
@@ -201,93 +199,6 @@ std::string by_label_table(const SessionSummary& summary) {
   return html;
 }
 
-// ---- the whole document, key by key
-
-std::string printed(const Json& value) {
-  if (value.is_null()) return "–";
-  if (value.is_string()) return html_escaped(value.get<std::string>());
-  if (value.is_number_float()) return shown(value.get<double>());
-  if (value.is_array()) {
-    std::string text;
-    for (const Json& element : value) text += (text.empty() ? "" : ", ") + printed(element);
-    return text;
-  }
-  return html_escaped(json_text(value));
-}
-
-bool is_list_of_rows(const Json& value) {
-  return value.is_array() && !value.empty() && value.front().is_object();
-}
-
-void rows_of(const Json& value, const std::string& path, std::string& html) {
-  if (value.is_object()) {
-    for (const auto& [key, child] : value.items())
-      rows_of(child, path.empty() ? key : path + "." + key, html);
-  } else {
-    html += fmt::format("<tr><td>{}</td><td class=\"n\">{}</td></tr>\n", html_escaped(path), printed(value));
-  }
-}
-
-// "horizon [s]": a column of the tables of predictors.
-std::string titled(const std::string& key) {
-  const std::vector<Declared> columns = declared(prediction_keys());
-  const auto column = std::ranges::find(columns, key, &Declared::name);
-  return column == columns.end() || column->unit == "1" ? key : key + " [" + column->unit + "]";
-}
-
-// A list of objects with the same keys as a table with these columns.
-std::string rows_table(const std::string& title, const Json& rows) {
-  std::string html = fmt::format("<h3>{}</h3>\n<div class=\"scroll\"><table><tr>", html_escaped(title));
-  for (const auto& [key, value] : rows.front().items()) html += "<th>" + html_escaped(titled(key)) + "</th>";
-  html += "</tr>\n";
-  for (const Json& row : rows) {
-    html += "<tr>";
-    for (const auto& [key, value] : row.items()) html += "<td class=\"n\">" + printed(value) + "</td>";
-    html += "</tr>\n";
-  }
-  return html + "</table></div>\n";
-}
-
-// Moves the lists of objects out of a document into tables of their own.
-std::string take_lists(const std::string& path, Json& value) {
-  std::string html;
-  std::vector<std::string> taken;
-  for (auto& [key, child] : value.items()) {
-    const std::string name = path.empty() ? key : path + "." + key;
-    if (is_list_of_rows(child)) {
-      html += rows_table(name, child);
-      taken.push_back(key);
-    } else if (child.is_object()) {
-      html += take_lists(name, child);
-      if (child.empty()) taken.push_back(key);
-    }
-  }
-  for (const std::string& key : taken) value.erase(key);
-  return html;
-}
-
-std::string all_numbers(Json document) {
-  std::string html =
-      "<details open><summary>All numbers (SI; shares from 0 to 1)</summary>\n<div class=\"columns\">\n";
-  for (const char* elsewhere : {"provenance", "notes", "attention"}) document.erase(elsewhere);
-  if (document.contains("error"))
-    for (const char* key : {"by_label", "by_trusted"})
-      document["error"].erase(key);  // in a table of their own
-  const std::string lists = take_lists("", document);
-  std::string single;
-  for (const auto& [key, value] : document.items()) {
-    if (!value.is_object()) {
-      rows_of(value, key, single);
-      continue;
-    }
-    std::string rows;
-    rows_of(value, "", rows);
-    html += fmt::format("<table><tr><th colspan=\"2\">{}</th></tr>\n{}</table>\n", html_escaped(key), rows);
-  }
-  return html + "<table><tr><th colspan=\"2\">session</th></tr>\n" + single + "</table>\n</div>\n" + lists +
-         "</details>\n";
-}
-
 // The warnings that come before all figures.
 std::string attention_box(const SessionSummary& summary) {
   std::string html;
@@ -297,17 +208,12 @@ std::string attention_box(const SessionSummary& summary) {
 
 std::string notes(const SessionSummary& summary, const Scene& scene) {
   std::vector<std::string> lines = scene.source.warnings;
+  std::ranges::move(remarks(summary), std::back_inserter(lines));
   std::ranges::move(shortened_notes(summary.run.notes), std::back_inserter(lines));
   if (lines.empty()) return "";
-  std::string html = "<h2>Notes</h2>\n<ul class=\"note\">\n";
+  std::string html = fmt::format("<details><summary>Notes ({})</summary>\n<ul>\n", lines.size());
   for (const std::string& line : lines) html += "<li>" + html_escaped(line) + "</li>\n";
-  return html + "</ul>\n";
-}
-
-std::string provenance_section(const Json& document) {
-  std::string rows;
-  if (const auto found = document.find("provenance"); found != document.end()) rows_of(*found, "", rows);
-  return "<h2>Provenance</h2>\n<table class=\"wide\">\n" + rows + "</table>\n";
+  return html + "</ul></details>\n";
 }
 
 SliceInput slices_of(const SessionResult& result) {

@@ -18,14 +18,13 @@ namespace fs = std::filesystem;
 
 std::string share(double value) {
   if (!std::isfinite(value)) return "unknown";
-  return value > 0 && value < 1e-3 ? fmt::format("{:.2g} %", 100 * value)
-                                   : fmt::format("{:.1f} %", 100 * value);
+  return said_percent(value);
 }
 
 // One of the figures that a reader looks for: what it is, its value, its meaning.
 void tell_figure(const Globals& globals, const char* what, const std::string& value,
                  const std::string& meaning) {
-  say(globals, fmt::format("  {:<9} {:>8}  {}", what, value, meaning));
+  say(globals, fmt::format("  {:<9} {:>12}  {}", what, value, meaning));
 }
 
 void tell_figures(const Globals& globals, const SessionSummary& s) {
@@ -60,15 +59,6 @@ void tell_figures(const Globals& globals, const SessionSummary& s) {
                           share(s.safety.clamped_share), share(s.safety.slewed_share), behind));
 }
 
-std::string in_words(const SessionSummary::Mesh& mesh) {
-  if (!std::isfinite(mesh.error))
-    return fmt::format("The error of the mesh itself is not known: {}", mesh.how);
-  const std::string range =
-      std::isfinite(mesh.high) ? fmt::format(" ({} to {})", share(mesh.low), share(mesh.high)) : "";
-  return fmt::format("The mesh itself errs by {}{} ({}), not part of these errors; a hand feels {}",
-                     share(mesh.error), range, mesh.how, share(felt_share));
-}
-
 }  // namespace
 
 void tell_session(const Globals& globals, const SessionSummary& s, const std::optional<std::string>& shapes,
@@ -87,9 +77,9 @@ void tell_session(const Globals& globals, const SessionSummary& s, const std::op
                   s.settings.clock == Clock::real ? "real" : "virtual",
                   counted(s.deadline.missed, "missed deadline"), states));
   tell_figures(globals, s);
-  say(globals, in_words(s.error.mesh));
   if (shapes) say(globals, *shapes);
-  for (const std::string& note : shortened_notes(s.run.notes)) say(globals, note);
+  for (const std::string& note : remarks(s)) say(globals, "note: " + note);
+  for (const std::string& note : shortened_notes(s.run.notes)) say(globals, "note: " + note);
   if (std::error_code problem; fs::exists(run / "report.html", problem))
     say(globals, fmt::format("report: {}", (run / "report.html").string()));
   say(globals, look_at_it(globals, run));

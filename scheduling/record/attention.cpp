@@ -98,15 +98,15 @@ void add_short_bars(const SessionSummary::ErrorBars& bars, std::vector<std::stri
   }
 }
 
-std::string coarse(const SessionSummary::Mesh& mesh, double shown) {
-  std::string line = fmt::format(
-      "the mesh itself errs by {:.3g} % of the force ({}), and a hand feels {}; the errors below leave "
-      "that out",
-      100 * mesh.error, mesh.how, in_percent(felt_share));
-  if (std::isfinite(shown))
-    line +=
-        fmt::format(": the rendered force is within {} of the force on this mesh (p95)", in_percent(shown));
-  return line;
+std::string coarse(const SessionSummary::Mesh& mesh) {
+  return fmt::format(
+      "the mesh itself errs by {} of the force, a hand feels {}: more or quadratic elements help",
+      in_percent(mesh.error), in_percent(felt_share));
+}
+
+std::string outside_box(const SessionSummary::Motion& motion) {
+  return fmt::format("{} of the time was outside the box of states: forces there are extrapolated",
+                     said_percent(motion.outside));
 }
 
 // What went wrong around the loop, which ran on.
@@ -160,14 +160,11 @@ std::vector<std::string> attention(const SessionSummary& summary) {
   if (stability && !stability->stable) lines.push_back(unstable(*stability, safety));
   if (std::isfinite(motion.away.median)) lines.push_back(far_from_states(motion.away));
   const SessionSummary::Error& error = summary.error;
-  if (error.mesh.is_felt(error.samples.p95)) lines.push_back(coarse(error.mesh, error.samples.p95));
+  if (error.mesh.is_felt(error.samples.p95)) lines.push_back(coarse(error.mesh));
   if (safety.clamped_share > clamped_too_often) lines.push_back(clamped(safety));
   if (summary.energy.control.added_p95 > added_too_much) lines.push_back(controlled(summary.energy.control));
   if (motion.starts_wrong) lines.push_back(starts_pressed_in(motion));
-  if (motion.outside > outside_too_often)
-    lines.push_back(
-        fmt::format("{:.3g} % of the time was outside the box of states: forces there are extrapolated",
-                    100 * motion.outside));
+  if (outside_is_felt(summary)) lines.push_back(outside_box(motion));
   add_faults(summary.loop, lines);
   if (states.inverted > 0)
     lines.push_back(
@@ -184,11 +181,31 @@ std::vector<std::string> attention(const SessionSummary& summary) {
   return lines;
 }
 
+bool outside_is_felt(const SessionSummary& summary) {
+  const SessionSummary::Errors& samples = summary.error.samples;
+  if (!(summary.motion.outside > outside_too_often)) return false;
+  return samples.samples < few_samples || !(1 - samples.within_jnd <= 0.1 * summary.motion.outside);
+}
+
+std::vector<std::string> remarks(const SessionSummary& summary) {
+  std::vector<std::string> lines;
+  const SessionSummary::Mesh& mesh = summary.error.mesh;
+  if (!std::isfinite(mesh.error))
+    lines.push_back("the error of the mesh itself is not known: " + mesh.how);
+  else
+    lines.push_back(fmt::format("the mesh itself errs by {}, a hand feels {} ({})", said_percent(mesh.error),
+                                in_percent(felt_share), mesh.how));
+  const double outside = summary.motion.outside;
+  if (outside > outside_too_often && !outside_is_felt(summary))
+    lines.push_back(outside_box(summary.motion) + ", without an error that a hand feels");
+  return lines;
+}
+
 std::string share_of_samples(double share, std::size_t samples) {
   if (samples == 0 || !std::isfinite(share)) return "unknown";
   const auto n = static_cast<double>(samples);
   if (samples < few_samples) return fmt::format("{:.0f} of {}", std::round(share * n), samples);
-  return fmt::format("{:.1f} % of {}", 100 * share, samples);
+  return fmt::format("{} of {}", said_percent(share), samples);
 }
 
 }  // namespace forefeel

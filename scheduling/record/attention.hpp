@@ -1,8 +1,9 @@
 #pragma once
-// Warnings that a reader needs before the figures of a session: a tip that drags its site out of what is known,
-// instability (record/stability.hpp), the distance from measured states, a mesh whose own error a hand would feel, many
-// clamped frames, a motion that starts pressed in or leaves the box of states, inverted elements, few samples. Console,
-// report.html and summary.json begin with these lines.
+// Warnings that a reader needs before the figures of a session, because they change what one does: a tip that drags its
+// site out of what is known, instability (record/stability.hpp), the distance from measured states, a mesh whose own
+// error a hand would feel, many clamped frames, a motion that starts pressed in or leaves the box of states with errors
+// that a hand could feel, inverted elements, few samples. Console, report.html and summary.json begin with these lines.
+// The same matters below what a hand feels are remarks, among the notes.
 
 #include <cstddef>
 #include <string>
@@ -21,6 +22,12 @@ inline constexpr std::size_t few_samples = 20;  // with fewer samples, counts ar
 
 // One line each, the most serious first; empty if there are no warnings.
 std::vector<std::string> attention(const SessionSummary& summary);
+
+// What is as it should be and still worth a note: the error of the mesh, a box that the motion leaves without error.
+std::vector<std::string> remarks(const SessionSummary& summary);
+// The motion leaves the box of states so often that errors there could be felt: of what it was outside, less than nine
+// tenths are known to be right.
+bool outside_is_felt(const SessionSummary& summary);
 
 // A share with the number of samples that it rests on: "98.1 % of 213", and "1 of 1" below few_samples;
 // "unknown" without samples.

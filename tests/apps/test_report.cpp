@@ -117,6 +117,8 @@ TEST_CASE(
   CHECK_THAT(page, Contains("<div class=\"tile bad\"><b>"));
   CHECK_THAT(page, Contains("of 1000 frames clamped at 0.02 N"));
   CHECK_THAT(page, Contains("load: states that the motion needs"));
+  CHECK_THAT(page, Contains("<details><summary>All numbers") && Contains("<details><summary>Notes ("));
+  CHECK_THAT(page, !Contains("<td class=\"n\">–</td>") && !Contains(">stability.generated_in.safe<"));
   CHECK_THAT(page, Contains("<h3>prediction.kalman</h3>", "<th>horizon [s]</th>", "<th>p95 [m]</th>"));
   CHECK_THAT(page, !Contains("{&quot;horizon") && !Contains("{\"horizon"));
   for (const char* headline : {"<h2>Force, label and error over time (", "<h2>Around one switch (",

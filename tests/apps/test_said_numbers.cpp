@@ -53,12 +53,13 @@ double mean(const std::vector<double>& values) {
 
 // As commands print them.
 std::string percent(double share) {
-  return share > 0 && share < 1e-3 ? fmt::format("{:.2g} %", 100 * share)
-                                   : fmt::format("{:.1f} %", 100 * share);
+  if (share == 0 || share == 1) return fmt::format("{:.0f} %", 100 * share);
+  if (share < 1e-3) return "below 0.1 %";
+  return share > 0.999 ? "above 99.9 %" : fmt::format("{:.1f} %", 100 * share);
 }
 std::string share_of(std::size_t part, std::size_t all) {
   return all < 20 ? fmt::format("{} of {}", part, all)
-                  : fmt::format("{:.1f} % of {}", 100.0 * double(part) / double(all), all);
+                  : fmt::format("{} of {}", percent(double(part) / double(all)), all);
 }
 
 using Said = std::vector<std::string>;
@@ -115,25 +116,26 @@ void check_session(const Workshop& shop, const std::string& out, double limit) {
   REQUIRE(visits > 0);
   CHECK(states.csv.rows() == solved);
   check_said(
-      out, {fmt::format("attention: {:.3g} % of the frames were clamped at the force limit of {:.3g} N",
-                        100 * clamped, limit),
-            fmt::format("attention: {:.3g} % of the time was outside the box of states", 100 * outside),
-            fmt::format("s rendered: {} frames (virtual clock), 0 missed deadlines; 0 states known at the "
-                        "start, {} solved, {} used",
-                        n, solved, used),
-            fmt::format("{:>8}  of the force, for 95 % of the samples (median {}); below what a hand feels: "
-                        "{} samples, {} first visits",
-                        percent(rank(all, 0.95)), percent(rank(all, 0.5)), samples_felt, visits_felt),
-            fmt::format("{:>8}  of {} true forces lay inside the 95 % error bars, of half-width {:.2g} N "
-                        "(median)",
-                        percent(double(held) / double(widths.size())), widths.size(), rank(widths, 0.5)),
-            fmt::format("{:>8}  of the time among densely known states; sparse {}, gap {}, blank {}; outside "
-                        "the box {}",
-                        in("safe"), in("sparse"), in("gap"), in("blank"), percent(outside)),
-            fmt::format("felt      {:>8}  step{} of the force that a hand feels, the largest {:.2g} N",
-                        felt.count, felt.count == 1 ? "" : "s", felt.largest),
-            fmt::format("of {} changes of model {} moved it by more", switches.csv.rows(), over),
-            fmt::format("clamped {}", percent(clamped))});
+      out,
+      {fmt::format("attention: {:.3g} % of the frames were clamped at the force limit of {:.3g} N",
+                   100 * clamped, limit),
+       fmt::format("{} of the time was outside the box of states", percent(outside)),
+       fmt::format("s rendered: {} frames (virtual clock), 0 missed deadlines; 0 states known at the "
+                   "start, {} solved, {} used",
+                   n, solved, used),
+       fmt::format("{:>12}  of the force, for 95 % of the samples (median {}); below what a hand feels: "
+                   "{} samples, {} first visits",
+                   percent(rank(all, 0.95)), percent(rank(all, 0.5)), samples_felt, visits_felt),
+       fmt::format("{:>12}  of {} true forces lay inside the 95 % error bars, of half-width {:.2g} N "
+                   "(median)",
+                   percent(double(held) / double(widths.size())), widths.size(), rank(widths, 0.5)),
+       fmt::format("{:>12}  of the time among densely known states; sparse {}, gap {}, blank {}; outside "
+                   "the box {}",
+                   in("safe"), in("sparse"), in("gap"), in("blank"), percent(outside)),
+       fmt::format("felt      {:>12}  step{} of the force that a hand feels, the largest {:.2g} N",
+                   felt.count, felt.count == 1 ? "" : "s", felt.largest),
+       fmt::format("of {} changes of model {} moved it by more", switches.csv.rows(), over),
+       fmt::format("clamped {}", percent(clamped))});
   const auto tile = [](const std::string& value, const std::string& what) {
     return fmt::format("<b>{}</b><span>{}", value, what);
   };
@@ -148,7 +150,7 @@ void check_session(const Workshop& shop, const std::string& out, double limit) {
               tile(largest("switch_change"), fmt::format("largest change by one of {} switches in one frame; "
                                                          "{} undamped",
                                                          switches.csv.rows(), largest("undamped_jump"))),
-              tile(fmt::format("{:.1f} %", 100 * outside), fmt::format("of {} frames outside the box", n)),
+              tile(percent(outside), fmt::format("of {} frames outside the box", n)),
               tile(std::to_string(solved), fmt::format("states solved; {} used by a model", used)),
               fmt::format("<h2>Error by label ({} samples)</h2>", all.size())});
   std::size_t rows = 0;
@@ -158,10 +160,7 @@ void check_session(const Workshop& shop, const std::string& out, double limit) {
     });
     if (of.empty()) continue;
     ++rows;
-    const auto cell = [](double share) {
-      const double value = 100 * share;
-      return value != 0 && value < 0.1 ? fmt::format("{:.2g} %", value) : fmt::format("{:.1f} %", value);
-    };
+    const auto cell = [](double share) { return percent(share); };
     check_said(report,
                {fmt::format("<tr><td>{}</td><td class=\"n\">{}</td><td class=\"n\">{}</td><td class=\"n\">{}"
                             "</td><td class=\"n\">{}</td>",

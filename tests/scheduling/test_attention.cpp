@@ -45,15 +45,17 @@ TEST_CASE("the mesh's own error comes first only where a hand would feel it and 
   summary.error.samples.p95 = 0.0031;
   summary.error.mesh = {.error = 0.0043, .how = "a finer mesh"};
   CHECK(attention(summary).empty());
+  REQUIRE(remarks(summary).size() == 1);
+  CHECK(remarks(summary)[0] == "the mesh itself errs by 0.4 %, a hand feels 7 % (a finer mesh)");
   summary.error.mesh.error = 0.12;
   REQUIRE(attention(summary).size() == 1);
   CHECK_THAT(attention(summary)[0],
-             Catch::StartsWith("the mesh itself errs by 12 % of the force (a finer mesh)"));
+             Catch::StartsWith("the mesh itself errs by 12 % of the force, a hand feels 7 %"));
   summary.error.samples.p95 = 0.2;
   CHECK(attention(summary).empty());
   summary.error.samples.p95 = unknown;
   REQUIRE(attention(summary).size() == 1);
-  CHECK_THAT(attention(summary)[0], Catch::EndsWith("the errors below leave that out"));
+  CHECK_THAT(attention(summary)[0], Catch::EndsWith("quadratic elements help"));
 }
 
 TEST_CASE("a tip far from its site: what holds the site is named, and no friction of 0 is to be lowered") {
@@ -124,9 +126,12 @@ TEST_CASE("more than 5 % of frames clamped is said first of all, with the limit"
   for (std::size_t k = 0; k < 380; ++k) result.frames[k].at = Vec3(1, 0, 0);
   SessionSummary summary = summarise(result, small_input(), virtual_options(1));
   summary.safety.force_limit = 3.3;
+  CHECK(attention(summary).size() == 1);  // outside the box, and right all the same: a remark
+  CHECK_THAT(remarks(summary).back(), Contains("38.0 %", "without an error that a hand feels"));
+  summary.error.samples.within_jnd = 0.95;
   REQUIRE(attention(summary).size() == 2);
   CHECK_THAT(attention(summary)[0], Contains("98.5 %", "3.3 N"));
-  CHECK_THAT(attention(summary)[1], Contains("38 %", "outside the box"));
+  CHECK_THAT(attention(summary)[1], Contains("38.0 %", "outside the box"));
 }
 
 TEST_CASE("a position on a face of the box is inside") {
