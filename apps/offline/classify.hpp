@@ -84,7 +84,7 @@ struct Classified {
   Holes holes;
   std::shared_ptr<const AdaptiveLattice> lattice;  // set if the spacing varies from place to place
 
-  std::vector<Vec3> places() const;  // of all states and those beside, turned
+  std::vector<Vec3> places() const;        // of all states and those beside, turned
   Coverage coverage(const Vec3& q) const;  // delta: to the nearest of the states, not of those beside
   // Of the leaf that contains q, a place of the box, turned.
   Label region_label(const Vec3& q) const {

@@ -79,7 +79,8 @@ const SceneRows<Scene>& rows_of_space() {
   static const auto rows =
       SceneRows<Scene>("state_space", "Where states are placed.")
           .row({"spacing", "m", "",
-                "distance between states that counts as dense, and side of generated lattices; \"auto\": measured, so that safe means an error below "
+                "distance between states that counts as dense, and side of generated lattices; \"auto\": "
+                "measured, so that safe means an error below "
                 "tolerance"})
           .required("a number above 0 [m]")
           .standard("required; 0.006 with a phantom")

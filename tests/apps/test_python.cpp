@@ -87,7 +87,8 @@ TEST_CASE("the Python example of a policy compares it in a study, and its policy
   CHECK(number_after(done.out, "ahead:") > number_after(done.out, "nearest:") + 10);
 }
 
-TEST_CASE("the notebooks run, and what they show is so", SLOW("runs the Python module, which only run.sh all builds")) {
+TEST_CASE("the notebooks run, and what they show is so",
+          SLOW("runs the Python module, which only run.sh all builds")) {
   if (is_missing()) return;
   if (!has_python_module("matplotlib") || !has_python_module("pandas"))
     return skip("python3-matplotlib or python3-pandas is not installed");

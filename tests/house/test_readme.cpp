@@ -38,8 +38,8 @@ std::vector<std::string> blocks(const std::string& page, const std::string& lang
 std::string commands(const std::string& page) {
   std::string script;
   for (const std::string& block : blocks(page, "sh"))
-    if (block.find("apps/setup.sh") == std::string::npos && block.find("quickstart.sh") == std::string::npos &&
-        block.find("export PATH") == std::string::npos)
+    if (block.find("apps/setup.sh") == std::string::npos &&
+        block.find("quickstart.sh") == std::string::npos && block.find("export PATH") == std::string::npos)
       script += block;
   REQUIRE(!script.empty());
   return script;
