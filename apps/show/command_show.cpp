@@ -268,14 +268,24 @@ void add_show(CommandLine& line) {
   const auto arguments = std::make_shared<ShowArguments>();
   Command sub =
       line.add("show", "Show a scene, a mesh, states or a run: a picture that can be turned and zoomed");
-  sub.runs([arguments](const Globals& globals) { return run_show(globals, *arguments); });
+  sub.runs([arguments](const Globals& globals) {
+    std::error_code error;
+    const fs::path what = arguments->request.what;
+    if (arguments->output.empty() && fs::is_directory(what, error))
+      arguments->output = (what / "show.html").string();
+    if (arguments->output.empty())
+      throw InputError("show",
+                       "-o is missing, expected OUT.html or OUT.vtu; of the folder of a run RUN/show.html is "
+                       "made without it");
+    return run_show(globals, *arguments);
+  });
   sub.option("WHAT", arguments->request.what,
              "Scene (.toml), mesh, surface, states (.states .csv) or the folder of a run")
       .required()
       .shows("SCENE|MESH|STATES|RUN/");
   sub.option("-o,--output", arguments->output,
-             "One page for a browser, which needs no network (.html), or files for ParaView (.vtu)")
-      .required()
+             "One page for a browser, which needs no network (.html), or files for ParaView (.vtu) [of a run "
+             "RUN/show.html]")
       .shows("OUT");
   sub.option(
          "--scene", arguments->request.scene,

@@ -74,6 +74,23 @@ TEST_CASE("a session whose motion starts pressed in and leaves the box says so i
   CHECK(said < tiles);
 }
 
+TEST_CASE("info of a run's folder says what was run, what came of it and what to look at") {
+  const BeamShop shop;
+  shop.run("session beam.toml --clock virtual --seconds 0.2 --cost constant:0.02 -o run --quiet");
+  const json said = shop.json("info run"), summary = json::parse(shop.read("run/summary.json"));
+  CHECK(said["kind"] == "run");
+  CHECK(said["frames"] == summary["frames"]);
+  CHECK(said["error"]["p95"] == summary["error"]["p95"]);
+  const auto told = shop.run("info run/");
+  for (const std::string word :
+       {"forefeel session beam.toml", "frames; 0 states at the start", "report.html", "forefeel show run"})
+    CHECK_THAT(told.out, Contains(word));
+  CHECK(shop.run("show run").code == 0);
+  CHECK(shop.has("run/show.html"));
+  CHECK(shop.forefeel("show beam.toml").code == 2);
+  CHECK(shop.forefeel("info .").code == 2);
+}
+
 TEST_CASE("clamped frames are said first, the report draws the limit, and plots show what the errors judge") {
   const BeamShop shop("[session.limits]\nforce = 0.02\n");
   const auto run = shop.run(

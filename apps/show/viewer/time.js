@@ -110,5 +110,5 @@ function makeTime() {
     };
     if (playing) requestAnimationFrame(step);
   };
-  setTime(first);
+  setTime(last);  // where most is known
 }
