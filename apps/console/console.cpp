@@ -147,6 +147,13 @@ struct Progress::Line {
     const double elapsed = 1e-9 * static_cast<double>(now - started_ns);
     std::cerr << "\r\033[K" << progress_line(title, share, text, elapsed, before) << std::flush;
   }
+  void begin(double done, const std::string& what) {
+    const std::lock_guard lock(mutex);
+    started_ns = now_ns();
+    share = before = done;
+    text = what;
+    given = true;
+  }
   void note(const std::string& line) {
     const std::lock_guard lock(mutex);
     flush_warnings();
@@ -184,6 +191,10 @@ void Progress::show(const std::string& text) {
 
 void Progress::phase(const std::string& title) {
   if (line_) line_->phase(title);
+}
+
+void Progress::begin(double share, const std::string& text) {
+  if (line_) line_->begin(share, text);
 }
 
 void Progress::note(const std::string& line) {

@@ -48,6 +48,8 @@ class Progress {
   void show(const std::string& text);  // the remaining work is unknown; shows the time so far
   // Begins the next phase: sets the title of the line and restarts its time. No effect if the title is the same.
   void phase(const std::string& title);
+  // The phase begins now with this share done, by an earlier run: it does not count in the time left.
+  void begin(double share, const std::string& text);
   void note(const std::string& line);  // a line of its own that stays
 
  private:

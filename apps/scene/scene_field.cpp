@@ -8,9 +8,11 @@
 #include <cstdint>
 #include <filesystem>
 #include <fstream>
+#include <functional>
 #include <optional>
 #include <sstream>
 #include <string_view>
+#include <utility>
 
 #include "apps/console/console.hpp"
 #include "apps/scene/cache_folder.hpp"
@@ -160,29 +162,35 @@ void check_sizes(const Scene& scene, const Body& body, double spacing) {
                                  spacing, sites, std::sqrt(area / most_sites)));
 }
 
+// Shows shares; the first is what an earlier run has done.
+std::function<void(double)> shown_by(Progress& progress, const char* what) {
+  return [&progress, what, first = true](double share) mutable {
+    if (std::exchange(first, false)) progress.begin(share, what);
+    progress.show(share, what);
+  };
+}
+
 // Says what a field will cost, once its first pieces are measured.
 class FieldCost {
  public:
-  FieldCost(const Scene& scene, const Body& body, double spacing, Progress& progress)
-      : fine_(scene.touch.anywhere->fine != nullptr), progress_(progress) {
+  FieldCost(const Scene& scene, const Body& body, const SiteFieldOptions& options, Progress& progress)
+      : fine_(scene.touch.anywhere->fine != nullptr), threads_(options.threads), progress_(progress) {
     const SurfaceMap map(body);
     const auto facets = static_cast<double>(map.facets().size());
     const double nodes = body.element == Element::quadratic ? 2 * facets : facets / 2,
-                 sites = map.free_area() / (spacing * spacing);
+                 sites = map.free_area() / (options.spacing * options.spacing);
     whole_ = (1 + jets * sites / nodes) * facets_too;
     what_ = fmt::format("{} {} elements", body.mesh.tets.size(), name(body.element));
   }
 
   void show(double share) {
-    progress_.show(share, "compliance of the surface");
     const auto now = std::chrono::steady_clock::now();
-    const double seconds = std::chrono::duration<double>(now - start_).count();
     ++calls_;
-    if (calls_ <= 2) start_ = now, first_ = share;  // what is kept; then the first piece, with the factor
-    if (said_ || calls_ < 3 || seconds < measured) return;
+    if (calls_ <= threads_ + 2) start_ = now, first_ = share;  // what is kept; then each thread's factor
+    const double seconds = std::chrono::duration<double>(now - start_).count();
+    if (said_ || seconds < measured || calls_ < 2 * threads_ + 6) return;
     said_ = true;
-    const double all = seconds / (share - first_);
-    const double left = all * (whole_ - share);
+    const double left = seconds / (share - first_) * (whole_ - share);
     if (left < worth_saying) return;
     progress_.note(fmt::format(
         "The field at rest of {} takes about {} more; it is kept piece by piece, and a "
@@ -192,10 +200,11 @@ class FieldCost {
 
  private:
   // Measured on phantoms: seconds of a jet over those of a surface node's columns, and of all over those of both.
-  static constexpr double jets = 20, facets_too = 1.4;
-  static constexpr double measured = 1, worth_saying = 15;  // [s]
+  static constexpr double jets = 13, facets_too = 1.4;
+  static constexpr double measured = 2, worth_saying = 15;  // [s]
 
   bool fine_, said_ = false;
+  int threads_;
   Progress& progress_;
   double whole_ = 1;  // the field's time over its compliance's
   std::string what_;
@@ -226,12 +235,17 @@ FieldFound find_field(const Scene& scene, const Globals& globals, const std::sto
   } else {
     Progress progress(globals, "Field at rest (1 of 3)");
     PieceFile pieces(pieces_of(file));
-    FieldCost cost(scene, *body, options.spacing, progress);
+    FieldCost cost(scene, *body, options, progress);
     const auto rest = std::make_shared<const RestSites>(
-        body, options.threads, std::span<const double>(), [&](double share) { cost.show(share); }, &pieces);
+        body, options.threads, std::span<const double>(),
+        [&cost, show = shown_by(progress, "compliance of the surface")](double share) {
+          show(share);
+          cost.show(share);
+        },
+        &pieces);
     progress.phase("Field at rest (2 of 3)");
-    found.field = std::make_shared<const SiteField>(
-        rest, options, [&](double share) { progress.show(share, "jets of sites"); }, stop, &pieces);
+    found.field =
+        std::make_shared<const SiteField>(rest, options, shown_by(progress, "jets of sites"), stop, &pieces);
     if (!stop.stop_requested()) {
       write_cached(file, bytes_of({found.field->rest().compliance(), found.field->sites()}));
       pieces.remove();
@@ -247,9 +261,9 @@ std::shared_ptr<const FieldPatches> find_patches(const Scene& scene, std::shared
   const std::optional<std::vector<double>> kept = read_cached(file, patches_of_bytes);
   Progress progress(globals, "Field at rest (3 of 3)");
   PieceFile pieces(kept ? fs::path() : pieces_of(file));
-  const auto patches = std::make_shared<const FieldPatches>(
-      std::move(field), kept ? *kept : std::vector<double>(),
-      [&](double share) { progress.show(share, "places on facets"); }, stop, &pieces);
+  const auto patches =
+      std::make_shared<const FieldPatches>(std::move(field), kept ? *kept : std::vector<double>(),
+                                           shown_by(progress, "places on facets"), stop, &pieces);
   if (!stop.stop_requested() && (!kept || kept->size() != patches->values().size())) {
     Packer out;
     out.add_raw(patches_magic);

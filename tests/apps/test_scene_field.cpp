@@ -99,7 +99,7 @@ TEST_CASE("a field that is stopped is not kept", "[scene]") {
 TEST_CASE("pieces of a killed run are read to the last whole one, and one process at a time keeps them",
           "[scene]") {
   const Workshop shop;
-  const fs::path file = cache_folder() / "pieces";
+  const fs::path file = shop.path() / "pieces";
   const std::vector<double> a{1, 2.5, -3}, b{4};
   std::vector<double> three(3), one(1);
   {
@@ -148,7 +148,7 @@ TEST_CASE("a field resumes from the pieces of a run that was killed, to the bit"
   const Workshop shop;
   const Scene scene = load(shop);
   const SiteFieldOptions options{.threads = 2};
-  const fs::path file = cache_folder() / "pieces";
+  const fs::path file = shop.path() / "pieces";
   std::vector<double> shares;
   const auto make = [&](Counted* kept) {
     shares.clear();

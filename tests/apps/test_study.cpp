@@ -36,24 +36,23 @@ TEST_CASE(
   CHECK(shop.forefeel("study study.toml -o out --gantt 9").code == 2);
 }
 
-TEST_CASE(
-    "forefeel study: the terminal shows the intervals of the document, and none where one pair gives none") {
+TEST_CASE("forefeel study: the terminal shows the intervals of the document, and none below four motions") {
   const Workshop shop;
   shop.write("scene.toml", beam_scene("[session]\nseconds = 0.8\nrest_first = false\nfirst_guess = false\n"));
   const std::string varied =
       "baseline = \"constant:0.02\"\n[vary]\ncost = [\"constant:0.02\", \"constant:0.3\"]\n";
-  shop.write(
-      "three.toml",
-      "scene = \"scene.toml\"\nseeds = [1]\n" + varied +
-          "device = [\"path:circle,speed=0.03\", \"path:reach,speed=0.03\", \"path:line,speed=0.02\"]\n");
+  shop.write("four.toml",
+             "scene = \"scene.toml\"\nseeds = [1]\n" + varied +
+                 "device = [\"path:circle,speed=0.03\", \"path:reach,speed=0.03\", \"path:line,speed=0.02\", "
+                 "\"path:press,speed=0.02\"]\n");
   shop.write("one.toml",
              "scene = \"scene.toml\"\nseeds = [1]\n" + varied + "device = [\"path:circle,speed=0.03\"]\n");
-  const auto told = shop.run("study three.toml -o three --json");
+  const auto told = shop.run("study four.toml -o four --json");
   const auto contrast = told.json()["contrasts"][0];
-  const auto said = shop.run("study three.toml -o three");
+  const auto said = shop.run("study four.toml -o four");
   INFO(said.out << contrast.dump());
   CHECK(contrast["metric"] == "error.first_visit.within_jnd");
-  CHECK(contrast["traces"] == 3);
+  CHECK(contrast["traces"] == 4);
   CHECK(contrast["student"][0].get<double>() < contrast["student"][1].get<double>());
   const auto points = [](const json& value) {
     std::ostringstream text;
@@ -67,6 +66,7 @@ TEST_CASE(
              Contains("constant:0.3 against constant:0.02: " + points(contrast["mean"]) + ", bootstrap " +
                       interval("bootstrap") + ", Student's " + interval("student")));
   const auto single = shop.run("study one.toml -o one");
+  CHECK_THAT(single.out, Contains("1 motion is too few to compare"));
   CHECK_THAT(single.out, Contains("bootstrap none, Student's none: not significant"));
 }
 
