@@ -6,6 +6,7 @@
 #include <vector>
 
 #include "apps/console/interrupt.hpp"
+#include "apps/scene/scene_anywhere.hpp"
 #include "apps/scene/scene_session.hpp"
 #include "apps/scene/spec_text.hpp"
 #include "geometry/common/error.hpp"

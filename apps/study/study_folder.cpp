@@ -61,9 +61,9 @@ void write_record(const fs::path& folder, const StudyCell& cell, const StudyCell
 }
 
 // One process at a time writes to a folder.
-class FolderLock {
+class StudyLock {
  public:
-  explicit FolderLock(const fs::path& folder) {
+  explicit StudyLock(const fs::path& folder) {
     descriptor_ = open((folder / "cells" / "lock").c_str(), O_CREAT | O_RDWR | O_CLOEXEC, 0644);
     if (descriptor_ < 0)
       throw InputError({.file = folder.string()}, "cannot be written, expected a folder for the results");
@@ -73,9 +73,9 @@ class FolderLock {
                        "another study is writing here, expected a folder of its own");
     }
   }
-  ~FolderLock() { close(descriptor_); }
-  FolderLock(const FolderLock&) = delete;
-  FolderLock& operator=(const FolderLock&) = delete;
+  ~StudyLock() { close(descriptor_); }
+  StudyLock(const StudyLock&) = delete;
+  StudyLock& operator=(const StudyLock&) = delete;
 
  private:
   int descriptor_ = -1;
@@ -116,7 +116,7 @@ StudyResult run_study_in(const StudyPlaces& places, const StudyPart& part, const
   const fs::path& folder = places.folder;
   std::error_code error;
   fs::create_directories(folder / "cells", error);
-  const FolderLock lock(folder);
+  const StudyLock lock(folder);
   if (!places.manifest.empty()) write_whole(folder / "study.json", places.manifest);
   merge(places, plan);
   Progress progress(globals, "study");
