@@ -68,14 +68,16 @@ class SvgCanvas : public Canvas {
   void slice(const Slice& slice, double left, double top, double scale) override {
     const LabelImage& image = slice.labels;
     const double width = image.columns * scale, height = image.rows * scale;
-    out_ += fmt::format("<g transform=\"translate({:.1f} {:.1f})\">\n", left, top);
+    // Crisp edges: a browser would leave white hairlines between the boxes.
+    out_ += fmt::format("<g transform=\"translate({:.1f} {:.1f})\">\n<g shape-rendering=\"crispEdges\">\n",
+                        left, top);
     for (const LabelBox& box : label_boxes(image))
       out_ +=
           fmt::format("<rect class=\"{}\" x=\"{:.2f}\" y=\"{:.2f}\" width=\"{:.2f}\" height=\"{:.2f}\"/>\n",
                       name(box.label), box.left * scale, (image.rows - box.above) * scale,
                       (box.right - box.left) * scale, (box.above - box.below) * scale);
-    out_ += fmt::format("<svg width=\"{0:.1f}\" height=\"{1:.1f}\" viewBox=\"0 0 {0:.1f} {1:.1f}\">\n", width,
-                        height);
+    out_ += fmt::format("</g>\n<svg width=\"{0:.1f}\" height=\"{1:.1f}\" viewBox=\"0 0 {0:.1f} {1:.1f}\">\n",
+                        width, height);
     if (!slice.states.empty()) {
       out_ += fmt::format("<path class=\"state\" stroke-width=\"{:.2f}\" d=\"", 2 * radius_of(slice, scale));
       for (const auto& s : slice.states)

@@ -74,7 +74,11 @@ FolderLock claim_run_folder(const Globals& globals, const SessionArguments& give
                                  "report.html",
                                  std::string(inputs_file_name)};
   std::ranges::move(shape_files, std::back_inserter(files));
+  const bool again = fs::exists(run / "summary.json");
   claim_folder(run, files);
+  if (again)
+    say(globals,
+        fmt::format("{}: the report, tables and shapes of an earlier run are replaced", run.string()));
   remove_shape_files(run);
   if (!lock) lock.emplace(run);
   set_aside_states_of_last_run(globals, given, run);

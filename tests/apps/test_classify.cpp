@@ -81,8 +81,9 @@ TEST_CASE("pictures hold three slices, four classes of their own hatching and a 
   shop.write("gap.csv", setup_csv("gap"));
   shop.run("classify gap.csv --spacing 0.006 -o out.svg --through 0.01,0,0");
   const std::string svg = shop.read("out.svg");
-  for (const char* part : {"x = 10 mm", "y = 0 mm", "z = 0 mm", "class=\"safe\"", "class=\"sparse\"",
-                           "class=\"gap\"", "safe: ", "blank: ", "states", "pattern id=\"gap\"", "</svg>"})
+  for (const char* part :
+       {"x = 10 mm", "y = 0 mm", "z = 0 mm", "class=\"safe\"", "class=\"sparse\"", "class=\"gap\"",
+        "safe: ", "blank: ", "states", "pattern id=\"gap\"", "shape-rendering=\"crispEdges\"", "</svg>"})
     CHECK_THAT(svg, Contains(part));
   shop.run("classify gap.csv --spacing 0.006 --index octree -o out.csv");
   CHECK(shop.read("out.csv").starts_with("x,y,z,dx,dy,dz,label,component\n"));

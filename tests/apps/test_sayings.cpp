@@ -86,6 +86,8 @@ TEST_CASE("info of a run's folder says what was run, what came of it and what to
        {"forefeel session beam.toml", "frames; 0 states at the start", "report.html", "forefeel show run"})
     CHECK_THAT(told.out, Contains(word));
   CHECK(shop.run("show run").code == 0);
+  CHECK_THAT(shop.run("session beam.toml --clock virtual --seconds 0.2 --cost constant:0.02 -o run").out,
+             Contains("run: the report, tables and shapes of an earlier run are replaced"));
   CHECK(shop.has("run/show.html"));
   CHECK(shop.forefeel("show beam.toml").code == 2);
   CHECK(shop.forefeel("info .").code == 2);
