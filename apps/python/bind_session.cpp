@@ -14,6 +14,7 @@
 #include "apps/python/python_parts.hpp"
 #include "apps/python/scene_object.hpp"
 #include "apps/scene/scene_mesh_error.hpp"
+#include "apps/scene/scene_anywhere.hpp"
 #include "apps/scene/scene_session.hpp"
 #include "apps/scene/spec_text.hpp"
 #include "apps/session/away_from_states.hpp"

@@ -22,6 +22,8 @@
 
 namespace forefeel {
 
+class DelaunayIndex;
+
 class Regions {
  public:
   // States nearer than the merge distance to an earlier one are ignored. One thread calls progress with the share done.

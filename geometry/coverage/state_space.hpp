@@ -67,11 +67,11 @@ std::vector<Vec3> lattice(const Box& box, double spacing);
 // The spacing h [m] of states that come without one. A full cubic lattice of side h has Delaunay cells of
 // circumradius R = sqrt(3)/2 h, so
 //   h = 2/sqrt(3) times the third quartile of R over the cells next to the states,
-// of one cell each, in a random direction. It is h for a full lattice, about h for one that is jittered or has gaps, and for
-// random places of density n about 1.2 n^(-1/3): about nine tenths of their hull are safe then. If fewer than a third of the
-// states have a cell among their 24 nearest (planes, strokes, shells), it is the median distance to the nearest state.
-// `unknown` with fewer than two positions. With more than 20 000 states only every k-th is measured, at most 20 000 of
-// them; all states count as neighbours. States at one position count once. O(n log n).
+// of one cell each, in a random direction. It is h for a full lattice, about h for one that is jittered or has gaps,
+// and for random places of density n about 1.2 n^(-1/3): about nine tenths of their hull are safe then. If fewer than
+// a third of the states have a cell among their 24 nearest (planes, strokes, shells), it is the median distance to
+// the nearest state. `unknown` with fewer than two positions. With more than 20 000 states only every k-th is
+// measured, at most 20 000 of them; all states count as neighbours. States at one position count once. O(n log n).
 double estimate_spacing(std::span<const State> states);
 
 }  // namespace forefeel
