@@ -144,14 +144,15 @@ TEST_CASE("help finds tables, keys and commands by their own names") {
   CHECK_THAT(shop.run("help replay").out, Contains("forefeel replay --help"));
   for (const char* word : {"safe ", "sparse ", "gap ", "blank ", "forefeel classify"})
     CHECK_THAT(shop.run("help labels").out, Contains(word));
-  CHECK_THAT(shop.run("help report").out, Contains("slewed") && Contains("regret"));
+  CHECK_THAT(shop.run("help glossary").out, Contains("slewed") && Contains("regret"));
 }
 
 TEST_CASE("a topic or table that help does not know is refused with the nearest one") {
   const Workshop shop;
   check_refused(shop, "help scenes", {"unknown topic", "did you mean 'scene'"});
-  check_refused(shop, "help sesion",
-                {"unknown topic", "scene, study, devices, outputs, labels, words", "--help"});
+  check_refused(
+      shop, "help sesion",
+      {"unknown topic", "scene, study, devices, outputs, labels, bodies, models, report, words", "--help"});
   check_refused(shop, "help scene materials", {"unknown table", "did you mean 'material'"});
   check_refused(shop, "help scene -o a.txt", {"a.txt", ".html"});
 }

@@ -331,12 +331,13 @@ TEST_CASE("a study says the means, the difference and the interval of its cells"
                                       "discretisation_error = false\n"));
   shop.write("study.toml",
              "scene = \"scene.toml\"\nseeds = [1, 2]\n[vary]\ncost = [\"constant:0.02\", \"constant:0.3\"]\n"
-             "device = [\"path:circle,speed=0.03\", \"path:reach,speed=0.05\", \"path:line,speed=0.02\"]\n");
+             "device = [\"path:circle,speed=0.03\", \"path:reach,speed=0.05\", \"path:line,speed=0.02\", "
+             "\"path:lissajous,speed=0.04\"]\n");
   const auto run = shop.run("study study.toml -o out");
   const Table cells(shop, "out/cells.csv");
   const char* const metric = "error.first_visit.within_jnd";
   const std::vector<std::string> devices{"path:circle,speed=0.03", "path:reach,speed=0.05",
-                                         "path:line,speed=0.02"};
+                                         "path:line,speed=0.02", "path:lissajous,speed=0.04"};
   const auto mean_of = [&](const std::string& column, const std::string& device,
                            const std::string& cost = "") {
     return mean(cells.sorted([&](Row i) {
@@ -368,19 +369,16 @@ TEST_CASE("a study says the means, the difference and the interval of its cells"
   double squares = 0;
   for (const double d : difference) squares += (d - shift) * (d - shift);
   const double half =
-      4.302652729749464 * std::sqrt(squares / 2 / 3);  // t of 97.5 % with 2 degrees of freedom
+      3.182446305284263 * std::sqrt(squares / 3 / 4);  // t of 97.5 % with 3 degrees of freedom
   REQUIRE(shift > 0);
   REQUIRE(half > 0);
   const auto points = [](double value) { return fmt::format("{:.3g}", 100 * value); };
-  check_said(
-      run.out,
-      {fmt::format(": constant:0.02, with a mean of {} (first visits within the JND [%]); the next, "
-                   "constant:0.3, has {} (difference {} points, 95 % interval {} to {}, over 6 pairs on 3 "
-                   "motions)",
-                   points(mean(fast)), points(mean(slow)), points(shift), points(shift - half),
-                   points(shift + half)),
-       fmt::format("constant:0.3 against constant:0.02: {}, bootstrap", points(-shift)),
-       fmt::format("Student's [{}, {}]", points(-shift - half), points(-shift + half))});
+  check_said(run.out, {fmt::format(": constant:0.02 {} %, constant:0.3 {} % of first visits within the JND",
+                                   points(mean(fast)), points(mean(slow))),
+                       fmt::format("{} points, 95 % interval {} to {}, over 8 pairs on 4 motions",
+                                   points(shift), points(shift - half), points(shift + half)),
+                       fmt::format("constant:0.3 against constant:0.02: {}, bootstrap", points(-shift)),
+                       fmt::format("Student's [{}, {}]", points(-shift - half), points(-shift + half))});
   const std::string report = shop.read("out/report.html");
   // Every measure by cost: the mean over all cells of each value.
   const auto measure = [&](const char* title, const char* column, double scale) {

@@ -267,6 +267,6 @@ TEST_CASE("what cannot be shown is refused in one line", "[show]") {
   check_refused(shop, "show ball.msh --set model.neighbours=5 -o out.vtu", {"--set"});
   check_refused(shop, "show ball.msh --foreign -o out.vtu", {"--foreign"});
   check_refused(shop, "show s.states -o no/such/folder/out.vtu", {"no/such/folder"});
-  check_refused(shop, "show beam.toml", {"--output"});
+  check_refused(shop, "show beam.toml", {"-o is missing, expected OUT.html or OUT.vtu"});
   shop.run("show s.states --scene other.toml --foreign -o out.vtu");
 }

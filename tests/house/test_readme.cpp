@@ -181,7 +181,7 @@ TEST_CASE("the Python of the pages runs as it is written", "[readme]" SLOW("runs
   const Workshop shop;
   lay_out(shop);
   bring(shop);
-  REQUIRE(shop.forefeel("mesh organ.obj -o organ.msh --elements 2000 --length 0.2").code == 0);
+  REQUIRE(shop.shell(executable() + " mesh organ.obj -o organ.msh --elements 2000 --length 0.2").code == 0);
   int found = 0;
   for (const auto& [page, topic] : pages)
     for (const std::string& block : blocks(page, "python")) {
@@ -207,7 +207,7 @@ TEST_CASE("pages are short, begin with a command or a picture, and `forefeel hel
     const std::size_t first = text.find("\n\n") + 2;
     CHECK(text.compare(first, 5, topic.empty() ? "![A h" : "```sh") == 0);
     if (topic.empty()) continue;
-    const std::string told = shop.forefeel("help " + topic).out;
+    const std::string told = shop.shell(executable() + " help " + topic).out;
     CHECK(told.compare(0, text.size(), text) == 0);
     CHECK_THAT(text_of("README.md"), Contains("(" + page + ")", "`forefeel help " + topic + "`"));
   }
@@ -239,7 +239,7 @@ TEST_CASE("one version: that of the project in changelog, citation and command",
   CHECK(text_of("apps/package/changelog").starts_with("forefeel (" + version[1].str() + ") "));
   CHECK_THAT(text_of("README.md"), Contains("version = {" + version[1].str() + "}"));
   const Workshop shop;
-  CHECK_THAT(shop.forefeel("--version").out, Contains(version[1].str()));
+  CHECK_THAT(shop.shell(executable() + " --version").out, Contains(version[1].str()));
   CHECK(json::parse(text_of(".zenodo.json"))["upload_type"] == "software");
 }
 

@@ -142,7 +142,8 @@ TEST_CASE("A field is the same by any number of threads, reports its progress an
   const SiteField one(rest, {.spacing = 0.03}),
       three(rest, {.spacing = 0.03, .threads = 3}, [&](double share) { told.push_back(share); });
   CHECK(one.size() == three.size());
-  CHECK(told.size() == three.size());
+  CHECK(told.size() == three.size() + 1);  // before the first site as well
+  CHECK(told.front() == 0);
   CHECK(told.back() == 1);
   const SurfacePlace place = rest->map().nearest(phantom_tip("liver"));
   const SiteModel a = one.at(place, false), b = three.at(place, false);
