@@ -192,8 +192,8 @@ Slip slide(const TouchField& field, const SurfacePlace& from, const Vec3& tip, d
 
 namespace {
 
-// The slide of a frame. Where the limit ends it the body may have a fold, or the tip is only fast: then the site follows
-// its way in parts, at most three times as far in each, and is at its end with the last.
+// The slide of a frame. Where the limit ends it the body may have a fold, or the tip is only fast: then the site
+// follows its way in parts, at most three times as far in each, and is at its end with the last.
 Slip follow(const TouchField& field, const Touch& before, const SurfacePlace& from, const Vec3& tip,
             double friction, const std::optional<SlideLimit>& limit) {
   const Slip whole = slide(field, from, tip, friction, before.steepness, limit);

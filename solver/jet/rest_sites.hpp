@@ -30,8 +30,8 @@ struct SiteRest {
   Mat3 body_stiffness() const;
 };
 
-// Where a long computation keeps what it has, piece by piece, so that another run resumes. A piece is a list of numbers,
-// always of one length. Called by one thread at a time.
+// Where a long computation keeps what it has, piece by piece, so that another run resumes. A piece is a list of
+// numbers, always of one length. Called by one thread at a time.
 class KeptPieces {
  public:
   virtual ~KeptPieces() = default;

@@ -1,4 +1,4 @@
-#include "apps/scene/read_scene.hpp"
+#include "apps/session/read_scene.hpp"
 
 #include "apps/scene/scene.hpp"
 #include "apps/scene/scene_anywhere.hpp"
