@@ -1,6 +1,9 @@
 // A policy of your own, registered under a name and compared with a built-in one.
 
 #include <fmt/format.h>
+
+#include <algorithm>
+#include <cmath>
 #include <forefeel/forefeel.hpp>
 
 using namespace forefeel;
@@ -10,10 +13,10 @@ struct Ahead final : Policy {
   std::string_view name() const override { return "ahead"; }
   bool reads_regions() const override { return false; }  // saves the labels of all places
   double priority(const Candidate& candidate, const PlannerView& view) const override {
+    double to_path = INFINITY;  // from the place to where the hand is expected [m]
+    for (const Prediction& p : view.predicted) to_path = std::min(to_path, (candidate.at - p.at).norm());
     const double h = view.space.options().spacing;
-    const Vec3 way = candidate.at - view.hip.at;
-    const bool ahead = way.dot(view.hip.velocity) > 0.5 * way.norm() * view.hip.velocity.norm();
-    return (ahead ? 1.0 : 0.1) * h / (h + way.norm());
+    return h / (h + to_path);
   }
 };
 
