@@ -15,7 +15,8 @@ from concurrent.futures import ThreadPoolExecutor
 
 SOURCE = pathlib.Path(__file__).resolve().parent.parent
 BUILD = SOURCE / "build" / "develop"
-DOOR = {"forefeel/forefeel.hpp": "scheduling/forefeel.hpp", "forefeel/command.hpp": "apps/main/command_main.hpp"}
+DOOR = {"forefeel/forefeel.hpp": "scheduling/forefeel.hpp", "forefeel/command.hpp": "apps/main/command_main.hpp",
+        "forefeel/scene.hpp": "apps/session/read_scene.hpp"}
 STAMP = pathlib.Path(os.environ.get("XDG_CACHE_HOME") or pathlib.Path.home() / ".cache") / "forefeel" / "clang-green"
 
 

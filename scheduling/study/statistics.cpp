@@ -175,7 +175,7 @@ LevelRanking rank(std::span<const Observation> observations, std::size_t levels,
     return larger_is_better ? a.value.student.mean > b.value.student.mean
                             : a.value.student.mean < b.value.student.mean;
   });
-  std::ranges::stable_partition(ranking.ranked, [&](const Ranked& entry) {
+  std::stable_partition(ranking.ranked.begin(), ranking.ranked.end(), [&](const Ranked& entry) {
     return std::ranges::find(bounds, entry.level) == bounds.end();
   });
   const std::size_t best = ranking.ranked.front().level;

@@ -1,5 +1,7 @@
 // Waiting times: a command computes only what it needs, progress lines show the current step, and results are cached.
 
+#include <fmt/format.h>
+
 #include "apps/console/console.hpp"
 #include "tests/support/executable.hpp"
 

@@ -16,7 +16,7 @@ const std::map<std::string, std::string> pages{{"README.md", ""},
                                                {"scheduling/README.md", "study"},
                                                {"apps/README.md", "report"}};
 
-std::string text_of(const std::string& page) {
+std::string page_text(const std::string& page) {
   std::ifstream in(source_folder() / page);
   INFO(page);
   REQUIRE(in);
@@ -25,7 +25,7 @@ std::string text_of(const std::string& page) {
 
 // The fenced blocks of a language.
 std::vector<std::string> blocks(const std::string& page, const std::string& language) {
-  const std::string text = text_of(page), fence = "\n```" + language + "\n";
+  const std::string text = page_text(page), fence = "\n```" + language + "\n";
   std::vector<std::string> found;
   for (std::size_t at = 0; (at = text.find(fence, at)) != std::string::npos;) {
     at += fence.size();
@@ -86,7 +86,7 @@ std::string organ() {
 // What a reader brings: an organ, its scene as the page of bodies has it, points, values and forces.
 void bring(const Workshop& shop) {
   shop.write("organ.obj", organ());
-  const std::string bodies = text_of("solver/README.md");
+  const std::string bodies = page_text("solver/README.md");
   const std::string begin = "cat > organ.toml <<'SCENE'\n";
   const std::size_t at = bodies.find(begin) + begin.size();
   shop.write("organ.toml", bodies.substr(at, bodies.find("SCENE\n", at) - at));
@@ -200,7 +200,7 @@ TEST_CASE("pages are short, begin with a command or a picture, and `forefeel hel
   const Workshop shop;
   for (const auto& [page, topic] : pages) {
     CAPTURE(page);
-    const std::string text = text_of(page);
+    const std::string text = page_text(page);
     std::istringstream words(text);
     const auto count = std::distance(std::istream_iterator<std::string>(words), {});
     CHECK(count <= (topic.empty() ? 900 : 800));
@@ -209,7 +209,7 @@ TEST_CASE("pages are short, begin with a command or a picture, and `forefeel hel
     if (topic.empty()) continue;
     const std::string told = shop.shell(executable() + " help " + topic).out;
     CHECK(told.compare(0, text.size(), text) == 0);
-    CHECK_THAT(text_of("README.md"), Contains("(" + page + ")", "`forefeel help " + topic + "`"));
+    CHECK_THAT(page_text("README.md"), Contains("(" + page + ")", "`forefeel help " + topic + "`"));
   }
 }
 
@@ -219,7 +219,7 @@ TEST_CASE("what the pages name exists", "[readme]") {
   const std::regex link(R"(\]\(([^)]+)\))");
   int found = 0;
   for (const auto& [page, topic] : pages) {
-    const std::string text = text_of(page);
+    const std::string text = page_text(page);
     for (std::sregex_iterator match(text.begin(), text.end(), path), end; match != end; ++match, ++found) {
       INFO(page << ": " << (*match)[1]);
       CHECK(fs::exists(source_folder() / (*match)[1].str()));
@@ -233,14 +233,14 @@ TEST_CASE("what the pages name exists", "[readme]") {
 }
 
 TEST_CASE("one version: that of the project in changelog, citation and command", "[readme]") {
-  const std::string project = text_of("CMakeLists.txt");
+  const std::string project = page_text("CMakeLists.txt");
   std::smatch version;
   REQUIRE(std::regex_search(project, version, std::regex(R"(project\(forefeel VERSION ([0-9.]+) )")));
-  CHECK(text_of("apps/package/changelog").starts_with("forefeel (" + version[1].str() + ") "));
-  CHECK_THAT(text_of("README.md"), Contains("version = {" + version[1].str() + "}"));
+  CHECK(page_text("apps/package/changelog").starts_with("forefeel (" + version[1].str() + ") "));
+  CHECK_THAT(page_text("README.md"), Contains("version = {" + version[1].str() + "}"));
   const Workshop shop;
   CHECK_THAT(shop.shell(executable() + " --version").out, Contains(version[1].str()));
-  CHECK(json::parse(text_of(".zenodo.json"))["upload_type"] == "software");
+  CHECK(json::parse(page_text(".zenodo.json"))["upload_type"] == "software");
 }
 
 TEST_CASE("the target that builds the example builds it, and the example knows its policy", "[readme]") {
