@@ -6,7 +6,7 @@ namespace forefeel {
 
 Registered part_of(const SceneTable& table, const std::string& key, const std::vector<std::string>& names) {
   Registered part = part_from_text(key, *table.text(key));
-  chosen_word(table, key, part.name, names);
+  chosen_word(table, key, part.name, names, "; one that a program registers exists in it alone");
   return part;
 }
 

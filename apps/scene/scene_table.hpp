@@ -93,9 +93,9 @@ class SceneDocument {
   std::shared_ptr<Parsed> parsed_;
 };
 
-// Helper of word(): finds the entry equal to text, or throws the error that lists all entries.
+// Helper of word(): finds the entry equal to text, or throws the error that lists all entries and ends with `more`.
 std::size_t chosen_word(const SceneTable& table, const std::string& key, const std::string& text,
-                        const std::vector<std::string>& words);
+                        const std::vector<std::string>& words, std::string_view more = "");
 
 template <class Word>
 std::optional<Word> SceneTable::word(const std::string& key,

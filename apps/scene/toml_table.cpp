@@ -263,12 +263,12 @@ std::string SceneTable::exactly_one_of(const std::vector<std::string>& keys) con
 }
 
 std::size_t chosen_word(const SceneTable& table, const std::string& key, const std::string& text,
-                        const std::vector<std::string>& words) {
+                        const std::vector<std::string>& words, std::string_view more) {
   const auto found = std::ranges::find(words, text);
   if (found == words.end()) {
     const std::string near = nearest_word(text, words);
-    throw table.wrong(key, fmt::format("one of {}{}", listed(words),
-                                       near.empty() ? "" : fmt::format(" (nearest: '{}')", near)));
+    throw table.wrong(key, fmt::format("one of {}{}{}", listed(words),
+                                       near.empty() ? "" : fmt::format(" (nearest: '{}')", near), more));
   }
   return static_cast<std::size_t>(found - words.begin());
 }

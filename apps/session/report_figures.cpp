@@ -125,14 +125,15 @@ struct Curves {
     if (!std::isfinite(limit)) return "";
     if (limit > top)
       return fmt::format(
-          "set label 1 'force limit {:.3g} N, above this axis' at graph 0.01, graph 0.95 "
+          "set label 1 'force limit {:.3g} N, above this axis' at graph 0.01, graph 0.85 "
           "textcolor rgb '{}'\n",
           limit, ink("limit"));
+    // The legend lies along the top.
     return fmt::format(
         "set arrow 1 from graph 0, first {0} to graph 1, first {0} nohead lw 1 dt 2 lc rgb '{1}' front\n"
-        "set label 1 'force limit {2:.3g} N' at graph 0.01, first {0} offset 0,0.6 textcolor rgb '{1}' "
+        "set label 1 'force limit {2:.3g} N' at graph 0.01, first {0} offset 0,{3} textcolor rgb '{1}' "
         "front\n",
-        limit, ink("limit"), limit);
+        limit, ink("limit"), limit, limit > 0.75 * top ? -0.6 : 0.6);
   }
 };
 
@@ -147,6 +148,15 @@ std::string strip_plot() {
         fmt::format("{}$strip_{} using 1:2:3:4:5:6 with boxxyerror fs solid 1 noborder fc rgb '{}' notitle",
                     text.empty() ? "plot " : ", ", name(label), colour(label));
   return text + "\n";
+}
+
+// The colours of the strip, in the plot below it.
+std::string label_key() {
+  std::string keys;
+  for (const Label label : all_labels)
+    keys += fmt::format(", keyentry with boxes fs solid 1 border lc rgb '#6b6b6b' fc rgb '{}' title '{}'",
+                        colour(label), name(label));
+  return keys;
 }
 
 std::string error_plot() {
@@ -223,8 +233,9 @@ Figure time_figure(const SessionResult& result, const RunView& view) {
   script +=
       screen_part(0.535, 0.385) + fmt::format(
                                       "set yrange [0:{}]\nset ytics {}\nset ylabel 'states known' offset 1\n"
-                                      "plot $known with lines lw 1.6 lc rgb '{}' notitle\n",
-                                      1.1 * known, round_step(known / 4), ink("rendered"));
+                                      "set key bottom right horizontal samplen 1\n"
+                                      "plot $known with lines lw 1.6 lc rgb '{}' notitle{}\nunset key\n",
+                                      1.1 * known, round_step(known / 4), ink("rendered"), label_key());
   script += screen_part(0.365, 0.065) +
             "set format x '%g'\nset ytics autofreq\nset xlabel 'time [s]' offset 0,0.6\n" + error_plot();
   return {"time",

@@ -82,7 +82,9 @@ class Registry {
   Factory at(const std::string& name) const {
     if (auto factory = find(name)) return *std::move(factory);
     throw InputError(
-        kind_, fmt::format("unknown {} '{}', expected one of {}", kind_, name, fmt::join(names(), ", ")));
+        kind_,
+        fmt::format("unknown {} '{}', expected one of {}; one that a program registers exists in it alone",
+                    kind_, name, fmt::join(names(), ", ")));
   }
 
  private:

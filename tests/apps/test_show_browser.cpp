@@ -52,7 +52,8 @@ TEST_CASE("show in a browser: drag turns, the wheel zooms, the time moves the bo
   const double now = found["later"]["now"];
   CHECK(now == Approx(0.5).margin(0.05));
   const ShownPage page(shop.path() / "run.html");
-  CHECK(found["before"]["moved"] == Approx(moved_at(page, 0)).margin(1e-3));
+  CHECK(found["before"]["now"] > 0.95);  // opens at the end, where most is known
+  CHECK(found["before"]["moved"] == Approx(moved_at(page, found["before"]["now"])).margin(1e-3));
   CHECK(found["later"]["moved"] == Approx(moved_at(page, now)).margin(1e-3));
   CHECK(found["later"]["moved"] > 1);
   CHECK_THAT(found["later"]["text"].get<std::string>(),

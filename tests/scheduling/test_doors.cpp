@@ -149,7 +149,8 @@ TEST_CASE("what nobody registered is refused with the names that are") {
     return error_of([&] { make_plan(small_input(), options); });
   };
   CHECK_THAT(refused([](SessionOptions& o) { o.planning.policy = "wrapped"; }),
-             Contains("unknown policy 'wrapped', expected one of ", "coverage", "wrapped-nearest"));
+             Contains("unknown policy 'wrapped', expected one of ", "coverage", "wrapped-nearest",
+                      "one that a program registers exists in it alone"));
   CHECK_THAT(refused([](SessionOptions& o) { o.motion.predictor = "wrapped"; }),
              Contains("kalman, wrapped-velocity"));
   CHECK_THAT(refused([](SessionOptions& o) { o.motion.device = Registered("wrapped"); }),
