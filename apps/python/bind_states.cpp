@@ -127,6 +127,14 @@ py::tuple cover(const PySpace& self) {
   {
     const py::gil_scoped_release released;
     const StateSpaceOptions& options = self.space->options();
+    double cubes = 1;
+    for (int axis = 0; axis < 3; ++axis)
+      cubes *= std::max(1.0, 4 * options.box.size()[axis] / options.spacing);
+    if (!(cubes <= 1e9))
+      throw InputError(
+          "spacing", fmt::format("is {:.3g} m: the box of the states holds {:.2g} cubes of a quarter of it, "
+                                 "expected at most 1e9",
+                                 options.spacing, cubes));
     summary = self.space->regions().summary(false);
     balls = empty_balls(self.space->delaunay(), options.box, options.spacing);
   }

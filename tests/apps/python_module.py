@@ -53,6 +53,9 @@ class LikeTheCommand(unittest.TestCase):
         known = np.array([np.inf if v is None else v for v in said["spread"]])
         self.assertTrue(np.array_equal(space.spread(points), known))
         self.assertTrue(np.array_equal(space.distance(points), np.array(said["delta"])))
+        far = ff.StateSpace([[0, 0, 0], [1e-4, 0, 0], [0, 1e-4, 0], [0, 0, 1e-4], [1, 1, 1]], spacing=1e-4)
+        with self.assertRaisesRegex(ff.InputError, "expected at most 1e9"):
+            far.coverage()
         cover = space.coverage()
         self.assertEqual(cover.volume.tolist(), [said["volume"][name] for name in ff.label_names])
         for number, name in enumerate(ff.label_names):
