@@ -153,17 +153,18 @@ void join_near(std::vector<State>& states) {
 
 // A row far from all others, as of a tracker that was lost, says nothing about them, yet a law of the field would reach
 // as far. It stays where a point is asked that is nearest to it.
-void leave_far_row_out(std::vector<State>& states, std::span<const Vec3> points) {
+bool leave_far_row_out(std::vector<State>& states, std::span<const Vec3> points) {
   const std::optional<std::size_t> row = far_row(states);
-  if (!row || points.empty()) return;
+  if (!row || points.empty()) return false;
   const Vec3& far = states[*row].at;
   const auto nearest_to_it = [&](const Vec3& x) {
     return std::ranges::none_of(states, [&](const State& s) {
       return s.at != far && (s.at - x).squaredNorm() < (far - x).squaredNorm();
     });
   };
-  if (std::ranges::none_of(points, nearest_to_it))
-    states.erase(states.begin() + static_cast<std::ptrdiff_t>(*row));
+  if (std::ranges::any_of(points, nearest_to_it)) return false;
+  states.erase(states.begin() + static_cast<std::ptrdiff_t>(*row));
+  return true;
 }
 
 // One state at each position: the same row twice adds no knowledge, and a held-out force must have no twin that stays.
@@ -267,7 +268,7 @@ Evaluation evaluate(std::span<const State> states, std::span<const Vec3> points,
     throw InputError("states", "no state has an energy jet, expected columns e300 to e005, or other --data");
   const std::size_t rows = usable.size();
   if (!stiffness) {
-    leave_far_row_out(usable, points);
+    result.far_row_left_out = leave_far_row_out(usable, points);
     join_near(usable);
     JoinedHeaps joined = join_heaps(std::move(usable));
     usable = std::move(joined.states);

@@ -69,6 +69,7 @@ struct Evaluation {
   MethodOptions options = {};            // as used; .model of rbf and offline_rbf
   std::size_t states = 0;                // known positions
   std::size_t heaped = 0;                // rows of heaps (geometry/states/heaps.hpp)
+  bool far_row_left_out = false;         // measured: one far from all others, and from all points
   RepeatedStates repeated = {};          // states that contradict each other are averaged
   std::optional<AutoModel> chosen = {};  // where the model was chosen
   std::optional<FieldOptions> field =

@@ -4,7 +4,7 @@
 
 The tip moves 6 cm into the body. All states before the start are known; beyond it none (blank), none up to a far
 side (gap), or fewer and fewer (sparse). Each point uses the 100 nearest known states, as in the paper.
-apps/paper/extrapolation.py shows lower errors: it knows 5 spacings around the path, not 3, and compares with tight
+apps/paper/extrapolation.py shows lower errors; it knows 5 spacings around the path, not 3, and compares with tight
 solves, not with the model of all states.
 """
 import sys

@@ -267,9 +267,10 @@ void tell(const Globals& globals, const EvaluateResult& evaluated, bool with_for
   std::string models = fmt::format("{} fitted", made.fitted);
   if (made.updated > 0) models += fmt::format(", {} updated", made.updated);
   if (made.reused > 0) models += fmt::format(", {} reused", made.reused);
-  const std::string heap =
-      result.heaped > 0 ? fmt::format(" ({} about one place count as one)", counted(result.heaped, "row"))
-                        : "";
+  std::string heap;
+  if (result.heaped > 0)
+    heap = fmt::format(" ({} about one place count as one)", counted(result.heaped, "row"));
+  if (result.far_row_left_out) heap += " (the one row far from all others has no part)";
   say(globals, fmt::format("{} from {}{}: {}{}; models: {}; medians: fit {:.1f} us, evaluation {:.0f} ns",
                            counted(evaluated.points.size(), "point"), counted(result.states, "state"), heap,
                            result.chosen ? "auto" : name(result.method), result_in_words(result), models,

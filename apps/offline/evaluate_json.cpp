@@ -138,6 +138,9 @@ JsonKeys<R> point_keys() {
 JsonKeys<R> later_keys() {
   return {
       {"spacing", "m", "that counts as dense", [](const R& r) { return r.found.options.spacing; }},
+      {"far_row_left_out", "",
+       "true: a row far from all others and from all points has no part in the forces",
+       [](const R& r) { return r.found.far_row_left_out; }},
       {"heaped", "", "rows of heaps, each counted as one place", [](const R& r) { return r.found.heaped; }},
       {"averaged", "", "states that contradicted another at their position",
        [](const R& r) { return r.found.repeated.averaged; }},

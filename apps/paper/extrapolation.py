@@ -4,7 +4,7 @@ The tip moves 6 cm into the body. All states up to its start are known; beyond i
 (gap), or fewer and fewer (sparse). Force and error along the path, for the paper's kernels with the 100 nearest states
 and for ours (r5 on force and stiffness, 25 states by label). A jump is the change of the force from one point to the
 next, 0.1 mm on, beyond its changes around them: there the set of states has changed. No switch hides it.
-apps/examples/fig2.py shows higher errors: it knows 3 spacings around the path, not 5, and compares with the model of all
+apps/examples/fig2.py shows higher errors; it knows 3 spacings around the path, not 5, and compares with the model of all
 states, not with tight solves.
 """
 import statistics

@@ -126,5 +126,10 @@ TEST_CASE("A row of a tracker that was lost changes no force and no bar elsewher
     CHECK(with.bars->at[i] == alone.bars->at[i]);
   }
   const Vec3 beside = given.at.back() + Vec3(0.001, 0, 0);  // asked about: it stays
-  CHECK(made_of(std::span(&beside, 1)).states == given.at.size());
+  const Evaluation kept = made_of(std::span(&beside, 1));
+  CHECK(kept.states == given.at.size());
+  // What is left out is said.
+  CHECK(with.far_row_left_out);
+  CHECK_FALSE(alone.far_row_left_out);
+  CHECK_FALSE(kept.far_row_left_out);
 }
