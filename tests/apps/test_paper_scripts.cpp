@@ -43,7 +43,7 @@ TEST_CASE("reproduce names a script for each experiment, and they are there") {
   const Workshop shop;
   const Workshop::Outcome all = shop.forefeel("reproduce");
   CHECK(all.code == 0);
-  CHECK_THAT(all.out, Catch::StartsWith("Found: ") && Contains("fig2.py"));
+  CHECK_THAT(all.out, Catch::StartsWith("Found, on a path of 6 cm: ") && Contains("fig2.py"));
   const json document = shop.forefeel("reproduce --json").json();
   REQUIRE(document["scripts"].size() == 5);
   for (const json& script : document["scripts"]) {
