@@ -75,7 +75,9 @@ std::string clock_text(double seconds) {
 
 double seconds_left(double share, double before, double elapsed) {
   const double done = share - before;
-  return done > 0.01 && share < 1 ? elapsed * (1 - share) / done : std::nan("");
+  // The first pieces also pay for what is made once, so a small share done quickly tells little.
+  const bool tells = done > 0.1 || (done > 0.01 && elapsed > 20);
+  return tells && share < 1 ? elapsed * (1 - share) / done : std::nan("");
 }
 
 std::string progress_line(const std::string& title, double share, const std::string& text, double elapsed,

@@ -7,6 +7,7 @@
 #include <optional>
 
 #include "apps/console/document_keys.hpp"
+#include "geometry/common/types.hpp"
 
 namespace forefeel {
 
@@ -20,6 +21,7 @@ struct ContactNote {
   double springs = none;                            // int a dA of a pad [N/m]
   std::array<double, 2> pulling_share{none, none};  // pressed in by 10 mm: inward, at 45 degrees to it
   double clamped_share = none;                      // of a pad's springs that stand on clamped nodes
+  std::optional<std::array<Vec3, 2>> place = {};    // where the tip rests [m], and the mean outward normal there
 };
 const JsonKeys<ContactNote>& contact_keys();
 

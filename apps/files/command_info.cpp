@@ -18,6 +18,7 @@
 #include "apps/console/console.hpp"
 #include "apps/console/document_keys.hpp"
 #include "apps/console/json.hpp"
+#include "apps/console/units.hpp"
 #include "apps/console/outputs.hpp"
 #include "apps/console/provenance.hpp"
 #include "apps/mesh/extent.hpp"
@@ -89,12 +90,19 @@ int info_scene(const Globals& globals, const std::string& file) {
     answer(globals, fmt::format("  contact: {} nodes that move with the tip, {:.3g} cm2", body.contact.size(),
                                 1e4 * contact.area));
   }
+  if (contact.place) {
+    const auto& [at, n] = *contact.place;
+    answer(globals, fmt::format("  the tip rests at ({:.4g}, {:.4g}, {:.4g}) mm of the mesh, where the outward normal "
+                                "is ({:.3g}, {:.3g}, {:.3g})",
+                                1e3 * at[0], 1e3 * at[1], 1e3 * at[2], n[0], n[1], n[2]));
+  }
   if (scene.source.accuracy) answer(globals, "  body.accuracy: " + in_words(*scene.source.accuracy));
   if (field && scene.touch.anywhere->fine)
     answer(globals, fmt::format("  the field is that of a fine body ({})", scene.identity.at("fine")));
   if (body.fine)
-    answer(globals, fmt::format("  corrected by a fine body ({}), fully to {:.3g} mm from rest",
-                                body.fine->fine_body(), 1e3 * FineJet::trusted_share * body.fine->radius()));
+    answer(globals, fmt::format("  corrected by a fine body ({}), fully to {:.3g} mm from rest, less and less to {:.3g}",
+                                body.fine->fine_body(), 1e3 * FineJet::trusted_share * body.fine->radius(),
+                                1e3 * body.fine->radius()));
   return 0;
 }
 
@@ -199,6 +207,17 @@ Json states_json(const StateSetSummary& sum, const StateFileHeader& header, cons
   return document;
 }
 
+// A checksum of 64 digits by its first twelve; --json has all.
+std::string shortened(const std::string& text) {
+  std::string out = text;
+  for (std::size_t from = 0; from < out.size(); ++from) {
+    const std::size_t end = std::min(out.find_first_not_of("0123456789abcdef", from), out.size());
+    if (end - from >= 64) out.erase(from + 12, end - from - 12);
+    from += std::min<std::size_t>(end - from, 12);
+  }
+  return out;
+}
+
 int info_states(const Globals& globals, const std::string& file) {
   const LoadedStates loaded = load_states(file, Tells::places);
   if (loaded.damaged > 0) warn(globals, damage_in_words(file, loaded.damaged));
@@ -216,14 +235,14 @@ int info_states(const Globals& globals, const std::string& file) {
              sum.states - sum.usable,
              sum.inverted > 0 ? fmt::format(", {} with inverted elements", sum.inverted) : "",
              sum.with_stiffness, sum.with_jet > 0 ? fmt::format(", {} with an energy jet", sum.with_jet) : "",
-             std::isfinite(loaded.header.spacing) ? fmt::format("{:g} mm", 1e3 * loaded.header.spacing)
+             std::isfinite(loaded.header.spacing) ? Units(loaded.header.spacing).distance(loaded.header.spacing)
                                                   : "unknown",
              size_text(sum.extent.size()),
              loaded.tells == Tells::places  ? "no forces"
              : loaded.tells == Tells::value ? fmt::format("values up to {:.4g} in size", sum.max_force)
                                             : fmt::format("forces up to {:.4g} N", sum.max_force)));
   for (const auto& [key, value] : loaded.header.identity)
-    answer(globals, fmt::format("  {}: {}", key, value));
+    answer(globals, fmt::format("  {}: {}", key, shortened(value)));
   if (const auto note = loaded.header.notes.find("spacing"); note != loaded.header.notes.end())
     answer(globals, "  " + note->second);
   return 0;

@@ -12,6 +12,7 @@
 #include "apps/console/console.hpp"
 #include "apps/console/json.hpp"
 #include "apps/console/spacing_check.hpp"
+#include "apps/console/units.hpp"
 #include "geometry/common/counted.hpp"
 #include "geometry/common/error.hpp"
 #include "geometry/common/output_file.hpp"
@@ -66,11 +67,9 @@ double spacing_of(const ImportArguments& arguments, std::span<const State> state
 int run_import(const Globals& globals, const ImportArguments& arguments) {
   if (arguments.spacing && (!(*arguments.spacing > 0) || !std::isfinite(*arguments.spacing)))
     throw InputError("--spacing", fmt::format("{} m, expected a positive number", *arguments.spacing));
-  StateTable table;
-  if (arguments.columns.empty())
-    table = read_table_csv(arguments.input);
-  else
-    table.states = read_states_csv(arguments.input, named_columns(arguments.columns));
+  StateTable table = arguments.columns.empty()
+                         ? read_table_csv(arguments.input)
+                         : read_table_csv(arguments.input, named_columns(arguments.columns));
   std::vector<State>& states = table.states;
   if (const double metres = unit_of(arguments.unit).value_or(1); metres != 1) take_in(states, metres);
   check_appendable(arguments.output, {arguments.input});
@@ -86,6 +85,7 @@ int run_import(const Globals& globals, const ImportArguments& arguments) {
       warn(globals, fmt::format("{}: {}", arguments.input, problem));
   else
     header.notes[tells_note] = table.tells == Tells::value ? "value" : "places";
+  if (!table.value.empty()) header.notes[value_note] = table.value;
   header.notes["source"] = "import " + arguments.input;
   StateFile file = StateFile::open_or_create(arguments.output, header);
   file.replace(header, states);
@@ -106,12 +106,12 @@ int run_import(const Globals& globals, const ImportArguments& arguments) {
                 {"spacing_estimated", !arguments.spacing},
                 {"box", {vector3(header.box.low), vector3(header.box.high)}},
                 {"file", arguments.output}});
-  say(globals, fmt::format("{}: {}, spacing {:.4g} mm{}", arguments.output,
+  say(globals, fmt::format("{}: {}, spacing {}{}", arguments.output,
                            table.tells == Tells::places  ? counted(states.size(), "place") + " without forces"
                            : table.tells == Tells::value ? counted(states.size(), "value")
                                                          : fmt::format("{} states, {} with stiffness",
                                                                        states.size(), sum.with_stiffness),
-                           1e3 * header.spacing, arguments.spacing ? "" : " (estimated)"));
+                           Units(header.spacing).distance(header.spacing), arguments.spacing ? "" : " (estimated)"));
   return 0;
 }
 
@@ -165,8 +165,9 @@ void add_import(CommandLine& line) {
       .shows("H");
   sub.option("--columns", arguments->columns,
              "Names of the columns of x, y, z, fx, fy and fz, where the file has others; a - before a name "
-             "turns the sign. The force is that of the body on the tip")
-      .shows("X,Y,Z,FX,FY,FZ");
+             "turns the sign. The force is that of the body on the tip. Three names: places alone; four: places "
+             "and one value")
+      .shows("X,Y,Z[,FX,FY,FZ]");
   sub.option("--unit", arguments->unit,
              "Unit of the file's lengths: x, y, z and h are in it, k11 to k33 in N per unit. Default: m")
       .one_of({"m", "cm", "mm", "um"});

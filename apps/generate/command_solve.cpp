@@ -268,7 +268,7 @@ const JsonKeys<SolveResult>& solve_keys() {
 
 std::string line_for(const State& s) {
   return fmt::format(
-      "x = ({:.6g}, {:.6g}, {:.6g}) m  f = ({:.9g}, {:.9g}, {:.9g}) N  W = {:.6g} J  {} in {} iterations, "
+      "x = ({:.6g}, {:.6g}, {:.6g}) m  f = ({:.6g}, {:.6g}, {:.6g}) N  W = {:.6g} J  {} in {} iterations, "
       "{:.1f} ms, least J {:.3f}{}",
       s.at[0], s.at[1], s.at[2], s.force[0] + 0.0, s.force[1] + 0.0, s.force[2] + 0.0,  // not -0
       s.energy, name(outcome(s)), s.solve.iterations, 1e3 * s.solve.seconds, s.solve.min_jacobian,

@@ -135,6 +135,7 @@ std::vector<Vec3> read_points(const std::string& file) {
 struct EvaluatedStates {
   std::vector<State> states = {};
   double spacing = unknown;  // [m]
+  std::string value = {};    // name of what they tell instead of a force
   CheckSolves checks = {};
   std::optional<Belonging> belonging = {};
   std::optional<MeshError> mesh = {};  // of the scene's body, unless the states are of another
@@ -149,7 +150,9 @@ EvaluatedStates read_known(const Globals& globals, const EvaluateArguments& argu
                                                    arguments.states));
   if (std::ranges::none_of(loaded.states, &State::usable))
     throw InputError(arguments.states, "holds no solved state, expected at least one");
-  EvaluatedStates known{.spacing = loaded.header.spacing, .checks = check_solves(loaded.header)};
+  EvaluatedStates known{
+      .spacing = loaded.header.spacing, .value = loaded.value, .checks = check_solves(loaded.header)};
+  if (loaded.tells == Tells::value && known.value.empty()) known.value = "value";
   if (!arguments.scene.empty()) {
     const Scene scene = load_scene(arguments.scene, globals.set);
     for (const std::string& warning : scene.source.warnings) warn(globals, warning);
@@ -202,6 +205,7 @@ EvaluateResult evaluate_command(const Globals& globals, const EvaluateArguments&
   options.stiffest = arguments.stiffest;
   result.belonging = known.belonging;
   result.mesh = known.mesh;
+  result.value = known.value;
   Progress progress(globals, "evaluate");
   const std::size_t count = result.points.size();
   options.choosing = [&](double share) { progress.show(0.5 * share, "choosing a model"); };
@@ -229,18 +233,18 @@ std::string kernel_in_words(const Evaluation& result) {
 }
 
 // ", quintic on force+stiffness, 25 neighbours"
-std::string result_in_words(const Evaluation& result) {
+std::string result_in_words(const Evaluation& result, const Told& told) {
   const ModelOptions& model = result.options.model;
   const EvaluatedPoints& made = result.made;
   std::string how;
   if (result.method == Method::rbf || result.method == Method::offline_rbf)
-    how = fmt::format(", {} on {}", kernel_in_words(result), name(model.data));
+    how = fmt::format(", {} on {}", kernel_in_words(result), told.unit.empty() ? told.things : name(model.data));
   const bool all = result.chosen && result.chosen->all;
   if (result.method == Method::rbf && !all) how += ", " + counted(model.neighbours, "neighbour");
   if (all) how += ", one model of all states";
   if (result.chosen && !all) how += fmt::format(" by rule {}", name(model.select));
   if (result.chosen && !result.chosen->field) how += fmt::format(", ridge {:g}", model.ridge);
-  if (result.field) how += fmt::format(", noise {:.2g} N", result.field->law.noise);
+  if (result.field) how += fmt::format(", noise {:.2g}{}", result.field->law.noise, told.unit);
   if (result.method == Method::rbf_network) how = ", " + counted(result.options.centres, "centre");
   if (made.stepped_down > 0)
     how += fmt::format(
@@ -249,16 +253,26 @@ std::string result_in_words(const Evaluation& result) {
   return how;
 }
 
+// "96.6 ms", "12 us", "850 ns"
+std::string short_time(double seconds) {
+  return seconds >= 1e-3   ? fmt::format("{:.3g} ms", 1e3 * seconds)
+         : seconds >= 1e-6 ? fmt::format("{:.3g} us", 1e6 * seconds)
+                           : fmt::format("{:.0f} ns", 1e9 * seconds);
+}
+
 void tell(const Globals& globals, const EvaluateResult& evaluated, bool with_forces) {
   const Evaluation& result = evaluated.found;
   const EvaluatedPoints& made = result.made;
+  const Told told = evaluated.value.empty() ? Told{} : Told{.unit = "", .things = "values"};
   if (with_forces)
     for (std::size_t i = 0; i < evaluated.points.size(); ++i) {
       const Vec3 &x = evaluated.points[i], &f = made.forces[i];
       const bool barred = result.bars && std::isfinite(result.bars->at[i][1]);
-      answer(globals, fmt::format("x = ({:.6g}, {:.6g}, {:.6g}) m  f = ({:.9g}, {:.9g}, {:.9g}) N{}  {}{}",
-                                  x[0], x[1], x[2], f[0], f[1], f[2],
-                                  barred ? fmt::format(" +- {:.3g} N (95 %)", result.bars->at[i][1]) : "",
+      const std::string what = evaluated.value.empty()
+                                   ? fmt::format("f = ({:.6g}, {:.6g}, {:.6g}) N", f[0], f[1], f[2])
+                                   : fmt::format("{} = {:.6g}", evaluated.value, f[0]);
+      answer(globals, fmt::format("x = ({:.6g}, {:.6g}, {:.6g}) m  {}{}  {}{}", x[0], x[1], x[2], what,
+                                  barred ? fmt::format(" +- {:.3g}{} (95 %)", result.bars->at[i][1], told.unit) : "",
                                   name(made.labels[i]),
                                   made.trusted.empty() ? ""
                                   : made.trusted[i]    ? ", trusted"
@@ -271,15 +285,15 @@ void tell(const Globals& globals, const EvaluateResult& evaluated, bool with_for
   if (result.heaped > 0)
     heap = fmt::format(" ({} about one place count as one)", counted(result.heaped, "row"));
   if (result.far_row_left_out) heap += " (the one row far from all others has no part)";
-  say(globals, fmt::format("{} from {}{}: {}{}; models: {}; medians: fit {:.1f} us, evaluation {:.0f} ns",
+  say(globals, fmt::format("{} from {}{}: {}{}; models: {}; medians: fit {}, evaluation {}",
                            counted(evaluated.points.size(), "point"), counted(result.states, "state"), heap,
-                           result.chosen ? "auto" : name(result.method), result_in_words(result), models,
-                           result.fit_us, result.evaluate_ns));
+                           result.chosen ? "auto" : name(result.method), result_in_words(result, told), models,
+                           short_time(1e-6 * result.fit_us), short_time(1e-9 * result.evaluate_ns)));
   const double shown = evaluated.shown();
   const bool mesh_first = evaluated.mesh && evaluated.mesh->error > shown;
   if (mesh_first) answer(globals, discretisation_line(*evaluated.mesh, shown));
-  if (result.chosen) answer(globals, expectation_in_words(*result.chosen, result.shared));
-  if (result.bars) answer(globals, bars_in_words(*result.bars, true));
+  if (result.chosen) answer(globals, expectation_in_words(*result.chosen, result.shared, told));
+  if (result.bars) answer(globals, bars_in_words(*result.bars, true, told));
   if (evaluated.mesh && !mesh_first) answer(globals, discretisation_line(*evaluated.mesh, shown));
 }
 
@@ -299,12 +313,12 @@ int run_evaluate(const Globals& globals, const EvaluateArguments& arguments, con
   if (arguments.foreign && arguments.scene.empty())
     throw InputError("--foreign", "is about states beside a scene, expected it with --scene");
   const EvaluateResult result = evaluate_command(globals, arguments);
-  if (!arguments.output.empty()) write_forces(arguments.output, result.points, result.found);
+  if (!arguments.output.empty()) write_forces(arguments.output, result.points, result.found, result.value);
   if (globals.json)
     print_json(to_json(result));
   else
     tell(globals, result, arguments.output.empty());
-  if (!arguments.output.empty()) say(globals, fmt::format("forces at the points: {}", arguments.output));
+  if (!arguments.output.empty()) say(globals, fmt::format("{} at the points: {}", result.value.empty() ? "forces" : "values", arguments.output));
   return 0;
 }
 

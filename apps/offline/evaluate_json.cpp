@@ -117,6 +117,12 @@ JsonKeys<R> point_keys() {
   return {
       {"forces", "N", "list: approximated force of the body on the tip at each point",
        [](const R& r) { return list_of(r.found.made.forces, [](const Vec3& f) { return f; }); }},
+      {"values", "",
+       "list: approximated value at each point, for states that tell one value each (also forces' first component); "
+       "null: they tell forces",
+       [](const R& r) {
+         return r.value.empty() ? Json() : list_of(r.found.made.forces, [](const Vec3& f) { return f.x(); });
+       }},
       {"labels", "", "list: coverage of each point",
        [](const R& r) { return list_of(r.found.made.labels, [](Label label) { return name(label); }); }},
       {"trusted", "", "list: whether the jets of each point are within their trust; null: --data is not jet",

@@ -4,6 +4,7 @@
 #include <algorithm>
 #include <nlohmann/json_fwd.hpp>
 #include <optional>
+#include <string>
 #include <vector>
 
 #include "approx/methods/evaluate.hpp"
@@ -18,6 +19,7 @@ struct EvaluateResult {
   Evaluation found;
   std::optional<Belonging> belonging;
   std::optional<MeshError> mesh;
+  std::string value = {};  // name of what the states tell instead of a force
 
   // The error to expect, relative to the largest of the forces; unknown where no model was chosen.
   double shown() const {

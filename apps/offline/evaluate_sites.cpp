@@ -122,8 +122,8 @@ void print_sited(const Globals& globals, const SitedForces& result, bool with_fo
     const Vec3 &s = f.site, &x = f.at, &force = f.found.force;
     answer(
         globals,
-        fmt::format("s = ({:.6g}, {:.6g}, {:.6g}) m  x = ({:.6g}, {:.6g}, {:.6g}) m  f = ({:.9g}, "
-                    "{:.9g}, {:.9g}) N +- {:.2g} N{}",
+        fmt::format("s = ({:.6g}, {:.6g}, {:.6g}) m  x = ({:.6g}, {:.6g}, {:.6g}) m  f = ({:.6g}, "
+                    "{:.6g}, {:.6g}) N +- {:.2g} N{}",
                     s[0], s[1], s[2], x[0], x[1], x[2], force[0], force[1], force[2], f.found.estimate,
                     f.through   ? fmt::format(", deeper than the body is thick: {:.3g} mm", 1e3 * f.thickness)
                     : f.trusted ? ""

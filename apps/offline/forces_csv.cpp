@@ -14,13 +14,15 @@ struct ForceRow {
   std::size_t i;  // of the point
 };
 
-std::vector<Field<ForceRow>> force_columns(bool barred, bool of_jets) {
+std::vector<Field<ForceRow>> force_columns(bool barred, bool of_jets, const std::string& value = {}) {
   using R = ForceRow;
   std::vector<Field<R>> columns{{"x,y,z", "m", "position", [](Cells& o, const R& r) { put(o, r.at); }},
                                 {"fx,fy,fz", "N", "approximated force of the body on the tip",
                                  [](Cells& o, const R& r) { put(o, r.found.made.forces[r.i]); }},
                                 {"label", "", "coverage there: safe, sparse, gap or blank",
                                  [](Cells& o, const R& r) { put(o, r.found.made.labels[r.i]); }}};
+  if (!value.empty())
+    columns[1] = {value, "", "approximated value", [](Cells& o, const R& r) { put(o, r.found.made.forces[r.i].x()); }};
   if (of_jets)
     columns.push_back({"trusted", "", "with --data jet: 1 where its jets are within their trust, else 0",
                        [](Cells& o, const R& r) { o.flag(r.found.made.trusted[r.i]); }});
@@ -32,9 +34,10 @@ std::vector<Field<ForceRow>> force_columns(bool barred, bool of_jets) {
 
 }  // namespace
 
-void write_forces(const std::string& file, const std::vector<Vec3>& points, const Evaluation& found) {
+void write_forces(const std::string& file, const std::vector<Vec3>& points, const Evaluation& found,
+                  const std::string& value) {
   const std::vector<Field<ForceRow>> columns =
-      force_columns(found.bars.has_value(), !found.made.trusted.empty());
+      force_columns(found.bars.has_value(), !found.made.trusted.empty(), value);
   OutputFile out(file);
   out.write(header_of<ForceRow>(columns));
   for (std::size_t i = 0; i < points.size(); ++i)

@@ -8,6 +8,8 @@
 
 namespace forefeel {
 
-void write_forces(const std::string& file, const std::vector<Vec3>& points, const Evaluation& found);
+// value: name of what the states tell instead of a force; empty: a force.
+void write_forces(const std::string& file, const std::vector<Vec3>& points, const Evaluation& found,
+                  const std::string& value = {});
 
 }  // namespace forefeel

@@ -118,13 +118,13 @@ const JsonKeys<BarsShown>& bar_keys() {
   return keys;
 }
 
-std::string expectation_in_words(const AutoModel& chosen, const SharedError& shared) {
+std::string expectation_in_words(const AutoModel& chosen, const SharedError& shared, const Told& told) {
   if (!std::isfinite(chosen.p95))
     return "too few states to choose a model by leaving some out: the default is used, its error is unknown";
   std::string text = fmt::format(
-      "expected error p50 {:.3g} N, p95 {:.3g} N: of {} with known forces, left out in "
+      "expected error p50 {:.3g}{}, p95 {:.3g}{}: of {} with known {}, left out in "
       "{} {}",
-      chosen.p50, chosen.p95, counted(chosen.positions, "comparison"), counted(chosen.groups, "group"),
+      chosen.p50, told.unit, chosen.p95, told.unit, counted(chosen.positions, "comparison"), told.things, counted(chosen.groups, "group"),
       chosen.alike ? "as far from the rest as the points are from the states"
                    : "that lie nearer to the rest than the points to the states");
   if (chosen.across)
@@ -133,34 +133,34 @@ std::string expectation_in_words(const AutoModel& chosen, const SharedError& sha
         "states "
         "times the distance";
   if (shared.rounding > 0)
-    text += fmt::format("; {:.3g} N of it because forces are rounded to steps of {:.3g} N", shared.rounding,
-                        shared.step);
+    text += fmt::format("; {:.3g}{} of it because {} are rounded to steps of {:.3g}{}", shared.rounding, told.unit,
+                        told.things, shared.step, told.unit);
   if (shared.courses > 0)
     text += fmt::format(
-        "; {:.3g} N of it because forces at one position differ alike along the states, as in loading and "
-        "unloading: the force is their mean",
-        shared.courses);
+        "; {:.3g}{} of it because {} at one position differ alike along the states, as in loading and "
+        "unloading: their mean is taken",
+        shared.courses, told.unit, told.things);
   if (chosen.beyond > 0)
-    text += fmt::format("; {} farther from them than any force left out: more is to be expected there",
+    text += fmt::format("; {} farther from them than any left out: more is to be expected there",
                         counted(chosen.beyond, "point lies", "points lie"));
   return text;
 }
 
-std::string bars_in_words(const EvaluatedBars& bars, bool asked_for) {
+std::string bars_in_words(const EvaluatedBars& bars, bool asked_for, const Told& told) {
   const BarCover all = bars.measured->cover();
   if (all.samples == 0) return "error bars: unknown, too few states to leave some out";
   std::string text = fmt::format(
       "error bars of 90/95/99 %: {} of {} {} lie inside", shares(all), all.samples,
-      bars.measured->checked() ? "check solves" : "comparisons with known forces, left out in groups,");
+      bars.measured->checked() ? std::string("check solves") : fmt::format("comparisons with known {}, left out in groups,", told.things));
   if (std::isfinite(all.width_p50))
-    text += fmt::format("; median half-width of 95 % {:.3g} N", all.width_p50);
+    text += fmt::format("; median half-width of 95 % {:.3g}{}", all.width_p50, told.unit);
   std::vector<double> asked;
   if (asked_for)
     for (const auto& bar : bars.at)
       if (std::isfinite(bar[1])) asked.push_back(bar[1]);
   if (!asked.empty()) {
     const std::string points = counted(asked.size(), "point");
-    text += fmt::format("; at {} asked for {:.3g} N", points, median(std::move(asked)));
+    text += fmt::format("; at {} asked for {:.3g}{}", points, median(std::move(asked)), told.unit);
   }
   for (const Label label : all_labels)
     if (const BarCover own = bars.measured->cover(label); own.samples >= few && own.samples < all.samples)
@@ -169,14 +169,14 @@ std::string bars_in_words(const EvaluatedBars& bars, bool asked_for) {
     const BarCover out = bars.measured->cover_outside();
     text += fmt::format("; {} outside the states, with the bars of {} left out",
                         counted(bars.outside, "point lies", "points lie"),
-                        counted(out.samples, "outermost force"));
+                        counted(out.samples, "outermost one"));
     if (std::isfinite(out.inside[0])) text += fmt::format(": {} inside", shares(out));
   }
   if (all.samples < 99) text += "; too few for a bar of 99 %";
   if (too_few_inside(all)) text += "; fewer than they should, so the bars are too narrow";
   if (bars.beyond > 0)
     text += fmt::format(
-        "; {} farther from the states, or farther outside them, than any force left out: bars "
+        "; {} farther from the states, or farther outside them, than any left out: bars "
         "there are an "
         "extrapolation or missing",
         counted(bars.beyond, "point lies", "points lie"));

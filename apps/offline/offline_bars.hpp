@@ -19,12 +19,16 @@ struct BarsShown {
   bool points = true;
 };
 const JsonKeys<BarsShown>& bar_keys();
+// What the states tell: forces, or values in a unit that nobody said.
+struct Told {
+  std::string unit = " N", things = "forces";
+};
 // "expected error p50 0.1 N, p95 0.3 N: of 312 comparisons with known forces, …"
-std::string expectation_in_words(const AutoModel& chosen, const SharedError& shared);
+std::string expectation_in_words(const AutoModel& chosen, const SharedError& shared, const Told& told = {});
 // "error bars of 90/95/99 %: … of 312 comparisons with known forces, left out in groups, lie inside …", with a warning
 // if the share is more than five points below a level.
 // asked_for: bars.at are those of a table, and have a median of their own.
-std::string bars_in_words(const EvaluatedBars& bars, bool asked_for = false);
+std::string bars_in_words(const EvaluatedBars& bars, bool asked_for = false, const Told& told = {});
 
 // Of the columns bar90, bar95 and bar99 of a CSV file, empty where infinite.
 inline constexpr std::string_view bar_meaning =

@@ -8,6 +8,7 @@
 #include <filesystem>
 
 #include "apps/console/json.hpp"
+#include "apps/console/units.hpp"
 #include "apps/console/outputs.hpp"
 #include "apps/console/values.hpp"
 #include "geometry/common/counted.hpp"
@@ -157,19 +158,16 @@ DeclaredTable classify_output() {
 
 namespace {
 
-std::string millimetres(double metres) {
-  return std::isnan(metres) ? "-" : fmt::format("{:.4g} mm", 1e3 * metres);
-}
-
 constexpr std::size_t most_listed = 20;  // points, unless --list asks for all
 
-void list_points(const std::vector<Vec3>& points, const std::vector<Coverage>& found,
+void list_points(const std::vector<Vec3>& points, const std::vector<Coverage>& found, const Units& units,
                  const Globals& globals) {
   for (std::size_t i = 0; i < points.size(); ++i)
     answer(globals,
-           fmt::format("{:>10.4g} {:>10.4g} {:>10.4g} mm  {:<6}  spread {}  alpha {}  delta {}  gamma {}",
-                       1e3 * points[i].x(), 1e3 * points[i].y(), 1e3 * points[i].z(), name(found[i].label),
-                       millimetres(found[i].spread), millimetres(found[i].alpha), millimetres(found[i].delta),
+           fmt::format("{:>10.4g} {:>10.4g} {:>10.4g} {}  {:<6}  spread {}  alpha {}  delta {}  gamma {}",
+                       units.length(points[i].x()), units.length(points[i].y()), units.length(points[i].z()),
+                       units.of_length(), name(found[i].label), units.distance(found[i].spread),
+                       units.distance(found[i].alpha), units.distance(found[i].delta),
                        std::isnan(found[i].gamma_deg) ? "not needed"
                                                       : fmt::format("{:.4g} deg", found[i].gamma_deg)));
 }
@@ -193,11 +191,25 @@ std::string hull_in_words(const Classified& set, const HullSpacing& hull) {
       100 * share, hull.spacing);
 }
 
+constexpr std::size_t gaps_said = 5;  // the largest
+
+void print_gaps(const Classified& set, const Units& units, const Globals& globals) {
+  std::size_t gaps = 0;
+  for (const RegionComponent& c : set.regions.components)
+    if (c.label == Label::gap && ++gaps <= gaps_said)
+      say(globals, fmt::format("gap of {:.4g} {} around {}: states in {} from there, {} beside it",
+                               units.volume(c.volume), units.of_volume(), units.place(c.inner),
+                               counted(c.sides.size(), "direction"),
+                               counted(c.safe_neighbours.size(), "safe component")));
+  if (const std::size_t all = set.regions.component_count[Label::gap]; all > gaps_said)
+    say(globals, fmt::format("and {} more gaps; --json lists them", all - gaps_said));
+}
+
 void print_summary(const Classified& set, double seconds, const Globals& globals) {
-  int gaps = 0;
+  const Units units(set.spacing);
   double all = 0;
   for (const double v : set.regions.volume.values) all += v;
-  answer(globals, fmt::format("{}, h = {:.4g} mm{}{}", counted(set.states.size(), "state"), 1e3 * set.spacing,
+  answer(globals, fmt::format("{}, h = {}{}{}", counted(set.states.size(), "state"), units.distance(set.spacing),
                               set.spacing_estimated ? " (estimated)"
                               : set.lattice         ? " at the finest"
                                                     : "",
@@ -205,23 +217,19 @@ void print_summary(const Classified& set, double seconds, const Globals& globals
   for (const Label label : all_labels) {
     const double volume = set.regions.volume[label];
     const std::size_t components = set.regions.component_count[label];
-    answer(globals, fmt::format("{:<7}{:>12.5g} cm3 {:>6.1f} %  {}", name(label), 1e6 * volume,
-                                all > 0 ? 100 * volume / all : 0.0, counted(components, "component")));
+    answer(globals, fmt::format("{:<7}{:>12.5g} {} {:>6.1f} %  {}", name(label), units.volume(volume),
+                                units.of_volume(), all > 0 ? 100 * volume / all : 0.0,
+                                counted(components, "component")));
   }
-  for (const RegionComponent& c : set.regions.components)
-    if (c.label == Label::gap && ++gaps <= 5)
-      say(globals,
-          fmt::format("gap of {:.4g} cm3 around {:.4g}, {:.4g}, {:.4g} mm: {}, beside {}", 1e6 * c.volume,
-                      1e3 * c.inner.x(), 1e3 * c.inner.y(), 1e3 * c.inner.z(),
-                      counted(c.sides.size(), "side"), counted(c.safe_neighbours.size(), "safe component")));
-  answer(globals, fmt::format("fill distance {:.4g} mm{}", 1e3 * set.holes.fill_distance,
+  print_gaps(set, units, globals);
+  answer(globals, fmt::format("fill distance {} (in the box, the farthest from all states){}",
+                              units.distance(set.holes.fill_distance),
                               set.holes.fill_bound > set.holes.fill_distance + 1.001e-3 * set.spacing
-                                  ? fmt::format(", at most {:.4g} mm", 1e3 * set.holes.fill_bound)
+                                  ? ", at most " + units.distance(set.holes.fill_bound)
                                   : ""));
   if (set.holes.largest)
-    answer(globals, fmt::format("largest hole {:.4g} mm at {:.4g}, {:.4g}, {:.4g} mm",
-                                1e3 * set.holes.largest->radius, 1e3 * set.holes.largest->centre.x(),
-                                1e3 * set.holes.largest->centre.y(), 1e3 * set.holes.largest->centre.z()));
+    answer(globals, fmt::format("largest hole of radius {} around {}", units.distance(set.holes.largest->radius),
+                                units.place(set.holes.largest->centre)));
   say(globals, fmt::format("{:.3g} s, {:.0f} MB at most", seconds, 1e-6 * double(peak_bytes())));
 }
 
@@ -232,7 +240,7 @@ void print_classified(const Globals& globals, const ClassifyArguments& arguments
   if (globals.json) return print_json(document_of(classified_keys(), {result, arguments}));
   const std::string extension = std::filesystem::path(arguments.output).extension();
   if (arguments.places.list || (result.points.size() <= most_listed && extension != ".csv"))
-    list_points(result.points, result.found, globals);
+    list_points(result.points, result.found, Units(result.set.spacing), globals);
   else if (!result.points.empty())
     count_points(result.found, globals);
   print_summary(result.set, result.seconds, globals);

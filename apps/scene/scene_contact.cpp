@@ -35,6 +35,7 @@ ContactNote contact_note(const Scene& scene) {
     return note;
   }
   note.area = contact_area(body);
+  note.place = {rest_of_contact(body), -scene.inward.normalized()};
   if (!body.pad) {
     note.nodes = body.contact.size();
     return note;

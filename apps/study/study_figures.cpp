@@ -86,10 +86,14 @@ std::string level_points(const Study& study, const std::vector<StudyCellResult>&
   return lines;
 }
 
+const char* label_of(Standing standing) {
+  return standing == Standing::bound ? " (bound)" : standing == Standing::placebo ? " (placebo)" : "";
+}
+
 }  // namespace
 
 std::string name_of(const StudyAxis& axis, std::size_t level) {
-  return axis.values[level].text + (is_bound(axis, level) ? " (bound)" : "");
+  return axis.values[level].text + label_of(standing_of(axis, level));
 }
 
 double in_unit(const StudyMetric& metric, double value) {

@@ -125,9 +125,9 @@ double mean_at(const StudyResults& results, std::size_t axis, std::size_t level,
 
 // Values that are not significantly different from the first share its place: "1=". Bounds have none.
 std::string place_of(const StudyAxis& axis, const std::vector<Ranked>& ranked, std::size_t i) {
-  if (is_bound(axis, ranked[i].level)) return "";
+  if (standing_of(axis, ranked[i].level) != Standing::contender) return "";
   const bool any_tie = std::ranges::any_of(ranked.begin() + 1, ranked.end(), [&](const Ranked& row) {
-    return row.tied && !is_bound(axis, row.level);
+    return row.tied && standing_of(axis, row.level) == Standing::contender;
   });
   if (i == 0 || ranked[i].tied) return any_tie ? "1=" : "1";
   return std::to_string(i + 1);
@@ -157,8 +157,9 @@ std::string ranking_table(const StudyResults& results, const AxisRanking& entry)
             cell(first ? "" : shown_difference(metric, r.to_best.bootstrap, true)) +
             cell(first ? "" : shown_difference(metric, r.to_best.student, false)) +
             cell(first                     ? ""
-                 : is_bound(axis, r.level) ? "reached by no real policy"
-                                           : verdict(metric, r.to_best));
+                 : standing_of(axis, r.level) == Standing::bound ? "reached by no real policy"
+                                                         : verdict(metric, r.to_best) +
+                                                               (standing_of(axis, r.level) == Standing::placebo ? " (placebo)" : ""));
     for (const Beside& column : beside)
       html += cell(shown(column.scale * mean_at(results, entry.axis, r.level, column.key)));
     html += "</tr>\n";
@@ -185,8 +186,9 @@ std::string ranking_section(const StudyResults& results, const AxisRanking& entr
         "so the true regrets are at least those shown.</p>\n";
   return html +
          fmt::format(
-             "<p class=\"muted\">\"1=\": not significantly different from the first. Error, clamping and "
-             "energy are "
+             "<p class=\"muted\">\"1=\": not significantly different from the first. Against the first: the "
+             "row minus the first. A difference counts where both intervals exclude zero: Student's is wide "
+             "with few motions, the bootstrap's too narrow below about five. Error, clamping and energy are "
              "means over all cells.{}</p>\n",
              entry.ranking.dropped > 0
                  ? fmt::format(" {} a value and left out.",

@@ -94,7 +94,8 @@ Json ranking_json(const Study& study, const std::vector<AxisRanking>& ranked,
                       {"result", comparison_json(row.value, metric)},
                       {"to_best", comparison_json(row.to_best, metric)},
                       {"tied", row.tied},
-                      {"bound", is_bound(study.axes[entry.axis], row.level)}});
+                      {"bound", standing_of(study.axes[entry.axis], row.level) == Standing::bound},
+                      {"placebo", standing_of(study.axes[entry.axis], row.level) == Standing::placebo}});
     document["rankings"].push_back({{"axis", study.axes[entry.axis].column},
                                     {"units", entry.ranking.blocks},
                                     {"units_dropped", entry.ranking.dropped},

@@ -65,6 +65,7 @@ class NamedRows {
     check_separator();
     const auto cells = rows_.cells();
     width_ = cells.size();
+    if (given.size() == 4) value_ = given[3].substr(given[3].starts_with('-') ? 1 : 0);
     for (std::size_t k = 0; k < given.size(); ++k) {
       const bool turned = given[k].starts_with('-');
       const std::string_view name = std::string_view(given[k]).substr(turned ? 1 : 0);
@@ -74,8 +75,9 @@ class NamedRows {
         fail(fmt::format("no column {:.40} of --columns, the header has {:.300}", name,
                          fmt::join(cells, ",")));
       if (std::ranges::count_if(cells, called) > 1) fail(fmt::format("column {:.40} is there twice", name));
-      columns_[required_columns[k]] = static_cast<std::size_t>(found - cells.begin());
-      if (turned) turned_.insert(required_columns[k]);
+      const std::string meant = k == 3 && given.size() == 4 ? value_ : required_columns[k];
+      columns_[meant] = static_cast<std::size_t>(found - cells.begin());
+      if (turned) turned_.insert(meant);
     }
   }
 
@@ -269,45 +271,41 @@ std::vector<State> read_states_csv(const std::filesystem::path& file) {
   return read_rows(in);
 }
 
-StateTable read_table_csv(const std::filesystem::path& file) {
-  NamedRows in(file);
-  StateTable table{.states = read_rows(in)};
+namespace {
+StateTable table_of(NamedRows& in) {
+  StateTable table{.states = read_rows(in), .value = in.value()};
   table.tells = !in.value().empty() ? Tells::value : in.has("fx") ? Tells::force : Tells::places;
   return table;
+}
+}  // namespace
+
+StateTable read_table_csv(const std::filesystem::path& file) {
+  NamedRows in(file);
+  return table_of(in);
+}
+
+StateTable read_table_csv(const std::filesystem::path& file, const NamedColumns& columns) {
+  NamedRows in(file, columns);
+  return table_of(in);
 }
 
 NamedColumns named_columns(std::string_view text) {
   NamedColumns names;
   std::set<std::string_view> seen;
-  std::size_t count = 0;
-  for (bool more = true; more; ++count) {
+  for (bool more = true; more;) {
     const std::size_t end = text.find(',');
     const std::string_view name = trimmed(text.substr(0, end));
-    if (count < names.size()) names[count] = name;
+    names.emplace_back(name);
     seen.insert(name.substr(name.starts_with('-') ? 1 : 0));
     more = end != std::string_view::npos;
     if (more) text.remove_prefix(end + 1);
   }
-  if (count != names.size() || seen.size() != names.size() || seen.contains(""))
-    throw InputError("--columns", fmt::format("names {} columns, expected six different ones, of "
-                                              "x, y, z, fx, fy and fz",
-                                              count));
+  const bool meant = names.size() == 3 || names.size() == 4 || names.size() == 6;
+  if (!meant || seen.size() != names.size() || seen.contains(""))
+    throw InputError("--columns", fmt::format("names {} columns, expected different ones of x, y and z alone, with one "
+                                              "value, or with fx, fy and fz",
+                                              names.size()));
   return names;
-}
-
-std::vector<State> read_states_csv(const std::filesystem::path& file, const NamedColumns& columns) {
-  NamedRows in(file, columns);
-  std::vector<State> states;
-  while (in.next()) {
-    State state;
-    state.at = in.vector("x", "y", "z");
-    state.force = in.vector("fx", "fy", "fz");
-    check_size(in, state);
-    states.push_back(std::move(state));
-  }
-  if (states.empty())
-    throw InputError({.file = in.name()}, "holds no states, expected rows after the header line");
-  return states;
 }
 
 std::vector<Vec3> read_points_csv(const std::filesystem::path& file) {
@@ -355,6 +353,8 @@ LoadedStates load_states(const std::filesystem::path& file, Tells least) {
     loaded.states = states.read_all();
     loaded.damaged = states.damaged();
     loaded.tells = told_by(loaded.header);
+    if (const auto name = loaded.header.notes.find(value_note); name != loaded.header.notes.end())
+      loaded.value = name->second;
     check_told(file, loaded.tells, least);
     return loaded;
   }
@@ -366,6 +366,7 @@ LoadedStates load_states(const std::filesystem::path& file, Tells least) {
     StateTable table = read_table_csv(file);
     loaded.states = std::move(table.states);
     loaded.tells = table.tells;
+    loaded.value = table.value;
     check_told(file, loaded.tells, least);
   }
   loaded.header.box = {loaded.states.front().at, loaded.states.front().at};

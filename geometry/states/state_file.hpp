@@ -101,9 +101,11 @@ std::vector<State> read_states_csv(const std::filesystem::path& file);
 // What a table tells of each place: nothing more (forces NaN), one value, read as the force (value, 0, 0), or a force.
 enum class Tells : std::uint8_t { places, value, force };
 inline constexpr const char* tells_note = "tells";  // in the notes of a state file: "places" or "value"
+inline constexpr const char* value_note = "value";  // in the notes: name of the value
 struct StateTable {
   std::vector<State> states;
   Tells tells = Tells::force;
+  std::string value = {};  // name of the column of values
 };
 // Also x,y,z alone or with one more column, and both without a header line.
 StateTable read_table_csv(const std::filesystem::path& file);
@@ -126,6 +128,7 @@ struct LoadedStates {
   std::vector<State> states;
   std::size_t damaged = 0;  // rows of a .states file left out, see StateFile::read_all()
   Tells tells = Tells::force;
+  std::string value = {};  // name of what is known at each place
 };
 // InputError where the file tells less than `least`.
 LoadedStates load_states(const std::filesystem::path& file, Tells least = Tells::force);

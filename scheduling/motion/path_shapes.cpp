@@ -139,11 +139,30 @@ PathShape raster(const HandAxes& f) {
 
 }  // namespace
 
+namespace {
+struct NamedShape {
+  PathShape (*curve)(const HandAxes&);
+  std::string_view words;
+};
+// In the order of PathName.
+constexpr NamedShape shapes[] = {
+    {press, "straight in to 0.8 of the box's depth, and out"},
+    {line, "from side to side at 0.4 of the depth"},
+    {circle, "round rest at half the depth, 0.7 of the box's half width"},
+    {lissajous, "a curve of frequencies 3, 2 and 5 that fills the middle of the box"},
+    {reach_targets, "straight from one to the next of 16 targets drawn from the seed"},
+    {palpation, "presses at nine places of a grid, lifts and moves on"},
+    {tour, "in, sideways out of the box and back, and out"},
+    {mower, "six parallel lines on each of three depths, a little beyond the box"},
+    {raster, "twelve close parallel lines on each of five depths: nearly every place once"}};
+}  // namespace
+
+std::string_view path_in_words(PathName path) {
+  return shapes[static_cast<std::size_t>(path)].words;
+}
+
 PathShape path_shape(PathName path, const FactoryContext& context) {
-  // In the order of PathName.
-  static constexpr PathShape (*shapes[])(const HandAxes&) = {
-      press, line, circle, lissajous, reach_targets, palpation, tour, mower, raster};
-  return shapes[static_cast<std::size_t>(path)](axes_of_hand(context));
+  return shapes[static_cast<std::size_t>(path)].curve(axes_of_hand(context));
 }
 
 }  // namespace forefeel

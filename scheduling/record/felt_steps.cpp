@@ -101,11 +101,21 @@ std::vector<FeltStep> felt_steps(std::span<const FrameRecord> frames, const Felt
   return steps;
 }
 
+namespace {
+bool begins_or_ends(FeltCause cause) {
+  return cause == FeltCause::begin || cause == FeltCause::end;
+}
+}  // namespace
+
 FeltSteps counted_steps(std::span<const FeltStep> steps) {
   FeltSteps felt{.count = steps.size()};
   for (const FeltStep& step : steps) {
     felt.largest = std::max(felt.largest, step.change);
     felt.largest_share = std::max(felt.largest_share, step.share);
+    if (!begins_or_ends(step.cause)) {
+      felt.largest_within = std::max(felt.largest_within, step.change);
+      felt.share_within = std::max(felt.share_within, step.share);
+    }
     ++felt.by_cause[static_cast<std::size_t>(step.cause)];
   }
   return felt;
@@ -116,14 +126,19 @@ FeltSteps felt_steps_of(const SessionResult& result, const FeltRule& rule) {
 }
 
 std::string in_words(const FeltSteps& steps) {
-  const std::string all = counted(steps.count, "step") + " of the force that a hand feels";
-  if (steps.count == 0) return all;
-  std::string causes;
-  for (const FeltCause cause : all_felt_causes)
-    if (const std::size_t n = steps.by_cause[static_cast<std::size_t>(cause)]; n > 0)
-      causes += fmt::format("{}{} by {}", causes.empty() ? "" : ", ", n, in_words(cause));
-  return fmt::format("{}, the largest {:.2g} N ({:.3g} %): {}", all, steps.largest, 100 * steps.largest_share,
-                     causes);
+  std::size_t within = 0;
+  std::string causes, ends;
+  for (const FeltCause cause : all_felt_causes) {
+    const std::size_t n = steps.by_cause[static_cast<std::size_t>(cause)];
+    const bool end = begins_or_ends(cause);
+    std::string& text = end ? ends : causes;
+    if (n > 0) text += fmt::format("{}{} by {}", text.empty() ? "" : ", ", n, in_words(cause));
+    within += end ? 0 : n;
+  }
+  std::string all = counted(within, "step") + " of the force that a hand feels";
+  if (within > 0)
+    all += fmt::format(", the largest {:.2g} N ({:.3g} %): {}", steps.largest_within, 100 * steps.share_within, causes);
+  return ends.empty() ? all : all + "; beside " + ends;
 }
 
 }  // namespace forefeel

@@ -158,7 +158,7 @@ Comparison compare(const GroupedValues& differences, const BootstrapOptions& opt
 }
 
 LevelRanking rank(std::span<const Observation> observations, std::size_t levels, bool larger_is_better,
-                  const BootstrapOptions& options, std::span<const std::size_t> bounds) {
+                  const BootstrapOptions& options, std::span<const std::size_t> beside) {
   std::map<std::size_t, Block> blocks = by_block(observations);
   LevelRanking ranking;
   ranking.dropped =
@@ -176,7 +176,7 @@ LevelRanking rank(std::span<const Observation> observations, std::size_t levels,
                             : a.value.student.mean < b.value.student.mean;
   });
   std::stable_partition(ranking.ranked.begin(), ranking.ranked.end(), [&](const Ranked& entry) {
-    return std::ranges::find(bounds, entry.level) == bounds.end();
+    return std::ranges::find(beside, entry.level) == beside.end();
   });
   const std::size_t best = ranking.ranked.front().level;
   BootstrapOptions of_differences = options;

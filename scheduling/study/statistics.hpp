@@ -74,14 +74,14 @@ struct Ranked {
 };
 
 struct LevelRanking {
-  std::vector<Ranked> ranked;  // best first; then the bounds
+  std::vector<Ranked> ranked;  // best first; then those that do not compete
   std::size_t blocks = 0;      // used
   std::size_t dropped = 0;     // blocks where a level is missing or NaN: not used for any level
 };
 
-// bounds: levels that do not compete. They stand last and are not the best.
+// beside: levels that do not compete. They stand last and are not the best.
 LevelRanking rank(std::span<const Observation> observations, std::size_t levels, bool larger_is_better,
-                  const BootstrapOptions& options = {}, std::span<const std::size_t> bounds = {});
+                  const BootstrapOptions& options = {}, std::span<const std::size_t> beside = {});
 // Compares a - b over the blocks that hold both.
 Comparison compare_levels(std::span<const Observation> observations, std::size_t a, std::size_t b,
                           const BootstrapOptions& options = {});

@@ -29,11 +29,11 @@ double value_of(const Study& study, const StudyCellResult& cell, const StudyMetr
   return std::log(std::max(value, speed ? study.sustained->low : 1e-6));
 }
 
-std::vector<std::size_t> bounds_of(const StudyAxis& axis) {
-  std::vector<std::size_t> bounds;
+std::vector<std::size_t> beside_contenders(const StudyAxis& axis) {
+  std::vector<std::size_t> beside;
   for (std::size_t level = 0; level < axis.values.size(); ++level)
-    if (is_bound(axis, level)) bounds.push_back(level);
-  return bounds;
+    if (standing_of(axis, level) != Standing::contender) beside.push_back(level);
+  return beside;
 }
 
 void drop_interval_of_few(Comparison& c) {
@@ -44,9 +44,11 @@ void drop_interval_of_few(Comparison& c) {
 
 }  // namespace
 
-bool is_bound(const StudyAxis& axis, std::size_t level) {
-  return (axis.column == "policy" || axis.column == "session.policy") &&
-         axis.values[level].text.starts_with("clairvoyant");
+Standing standing_of(const StudyAxis& axis, std::size_t level) {
+  if (axis.column != "policy" && axis.column != "session.policy") return Standing::contender;
+  const std::string& policy = axis.values[level].text;
+  if (policy == "shuffled" || policy.ends_with("-shuffled")) return Standing::placebo;
+  return policy.starts_with("clairvoyant") ? Standing::bound : Standing::contender;
 }
 
 StudyMetric primary_metric(const Study& study) {
@@ -140,7 +142,7 @@ LevelRanking ranking_of(const Study& study, const std::vector<StudyCellResult>& 
                         const StudyMetric& metric, const std::vector<StudySlice>& slices) {
   LevelRanking ranking =
       rank(observations(study, cells, axis, metric, slices), study.axes[axis].values.size(),
-           metric.larger_is_better, {.shares = metric.share}, bounds_of(study.axes[axis]));
+           metric.larger_is_better, {.shares = metric.share}, beside_contenders(study.axes[axis]));
   for (Ranked& row : ranking.ranked) {
     drop_interval_of_few(row.value);
     drop_interval_of_few(row.to_best);

@@ -3,6 +3,7 @@
 // trace with a seed. Within it the other axes are averaged, over those settings where all compared values have a
 // result. So one recording under many settings does not count as many recordings.
 
+#include <cstdint>
 #include <optional>
 #include <string>
 #include <vector>
@@ -40,10 +41,12 @@ std::vector<Observation> observations(const Study& study, const std::vector<Stud
 // Below this number of motions no interval is given and nothing is significant: how much motions differ is not known.
 inline constexpr std::size_t fewest_motions = 4;
 
-// A policy that knows the motion (clairvoyant …): a bound that no real policy reaches. It does not compete.
-bool is_bound(const StudyAxis& axis, std::size_t level);
+// bound: a policy that knows the motion (clairvoyant …), which no real policy reaches. placebo: a policy whose labels or
+// estimates are permuted (… shuffled). Neither competes.
+enum class Standing : std::uint8_t { contender, placebo, bound };
+Standing standing_of(const StudyAxis& axis, std::size_t level);
 
-// The values of an axis, best first, the bounds last.
+// The values of an axis, best first, those that do not compete last.
 LevelRanking ranking_of(const Study& study, const std::vector<StudyCellResult>& cells, std::size_t axis,
                         const StudyMetric& metric, const std::vector<StudySlice>& slices = {});
 // The order of table, report, picture and verdict: that of ranking_of() by the primary metric, then what is not ranked.

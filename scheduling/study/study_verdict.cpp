@@ -40,7 +40,7 @@ std::vector<Contender> contenders(const StudyAxis& axis, std::span<const Observa
       rank(seen, axis.values.size(), metric.larger_is_better, {.shares = metric.share});
   std::vector<Contender> all;
   for (const Ranked& row : ranking.ranked)
-    if (!is_bound(axis, row.level) && std::isfinite(row.value.student.mean))
+    if (standing_of(axis, row.level) == Standing::contender && std::isfinite(row.value.student.mean))
       all.push_back({row.level, row.value.student.mean});
   return all;
 }
@@ -113,6 +113,12 @@ std::string too_few(const StudyMetric& metric, const Comparison& d) {
   return text + fmt::format("; {} is the least", fewest_motions);
 }
 
+// "a factor 2.35 (1.8 to 3.1)", of errors whose logarithms differ by this.
+std::string factor_below(const Comparison& d) {
+  return fmt::format("a factor {:.3g} (95 % interval {:.3g} to {:.3g})", std::exp(-d.student.mean),
+                     std::exp(-d.student.high), std::exp(-d.student.low));
+}
+
 // Why there is no winner: "the difference …".
 std::string no_winner(const StudyAxis& axis, std::span<const Observation> seen, const StudyMetric& metric,
                       const std::vector<Contender>& all, const Comparison& next) {
@@ -131,6 +137,33 @@ std::string winner(const StudyAxis& axis, std::span<const Observation> seen, con
                      beaten_by_best(axis, seen, metric, all));
 }
 
+// Where first visits within the JND do not separate the two best, their error may: ". By …, …".
+std::string by_second_metric(const Study& study, const std::vector<StudyCellResult>& cells, std::size_t chosen,
+                             const StudyMetric& first) {
+  const StudyMetric metric = second_metric(study);
+  if (metric.key == first.key) return "";
+  const StudyAxis& axis = study.axes[chosen];
+  const std::vector<Observation> seen = observations(study, cells, chosen, metric);
+  const std::vector<Contender> all = contenders(axis, seen, metric);
+  if (all.size() < 2) return "";
+  const Comparison next = compare_levels(seen, all[0].level, all.back().level);
+  if (!is_shown(next, metric)) return "";
+  return fmt::format(". By {} {} is best, smaller by {} than {}", in_words(metric).what,
+                     axis.values[all[0].level].text, factor_below(next), axis.values[all.back().level].text);
+}
+
+std::string beside_in_words(const StudyAxis& axis) {
+  std::string text;
+  for (const auto& [standing, why] : {std::pair{Standing::bound, "because it knows the motion"},
+                                  std::pair{Standing::placebo, "because it is a placebo"}}) {
+    std::string names;
+    for (std::size_t level = 0; level < axis.values.size(); ++level)
+      if (standing_of(axis, level) == standing) names += (names.empty() ? "" : ", ") + axis.values[level].text;
+    if (!names.empty()) text += fmt::format(" Not compared, {}: {}.", why, names);
+  }
+  return text;
+}
+
 }  // namespace
 
 std::optional<std::string> study_verdict(const Study& study, const std::vector<StudyCellResult>& cells) {
@@ -143,19 +176,16 @@ std::optional<std::string> study_verdict(const Study& study, const std::vector<S
   if (all.empty())
     return fmt::format("No verdict on {}: no trace and seed has a value of \"{}\" for every one.",
                        axis.column, metric.title);
-  std::string bounds;
-  for (std::size_t level = 0; level < axis.values.size(); ++level)
-    if (is_bound(axis, level)) bounds += (bounds.empty() ? "" : ", ") + axis.values[level].text;
   std::string text;
   if (all.size() == 1) {
     text = fmt::format("Only {} competes: {}", axis.values[all[0].level].text, two_best(axis, metric, all));
   } else {
     const Comparison next = compare_levels(seen, all[0].level, all[1].level);
     text = is_shown(next, metric) ? winner(axis, seen, metric, all, next)
-                                  : no_winner(axis, seen, metric, all, next);
+                                  : no_winner(axis, seen, metric, all, next) +
+                                        by_second_metric(study, cells, *chosen, metric);
   }
-  return text +
-         (bounds.empty() ? "." : fmt::format(". Not compared, because it knows the motion: {}.", bounds));
+  return text + "." + beside_in_words(axis);
 }
 
 // ---- advice

@@ -32,6 +32,8 @@ TEST_CASE("what an earlier run did does not count in the time left") {
   CHECK(std::isnan(seconds_left(0.5, 0.5, 10)));
   CHECK(std::isnan(seconds_left(1, 0, 10)));
   CHECK(seconds_left(0.5, 0, 10) == 10);
+  CHECK(std::isnan(seconds_left(0.04, 0, 10)));
+  CHECK(seconds_left(0.04, 0, 25) == Approx(600));
 }
 
 TEST_CASE(
