@@ -23,7 +23,8 @@ const JsonKeys<ContactNote>& contact_keys() {
       {"clamped_share", "1", "of the pad's springs that stand on clamped nodes; null: rigid",
        &C::clamped_share},
       {"nodes", "", "of a rigid contact", &C::nodes},
-      {"place", "m", "list of three: where the tip is at rest; null, as the next: a pad that touches anywhere",
+      {"place", "m",
+       "list of three: where the tip is at rest; null, as the next: a pad that touches anywhere",
        [](const C& c) { return c.place ? vector3((*c.place)[0]) : Json(); }},
       {"normal", "1", "list of three: mean outward normal of the body there",
        [](const C& c) { return c.place ? vector3((*c.place)[1]) : Json(); }}};

@@ -21,7 +21,8 @@ struct ContactNote {
   double springs = none;                            // int a dA of a pad [N/m]
   std::array<double, 2> pulling_share{none, none};  // pressed in by 10 mm: inward, at 45 degrees to it
   double clamped_share = none;                      // of a pad's springs that stand on clamped nodes
-  std::optional<std::array<Vec3, 2>> place = {};    // where the tip rests [m], and the mean outward normal there
+  std::optional<std::array<Vec3, 2>> place =
+      {};  // where the tip rests [m], and the mean outward normal there
 };
 const JsonKeys<ContactNote>& contact_keys();
 

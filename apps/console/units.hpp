@@ -16,7 +16,8 @@ class Units {
   explicit Units(double spacing) : large_(spacing >= 0.1) {}
   double length(double metres) const { return large_ ? metres : 1e3 * metres; }
   std::string place(const Vec3& at) const {
-    return fmt::format("{:.4g}, {:.4g}, {:.4g} {}", length(at.x()), length(at.y()), length(at.z()), of_length());
+    return fmt::format("{:.4g}, {:.4g}, {:.4g} {}", length(at.x()), length(at.y()), length(at.z()),
+                       of_length());
   }
   std::string distance(double metres) const {
     return std::isnan(metres) ? "-" : fmt::format("{:.4g} {}", length(metres), of_length());

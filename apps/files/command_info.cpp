@@ -18,9 +18,9 @@
 #include "apps/console/console.hpp"
 #include "apps/console/document_keys.hpp"
 #include "apps/console/json.hpp"
-#include "apps/console/units.hpp"
 #include "apps/console/outputs.hpp"
 #include "apps/console/provenance.hpp"
+#include "apps/console/units.hpp"
 #include "apps/mesh/extent.hpp"
 #include "apps/scene/palpation_map.hpp"
 #include "apps/scene/scene_anywhere.hpp"
@@ -92,17 +92,20 @@ int info_scene(const Globals& globals, const std::string& file) {
   }
   if (contact.place) {
     const auto& [at, n] = *contact.place;
-    answer(globals, fmt::format("  the tip rests at ({:.4g}, {:.4g}, {:.4g}) mm of the mesh, where the outward normal "
-                                "is ({:.3g}, {:.3g}, {:.3g})",
-                                1e3 * at[0], 1e3 * at[1], 1e3 * at[2], n[0], n[1], n[2]));
+    answer(globals,
+           fmt::format("  the tip rests at ({:.4g}, {:.4g}, {:.4g}) mm of the mesh, where the outward normal "
+                       "is ({:.3g}, {:.3g}, {:.3g})",
+                       1e3 * at[0], 1e3 * at[1], 1e3 * at[2], n[0], n[1], n[2]));
   }
   if (scene.source.accuracy) answer(globals, "  body.accuracy: " + in_words(*scene.source.accuracy));
   if (field && scene.touch.anywhere->fine)
     answer(globals, fmt::format("  the field is that of a fine body ({})", scene.identity.at("fine")));
   if (body.fine)
-    answer(globals, fmt::format("  corrected by a fine body ({}), fully to {:.3g} mm from rest, less and less to {:.3g}",
-                                body.fine->fine_body(), 1e3 * FineJet::trusted_share * body.fine->radius(),
-                                1e3 * body.fine->radius()));
+    answer(
+        globals,
+        fmt::format("  corrected by a fine body ({}), fully to {:.3g} mm from rest, less and less to {:.3g}",
+                    body.fine->fine_body(), 1e3 * FineJet::trusted_share * body.fine->radius(),
+                    1e3 * body.fine->radius()));
   return 0;
 }
 
@@ -229,18 +232,19 @@ int info_states(const Globals& globals, const std::string& file) {
     for (const std::string& line : misleading(loaded.states, loaded.header.spacing))
       warn(globals, file + ": " + line);
   if (globals.json) print_json(states_json(sum, loaded.header, file));
-  answer(globals,
-         fmt::format(
-             "{}: {} states ({} failed{}), {} with stiffness{}, spacing {}, within {}, {}", file, sum.states,
-             sum.states - sum.usable,
-             sum.inverted > 0 ? fmt::format(", {} with inverted elements", sum.inverted) : "",
-             sum.with_stiffness, sum.with_jet > 0 ? fmt::format(", {} with an energy jet", sum.with_jet) : "",
-             std::isfinite(loaded.header.spacing) ? Units(loaded.header.spacing).distance(loaded.header.spacing)
-                                                  : "unknown",
-             size_text(sum.extent.size()),
-             loaded.tells == Tells::places  ? "no forces"
-             : loaded.tells == Tells::value ? fmt::format("values up to {:.4g} in size", sum.max_force)
-                                            : fmt::format("forces up to {:.4g} N", sum.max_force)));
+  answer(
+      globals,
+      fmt::format(
+          "{}: {} states ({} failed{}), {} with stiffness{}, spacing {}, within {}, {}", file, sum.states,
+          sum.states - sum.usable,
+          sum.inverted > 0 ? fmt::format(", {} with inverted elements", sum.inverted) : "",
+          sum.with_stiffness, sum.with_jet > 0 ? fmt::format(", {} with an energy jet", sum.with_jet) : "",
+          std::isfinite(loaded.header.spacing) ? Units(loaded.header.spacing).distance(loaded.header.spacing)
+                                               : "unknown",
+          size_text(sum.extent.size()),
+          loaded.tells == Tells::places  ? "no forces"
+          : loaded.tells == Tells::value ? fmt::format("values up to {:.4g} in size", sum.max_force)
+                                         : fmt::format("forces up to {:.4g} N", sum.max_force)));
   for (const auto& [key, value] : loaded.header.identity)
     answer(globals, fmt::format("  {}: {}", key, shortened(value)));
   if (const auto note = loaded.header.notes.find("spacing"); note != loaded.header.notes.end())

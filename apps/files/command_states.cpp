@@ -106,12 +106,13 @@ int run_import(const Globals& globals, const ImportArguments& arguments) {
                 {"spacing_estimated", !arguments.spacing},
                 {"box", {vector3(header.box.low), vector3(header.box.high)}},
                 {"file", arguments.output}});
-  say(globals, fmt::format("{}: {}, spacing {}{}", arguments.output,
-                           table.tells == Tells::places  ? counted(states.size(), "place") + " without forces"
-                           : table.tells == Tells::value ? counted(states.size(), "value")
-                                                         : fmt::format("{} states, {} with stiffness",
-                                                                       states.size(), sum.with_stiffness),
-                           Units(header.spacing).distance(header.spacing), arguments.spacing ? "" : " (estimated)"));
+  say(globals,
+      fmt::format("{}: {}, spacing {}{}", arguments.output,
+                  table.tells == Tells::places ? counted(states.size(), "place") + " without forces"
+                  : table.tells == Tells::value
+                      ? counted(states.size(), "value")
+                      : fmt::format("{} states, {} with stiffness", states.size(), sum.with_stiffness),
+                  Units(header.spacing).distance(header.spacing), arguments.spacing ? "" : " (estimated)"));
   return 0;
 }
 
@@ -163,10 +164,11 @@ void add_import(CommandLine& line) {
   sub.option("--spacing", arguments->spacing,
              "Distance between states at which you call the space densely known [m]; default: estimated")
       .shows("H");
-  sub.option("--columns", arguments->columns,
-             "Names of the columns of x, y, z, fx, fy and fz, where the file has others; a - before a name "
-             "turns the sign. The force is that of the body on the tip. Three names: places alone; four: places "
-             "and one value")
+  sub.option(
+         "--columns", arguments->columns,
+         "Names of the columns of x, y, z, fx, fy and fz, where the file has others; a - before a name "
+         "turns the sign. The force is that of the body on the tip. Three names: places alone; four: places "
+         "and one value")
       .shows("X,Y,Z[,FX,FY,FZ]");
   sub.option("--unit", arguments->unit,
              "Unit of the file's lengths: x, y, z and h are in it, k11 to k33 in N per unit. Default: m")

@@ -238,7 +238,8 @@ std::string result_in_words(const Evaluation& result, const Told& told) {
   const EvaluatedPoints& made = result.made;
   std::string how;
   if (result.method == Method::rbf || result.method == Method::offline_rbf)
-    how = fmt::format(", {} on {}", kernel_in_words(result), told.unit.empty() ? told.things : name(model.data));
+    how = fmt::format(", {} on {}", kernel_in_words(result),
+                      told.unit.empty() ? told.things : name(model.data));
   const bool all = result.chosen && result.chosen->all;
   if (result.method == Method::rbf && !all) how += ", " + counted(model.neighbours, "neighbour");
   if (all) how += ", one model of all states";
@@ -271,12 +272,13 @@ void tell(const Globals& globals, const EvaluateResult& evaluated, bool with_for
       const std::string what = evaluated.value.empty()
                                    ? fmt::format("f = ({:.6g}, {:.6g}, {:.6g}) N", f[0], f[1], f[2])
                                    : fmt::format("{} = {:.6g}", evaluated.value, f[0]);
-      answer(globals, fmt::format("x = ({:.6g}, {:.6g}, {:.6g}) m  {}{}  {}{}", x[0], x[1], x[2], what,
-                                  barred ? fmt::format(" +- {:.3g}{} (95 %)", result.bars->at[i][1], told.unit) : "",
-                                  name(made.labels[i]),
-                                  made.trusted.empty() ? ""
-                                  : made.trusted[i]    ? ", trusted"
-                                                       : ", not trusted"));
+      answer(globals,
+             fmt::format("x = ({:.6g}, {:.6g}, {:.6g}) m  {}{}  {}{}", x[0], x[1], x[2], what,
+                         barred ? fmt::format(" +- {:.3g}{} (95 %)", result.bars->at[i][1], told.unit) : "",
+                         name(made.labels[i]),
+                         made.trusted.empty() ? ""
+                         : made.trusted[i]    ? ", trusted"
+                                              : ", not trusted"));
     }
   std::string models = fmt::format("{} fitted", made.fitted);
   if (made.updated > 0) models += fmt::format(", {} updated", made.updated);
@@ -287,8 +289,8 @@ void tell(const Globals& globals, const EvaluateResult& evaluated, bool with_for
   if (result.far_row_left_out) heap += " (the one row far from all others has no part)";
   say(globals, fmt::format("{} from {}{}: {}{}; models: {}; medians: fit {}, evaluation {}",
                            counted(evaluated.points.size(), "point"), counted(result.states, "state"), heap,
-                           result.chosen ? "auto" : name(result.method), result_in_words(result, told), models,
-                           short_time(1e-6 * result.fit_us), short_time(1e-9 * result.evaluate_ns)));
+                           result.chosen ? "auto" : name(result.method), result_in_words(result, told),
+                           models, short_time(1e-6 * result.fit_us), short_time(1e-9 * result.evaluate_ns)));
   const double shown = evaluated.shown();
   const bool mesh_first = evaluated.mesh && evaluated.mesh->error > shown;
   if (mesh_first) answer(globals, discretisation_line(*evaluated.mesh, shown));
@@ -318,7 +320,9 @@ int run_evaluate(const Globals& globals, const EvaluateArguments& arguments, con
     print_json(to_json(result));
   else
     tell(globals, result, arguments.output.empty());
-  if (!arguments.output.empty()) say(globals, fmt::format("{} at the points: {}", result.value.empty() ? "forces" : "values", arguments.output));
+  if (!arguments.output.empty())
+    say(globals,
+        fmt::format("{} at the points: {}", result.value.empty() ? "forces" : "values", arguments.output));
   return 0;
 }
 

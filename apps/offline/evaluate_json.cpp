@@ -118,7 +118,8 @@ JsonKeys<R> point_keys() {
       {"forces", "N", "list: approximated force of the body on the tip at each point",
        [](const R& r) { return list_of(r.found.made.forces, [](const Vec3& f) { return f; }); }},
       {"values", "",
-       "list: approximated value at each point, for states that tell one value each (also forces' first component); "
+       "list: approximated value at each point, for states that tell one value each (also forces' first "
+       "component); "
        "null: they tell forces",
        [](const R& r) {
          return r.value.empty() ? Json() : list_of(r.found.made.forces, [](const Vec3& f) { return f.x(); });

@@ -22,7 +22,8 @@ std::vector<Field<ForceRow>> force_columns(bool barred, bool of_jets, const std:
                                 {"label", "", "coverage there: safe, sparse, gap or blank",
                                  [](Cells& o, const R& r) { put(o, r.found.made.labels[r.i]); }}};
   if (!value.empty())
-    columns[1] = {value, "", "approximated value", [](Cells& o, const R& r) { put(o, r.found.made.forces[r.i].x()); }};
+    columns[1] = {value, "", "approximated value",
+                  [](Cells& o, const R& r) { put(o, r.found.made.forces[r.i].x()); }};
   if (of_jets)
     columns.push_back({"trusted", "", "with --data jet: 1 where its jets are within their trust, else 0",
                        [](Cells& o, const R& r) { o.flag(r.found.made.trusted[r.i]); }});

@@ -124,7 +124,8 @@ std::string expectation_in_words(const AutoModel& chosen, const SharedError& sha
   std::string text = fmt::format(
       "expected error p50 {:.3g}{}, p95 {:.3g}{}: of {} with known {}, left out in "
       "{} {}",
-      chosen.p50, told.unit, chosen.p95, told.unit, counted(chosen.positions, "comparison"), told.things, counted(chosen.groups, "group"),
+      chosen.p50, told.unit, chosen.p95, told.unit, counted(chosen.positions, "comparison"), told.things,
+      counted(chosen.groups, "group"),
       chosen.alike ? "as far from the rest as the points are from the states"
                    : "that lie nearer to the rest than the points to the states");
   if (chosen.across)
@@ -133,8 +134,8 @@ std::string expectation_in_words(const AutoModel& chosen, const SharedError& sha
         "states "
         "times the distance";
   if (shared.rounding > 0)
-    text += fmt::format("; {:.3g}{} of it because {} are rounded to steps of {:.3g}{}", shared.rounding, told.unit,
-                        told.things, shared.step, told.unit);
+    text += fmt::format("; {:.3g}{} of it because {} are rounded to steps of {:.3g}{}", shared.rounding,
+                        told.unit, told.things, shared.step, told.unit);
   if (shared.courses > 0)
     text += fmt::format(
         "; {:.3g}{} of it because {} at one position differ alike along the states, as in loading and "
@@ -151,7 +152,8 @@ std::string bars_in_words(const EvaluatedBars& bars, bool asked_for, const Told&
   if (all.samples == 0) return "error bars: unknown, too few states to leave some out";
   std::string text = fmt::format(
       "error bars of 90/95/99 %: {} of {} {} lie inside", shares(all), all.samples,
-      bars.measured->checked() ? std::string("check solves") : fmt::format("comparisons with known {}, left out in groups,", told.things));
+      bars.measured->checked() ? std::string("check solves")
+                               : fmt::format("comparisons with known {}, left out in groups,", told.things));
   if (std::isfinite(all.width_p50))
     text += fmt::format("; median half-width of 95 % {:.3g}{}", all.width_p50, told.unit);
   std::vector<double> asked;
@@ -167,9 +169,9 @@ std::string bars_in_words(const EvaluatedBars& bars, bool asked_for, const Told&
       text += fmt::format("; {} {} of {}", name(label), shares(own), own.samples);
   if (bars.outside > 0) {
     const BarCover out = bars.measured->cover_outside();
-    text += fmt::format("; {} outside the states, with the bars of {} left out",
-                        counted(bars.outside, "point lies", "points lie"),
-                        counted(out.samples, "outermost one"));
+    text +=
+        fmt::format("; {} outside the states, with the bars of {} left out",
+                    counted(bars.outside, "point lies", "points lie"), counted(out.samples, "outermost one"));
     if (std::isfinite(out.inside[0])) text += fmt::format(": {} inside", shares(out));
   }
   if (all.samples < 99) text += "; too few for a bar of 99 %";

@@ -8,8 +8,8 @@
 #include <filesystem>
 
 #include "apps/console/json.hpp"
-#include "apps/console/units.hpp"
 #include "apps/console/outputs.hpp"
+#include "apps/console/units.hpp"
 #include "apps/console/values.hpp"
 #include "geometry/common/counted.hpp"
 
@@ -209,11 +209,12 @@ void print_summary(const Classified& set, double seconds, const Globals& globals
   const Units units(set.spacing);
   double all = 0;
   for (const double v : set.regions.volume.values) all += v;
-  answer(globals, fmt::format("{}, h = {}{}{}", counted(set.states.size(), "state"), units.distance(set.spacing),
-                              set.spacing_estimated ? " (estimated)"
-                              : set.lattice         ? " at the finest"
-                                                    : "",
-                              set.unusable ? ", " + counted(set.unusable, "failed one") + " left out" : ""));
+  answer(globals,
+         fmt::format("{}, h = {}{}{}", counted(set.states.size(), "state"), units.distance(set.spacing),
+                     set.spacing_estimated ? " (estimated)"
+                     : set.lattice         ? " at the finest"
+                                           : "",
+                     set.unusable ? ", " + counted(set.unusable, "failed one") + " left out" : ""));
   for (const Label label : all_labels) {
     const double volume = set.regions.volume[label];
     const std::size_t components = set.regions.component_count[label];
@@ -228,8 +229,9 @@ void print_summary(const Classified& set, double seconds, const Globals& globals
                                   ? ", at most " + units.distance(set.holes.fill_bound)
                                   : ""));
   if (set.holes.largest)
-    answer(globals, fmt::format("largest hole of radius {} around {}", units.distance(set.holes.largest->radius),
-                                units.place(set.holes.largest->centre)));
+    answer(globals,
+           fmt::format("largest hole of radius {} around {}", units.distance(set.holes.largest->radius),
+                       units.place(set.holes.largest->centre)));
   say(globals, fmt::format("{:.3g} s, {:.0f} MB at most", seconds, 1e-6 * double(peak_bytes())));
 }
 

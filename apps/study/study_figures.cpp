@@ -159,17 +159,26 @@ std::optional<Figure> curves_figure(const Study& study, const std::vector<StudyC
   const StudyMetric metric = primary_metric(study);
   std::string script, plot;
   Range seen;
-  for (const std::size_t level : ranked_levels(study, cells, 0)) {
-    script += data_block(fmt::format("level{}", level), level_points(study, cells, axis, *x, level, seen));
+  const bool positive = std::ranges::all_of(*x, [](double v) { return v > 0; });
+  const auto [least, most] = std::ranges::minmax(*x);
+  const std::vector<std::size_t> levels = ranked_levels(study, cells, 0);
+  for (std::size_t k = 0; k < levels.size(); ++k) {
+    const std::size_t level = levels[k];
+    // Side by side: equal values of two levels would hide each other.
+    const double aside = std::min(0.012, 0.1 / static_cast<double>(levels.size())) *
+                         (static_cast<double>(k) - 0.5 * static_cast<double>(levels.size() - 1));
+    std::vector<double> beside = *x;
+    for (double& v : beside)
+      v = positive ? v * std::exp(aside * std::log(most / least)) : v + aside * (most - least);
+    script +=
+        data_block(fmt::format("level{}", level), level_points(study, cells, axis, beside, level, seen));
     plot += fmt::format(
         "{}$level{} using 1:2:3:4 with yerrorbars pt 0 lc rgb '{}' notitle, $level{} using 1:2 with "
         "linespoints pt 7 ps 0.6 lw 2 lc rgb '{}' title '{}' noenhanced",
         plot.empty() ? "plot " : ", ", level, colour_of(palette, level), level, colour_of(palette, level),
         plain_text(name_of(study.axes.front(), level)));
   }
-  const bool positive = std::ranges::all_of(*x, [](double v) { return v > 0; });
-  const auto [least, most] = std::ranges::minmax(*x);
-  const double margin = 0.04 * (most - least);
+  const double margin = 0.05 * (most - least), widened = 1 + 0.05 * std::log(most / least);
   std::string tics;
   for (const double v : *x) tics += fmt::format("{}'{}' {}", tics.empty() ? "" : ", ", v, v);
   const auto range = seen.with_margin(metric);
@@ -178,14 +187,15 @@ std::optional<Figure> curves_figure(const Study& study, const std::vector<StudyC
       "set key outside right top\nset border 3 lc rgb '#8a8a8a'\nset tics nomirror out\nset grid lc rgb "
       "'#e4e1da'\nset xrange [{}:{}]\nset xtics ({})\nset yrange [{}:{}]\nset xlabel '{}' noenhanced\nset "
       "ylabel '{}' noenhanced\n{}{}{}\n",
-      positive ? least / 1.08 : least - margin, positive ? most * 1.08 : most + margin, tics, range.first,
-      range.second, plain_text(study.axes[axis].column), plain_text(metric.title),
+      positive ? least / widened : least - margin, positive ? most * widened : most + margin, tics,
+      range.first, range.second, plain_text(study.axes[axis].column), plain_text(metric.title),
       positive ? "set logscale x\n" : "", metric.ratio ? "set logscale y\n" : "", plot);
-  return Figure{.name = "over-" + as_name(study.axes[axis].column),
-                .caption = "Mean over motions and seeds with bootstrap intervals.",
-                .width = 960,
-                .height = 420,
-                .script = script};
+  return Figure{
+      .name = "over-" + as_name(study.axes[axis].column),
+      .caption = "Mean over motions and seeds with bootstrap intervals; side by side at each value.",
+      .width = 960,
+      .height = 420,
+      .script = script};
 }
 
 std::vector<Figure> study_figures(const Study& study, const std::vector<StudyCellResult>& cells,

@@ -156,10 +156,11 @@ std::string ranking_table(const StudyResults& results, const AxisRanking& entry)
             cell(shown(metric, r.value.student, false)) +
             cell(first ? "" : shown_difference(metric, r.to_best.bootstrap, true)) +
             cell(first ? "" : shown_difference(metric, r.to_best.student, false)) +
-            cell(first                     ? ""
-                 : standing_of(axis, r.level) == Standing::bound ? "reached by no real policy"
-                                                         : verdict(metric, r.to_best) +
-                                                               (standing_of(axis, r.level) == Standing::placebo ? " (placebo)" : ""));
+            cell(first ? ""
+                 : standing_of(axis, r.level) == Standing::bound
+                     ? "reached by no real policy"
+                     : verdict(metric, r.to_best) +
+                           (standing_of(axis, r.level) == Standing::placebo ? " (placebo)" : ""));
     for (const Beside& column : beside)
       html += cell(shown(column.scale * mean_at(results, entry.axis, r.level, column.key)));
     html += "</tr>\n";

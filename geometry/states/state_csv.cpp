@@ -302,9 +302,10 @@ NamedColumns named_columns(std::string_view text) {
   }
   const bool meant = names.size() == 3 || names.size() == 4 || names.size() == 6;
   if (!meant || seen.size() != names.size() || seen.contains(""))
-    throw InputError("--columns", fmt::format("names {} columns, expected different ones of x, y and z alone, with one "
-                                              "value, or with fx, fy and fz",
-                                              names.size()));
+    throw InputError("--columns",
+                     fmt::format("names {} columns, expected different ones of x, y and z alone, with one "
+                                 "value, or with fx, fy and fz",
+                                 names.size()));
   return names;
 }
 

@@ -137,7 +137,8 @@ std::string in_words(const FeltSteps& steps) {
   }
   std::string all = counted(within, "step") + " of the force that a hand feels";
   if (within > 0)
-    all += fmt::format(", the largest {:.2g} N ({:.3g} %): {}", steps.largest_within, 100 * steps.share_within, causes);
+    all += fmt::format(", the largest {:.2g} N ({:.3g} %): {}", steps.largest_within,
+                       100 * steps.share_within, causes);
   return ends.empty() ? all : all + "; beside " + ends;
 }
 

@@ -62,8 +62,8 @@ std::string_view name(FeltCause cause);  // "switch", "slip" …
 
 struct FeltSteps {
   std::size_t count = 0;
-  double largest = 0, largest_share = 0;            // [N], [1]
-  double largest_within = 0, share_within = 0;      // of those that neither begin nor end a touch
+  double largest = 0, largest_share = 0;        // [N], [1]
+  double largest_within = 0, share_within = 0;  // of those that neither begin nor end a touch
   std::array<std::size_t, all_felt_causes.size()> by_cause{};
 };
 // "2 steps of the force that a hand feels, the largest 0.21 N (5 %): 2 by a slip; beside 1 by the end of a touch". A

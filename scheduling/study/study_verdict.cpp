@@ -138,8 +138,8 @@ std::string winner(const StudyAxis& axis, std::span<const Observation> seen, con
 }
 
 // Where first visits within the JND do not separate the two best, their error may: ". By …, …".
-std::string by_second_metric(const Study& study, const std::vector<StudyCellResult>& cells, std::size_t chosen,
-                             const StudyMetric& first) {
+std::string by_second_metric(const Study& study, const std::vector<StudyCellResult>& cells,
+                             std::size_t chosen, const StudyMetric& first) {
   const StudyMetric metric = second_metric(study);
   if (metric.key == first.key) return "";
   const StudyAxis& axis = study.axes[chosen];
@@ -155,10 +155,11 @@ std::string by_second_metric(const Study& study, const std::vector<StudyCellResu
 std::string beside_in_words(const StudyAxis& axis) {
   std::string text;
   for (const auto& [standing, why] : {std::pair{Standing::bound, "because it knows the motion"},
-                                  std::pair{Standing::placebo, "because it is a placebo"}}) {
+                                      std::pair{Standing::placebo, "because it is a placebo"}}) {
     std::string names;
     for (std::size_t level = 0; level < axis.values.size(); ++level)
-      if (standing_of(axis, level) == standing) names += (names.empty() ? "" : ", ") + axis.values[level].text;
+      if (standing_of(axis, level) == standing)
+        names += (names.empty() ? "" : ", ") + axis.values[level].text;
     if (!names.empty()) text += fmt::format(" Not compared, {}: {}.", why, names);
   }
   return text;
@@ -181,9 +182,9 @@ std::optional<std::string> study_verdict(const Study& study, const std::vector<S
     text = fmt::format("Only {} competes: {}", axis.values[all[0].level].text, two_best(axis, metric, all));
   } else {
     const Comparison next = compare_levels(seen, all[0].level, all[1].level);
-    text = is_shown(next, metric) ? winner(axis, seen, metric, all, next)
-                                  : no_winner(axis, seen, metric, all, next) +
-                                        by_second_metric(study, cells, *chosen, metric);
+    text = is_shown(next, metric)
+               ? winner(axis, seen, metric, all, next)
+               : no_winner(axis, seen, metric, all, next) + by_second_metric(study, cells, *chosen, metric);
   }
   return text + "." + beside_in_words(axis);
 }

@@ -1,5 +1,7 @@
 // forefeel mesh, import, export and info, run as a person would.
 
+#include <fmt/format.h>
+
 #include "tests/support/executable.hpp"
 
 namespace {
@@ -175,15 +177,37 @@ TEST_CASE("a recording with names of its own is imported with --columns", "[stat
   CHECK(shop.read("robot-si.csv") ==
         "x,y,z,fx,fy,fz\n0.01,-0.02,0.0005,1,-2,-3\n0.012,-0.02,0.0005,1.5,-2,-3\n");
   check_refused(shop, begin, {"robot.csv:1"});
-  check_refused(shop, begin + "--columns " + position, {"--columns", "names 3 columns", "six"});
+  check_refused(shop, begin + "--columns current_pos_x,current_pos_y",
+                {"--columns", "names 2 columns", "alone"});
   check_refused(shop, begin + "--columns " + position + ",force_x,force_x,force_z",
-                {"--columns", "six different"});
+                {"--columns", "names 6 columns, expected different ones"});
   check_refused(shop, begin + "--columns " + position + ",force_x,force_y,torque",
                 {"robot.csv:1", "no column torque", "force_z"});
   check_refused(shop, begin + "--columns time," + position.substr(14) + ",force_x,force_y,force_z",
                 {"column time is there twice"});
   check_refused(shop, begin + "--columns status," + position.substr(14) + ",force_x,force_y,force_z",
                 {"robot.csv:2", "'moving' is not a number"});
+}
+
+TEST_CASE("places alone and a value at each place are imported by the names of their columns", "[states]") {
+  const Workshop shop;
+  std::string rows = "lon,lat,depth,salt\n";
+  for (int i = 0; i < 5; ++i)
+    for (int j = 0; j < 5; ++j)
+      for (int k = 0; k < 5; ++k) rows += fmt::format("{},{},{},{}\n", 10 * i, 10 * j, 10 * k, 3 * i - j);
+  shop.write("sea.csv", rows);
+  shop.run("import sea.csv -o places.states --columns lon,lat,depth --quiet");
+  CHECK_THAT(shop.run("info places.states").out, Contains("spacing 10 m", "no forces"));
+  shop.run("import sea.csv -o salt.states --columns lon,lat,depth,-salt --quiet");
+  shop.write("asked.csv", "x,y,z\n20,10,30\n");
+  // A value is one number by its name, not a force.
+  CHECK_THAT(shop.run("evaluate salt.states --points asked.csv --method rbf --no-bars").out,
+             Contains("salt = -5") && !Contains(" N"));
+  shop.run("evaluate salt.states --points asked.csv --method rbf --no-bars -o out.csv --quiet");
+  CHECK_THAT(shop.read("out.csv"), Contains("x,y,z,salt,label\n20,10,30,-5"));
+  const auto found = shop.json("evaluate salt.states --points asked.csv --method rbf --no-bars");
+  CHECK(found["values"][0] == Approx(-5));
+  CHECK_THAT(shop.run("classify salt.states").out, Contains("h = 10 m", " m3 ", "of radius"));
 }
 
 TEST_CASE("import, export and info refuse what they cannot use", "[states]") {
