@@ -1,15 +1,12 @@
 // forefeel solve SCENE (--at=X,Y,Z)… | --points F.csv [-o OUT.csv]: tight solves on the reference branch.
 
 #include <fmt/format.h>
-#include <omp.h>
 
 #include <algorithm>
 #include <array>
-#include <atomic>
 #include <cmath>
 #include <filesystem>
 #include <memory>
-#include <mutex>
 #include <optional>
 
 #include "apps/console/commands.hpp"
@@ -18,6 +15,7 @@
 #include "apps/console/json.hpp"
 #include "apps/console/outputs.hpp"
 #include "apps/console/values.hpp"
+#include "apps/generate/solve_all.hpp"
 #include "apps/scene/scene_anywhere.hpp"
 #include "geometry/common/error.hpp"
 #include "geometry/common/output_file.hpp"
@@ -25,7 +23,6 @@
 #include "geometry/states/energy_jet.hpp"
 #include "geometry/states/state_file.hpp"
 #include "geometry/states/state_outcome.hpp"
-#include "scheduling/session/arrivals.hpp"
 #include "solver/equilibrium/mesh_error.hpp"
 #include "solver/equilibrium/solver.hpp"
 
@@ -59,70 +56,6 @@ void check_reach(const std::vector<Vec3>& points, double farthest) {
     if (!(x.stableNorm() <= farthest))
       throw InputError("solve", fmt::format("the position ({:g}, {:g}, {:g}) m {}", x[0], x[1], x[2],
                                             too_far(x.stableNorm(), farthest)));
-}
-
-// The share of all solves that is done. Half of a state's share is its straight path, half the second path,
-// which has up to three legs.
-class Tally {
- public:
-  Tally(const Globals& globals, std::size_t states) : progress_(globals, "solve"), parts_(states, 0.0) {
-    show();
-  }
-
-  void straight(std::size_t i, double share) { set(i, 0.5 * share); }
-  void second(std::size_t i, int leg, double share) { set(i, 0.5 + (leg + share) / 6); }
-  void done(std::size_t i) {
-    ++done_;
-    set(i, 1);
-  }
-
- private:
-  void set(std::size_t i, double part) {
-    const std::lock_guard lock(mutex_);
-    sum_ += part - parts_[i];
-    parts_[i] = part;
-    show();
-  }
-  void show() {
-    progress_.show(sum_ / static_cast<double>(parts_.size()),
-                   fmt::format("{} of {} states", done_.load(), parts_.size()));
-  }
-
-  Progress progress_;
-  std::mutex mutex_;
-  std::vector<double> parts_;
-  std::atomic<std::size_t> done_ = 0;
-  double sum_ = 0;
-};
-
-std::vector<SolveOutcome> solve_all(const Scene& scene, const std::vector<Vec3>& points, int jet,
-                                    const Globals& globals) {
-  const int threads = globals.threads > 0 ? globals.threads : omp_get_max_threads();
-  std::vector<SolveOutcome> outcomes(points.size());
-  Tally tally(globals, points.size());
-#pragma omp parallel num_threads( \
-    static_cast <int>(std::min <std::size_t>(points.size(), static_cast <std::size_t>(threads))))
-  {
-    Solver solver(scene.body);
-#pragma omp for schedule(dynamic)
-    for (std::size_t i = 0; i < points.size(); ++i) {
-      solver.watch([&tally, i](double share) { tally.straight(i, share); });
-      outcomes[i] = solver.reference(points[i], scene.space.spacing,
-                                     {.want_displacements = scene.kept.displacements, .jet = jet});
-      State& state = outcomes[i].state;
-      int leg = 0;
-      solver.watch([&tally, &leg, i](double share) {
-        tally.second(i, leg, share);
-        leg += share >= 1;
-      });
-      state.solve.multivalued = second_way_differs(solver, state, scene.space.spacing);
-      if (state.solve.multivalued)
-        outcomes[i].warnings.push_back("another path ends in another stable equilibrium here");
-      solver.watch({});
-      tally.done(i);
-    }
-  }
-  return outcomes;
 }
 
 // Error of the mesh itself at each position (solver/equilibrium/mesh_error.hpp).
@@ -160,10 +93,10 @@ struct SolveResult {
 };
 
 SolveResult solve(const Globals& globals, const SolveArguments& arguments, const Scene& scene,
-                  const std::vector<Vec3>& points) {
+                  const std::vector<Vec3>& points, const std::optional<Vec3>& site) {
   const int jet = arguments.jet.value_or(scene.kept.jet);
   SolveResult result{.sited = {},
-                     .outcomes = solve_all(scene, points, jet, globals),
+                     .outcomes = solve_all(scene, points, site, jet, globals),
                      .discretisation_errors = {},
                      .jet = jet};
   if (!arguments.discretisation_error) return result;
@@ -342,7 +275,8 @@ int run_solve(const Globals& globals, const SolveArguments& arguments) {
     for (const std::string& warning : sited->warnings) warn(globals, warning);
   for (const Vec3& x : points)
     if (const auto line = sited ? sited->beyond(x) : std::nullopt) warn(globals, *line);
-  SolveResult result = solve(globals, arguments, scene, points);
+  SolveResult result =
+      solve(globals, arguments, scene, points, sited ? std::optional(sited->body->pad->site) : std::nullopt);
   result.sited = sited;
   for (const SolveOutcome& outcome : result.outcomes)
     for (const std::string& warning : outcome.warnings)

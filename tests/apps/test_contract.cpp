@@ -53,6 +53,23 @@ TEST_CASE("generate that was killed goes on from what is on disk and ends with t
   CHECK(shop.same("cut.sorted", "whole.sorted"));
 }
 
+TEST_CASE("solve of many positions that was killed goes on from what is kept and ends with the same forces") {
+  const BeamShop shop;
+  std::string points = "x,y,z\n";
+  for (int i = 0; i < 3000; ++i)
+    points += fmt::format("{},{},{}\n", 1e-5 * (i % 100), 2e-5 * (i / 100), 3e-5 * (i % 7));
+  shop.write("points.csv", points);
+  const std::string solve = "solve beam.toml --points points.csv --threads 1 -o ";
+  shop.shell(executable() + " " + solve + "cut.csv --quiet & p=$!; " +
+             wait_until(is_larger("\"$XDG_CACHE_HOME\"/forefeel/*-solves.states-wal", 100000)) +
+             "kill -9 $p; wait $p");
+  REQUIRE_FALSE(shop.has("cut.csv"));
+  CHECK_THAT(shop.run(solve + "resumed.csv").err, Contains("of an earlier run, ended early, are kept"));
+  shop.run(solve + "whole.csv --quiet");
+  CHECK(shop.same("resumed.csv", "whole.csv"));
+  CHECK(shop.shell("ls \"$XDG_CACHE_HOME\"/forefeel").out.find("solves") == std::string::npos);
+}
+
 TEST_CASE("generate: a box without a position of the lattice is refused", "[contract]") {
   const BeamShop shop;
   check_refused(
