@@ -13,7 +13,7 @@ namespace {
 std::atomic<bool> wanted = false, hurried = false;  // lock-free: a signal handler may set them
 std::atomic<std::int64_t> last = 0;                 // [ns]
 std::atomic<int> wishes = 0;
-std::atomic<bool> from_the_start = false, leave_early = false, leave_with_json = false;
+std::atomic<bool> kept = false, from_the_start = false, leave_early = false, leave_with_json = false;
 static_assert(std::atomic<bool>::is_always_lock_free && std::atomic<std::int64_t>::is_always_lock_free &&
               std::atomic<int>::is_always_lock_free);
 
@@ -27,10 +27,13 @@ std::int64_t nanoseconds() {
 // half a second (a large lattice, a surface being meshed), the program exits at once.
 extern "C" void forefeel_leave(int) {
   if (!from_the_start) return;
-  static constexpr char line[] = "forefeel: interrupted before the work began: nothing was written\n";
+  static constexpr char nothing[] = "forefeel: interrupted before the work began: nothing was written\n";
+  static constexpr char pieces[] =
+      "forefeel: interrupted before the work began: what was made for it is kept, and a rerun resumes\n";
   static constexpr char document[] = "{\n  \"interrupted\": true\n}\n";
   ssize_t written = leave_with_json ? write(STDOUT_FILENO, document, sizeof document - 1) : 0;
-  written += write(STDERR_FILENO, line, sizeof line - 1);
+  written += kept ? write(STDERR_FILENO, pieces, sizeof pieces - 1)
+                  : write(STDERR_FILENO, nothing, sizeof nothing - 1);
   static_cast<void>(written);
   _exit(1);
 }
@@ -63,6 +66,10 @@ void handle(void (*handler)(int)) {
 
 void write_errors_without_signals() {
   for (const int number : {SIGPIPE, SIGXFSZ}) signal(number, SIG_IGN);
+}
+
+void pieces_are_kept() {
+  kept = true;
 }
 
 void watch_from_the_start(const EarlyInterrupt& early) {

@@ -20,6 +20,8 @@ struct EarlyInterrupt {
   bool json = false;  // and prints {"interrupted": true}
 };
 void watch_from_the_start(const EarlyInterrupt& early);
+// From now on pieces of what is being made are kept as they come, and the line of such an end says so.
+void pieces_are_kept();
 // Interrupted before anything could be saved. main prints the text and exits with 1.
 class Interrupted : public std::runtime_error {
  public:

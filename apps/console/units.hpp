@@ -10,7 +10,7 @@
 
 namespace forefeel {
 
-// mm and cm3; m and m3 for points this far [m] from each other.
+// mm and cm3; m and m3 for points at least 0.1 m from each other.
 class Units {
  public:
   explicit Units(double spacing) : large_(spacing >= 0.1) {}

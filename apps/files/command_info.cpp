@@ -54,6 +54,17 @@ Json fine_json(const Scene& scene) {
   return {{"body", body.fine->fine_body()}, {"radius", number(body.fine->radius())}};
 }
 
+// A checksum of 64 digits by its first twelve; --json has all.
+std::string shortened(const std::string& text) {
+  std::string out = text;
+  for (std::size_t from = 0; from < out.size(); ++from) {
+    const std::size_t end = std::min(out.find_first_not_of("0123456789abcdef", from), out.size());
+    if (end - from >= 64) out.erase(from + 12, end - from - 12);
+    from += std::min<std::size_t>(end - from, 12);
+  }
+  return out;
+}
+
 int info_scene(const Globals& globals, const std::string& file) {
   const Scene scene = load_scene_with_sites(file, globals.set, {.spacing = false, .quiet = globals.quiet});
   const Body& body = *scene.body;
@@ -99,12 +110,13 @@ int info_scene(const Globals& globals, const std::string& file) {
   }
   if (scene.source.accuracy) answer(globals, "  body.accuracy: " + in_words(*scene.source.accuracy));
   if (field && scene.touch.anywhere->fine)
-    answer(globals, fmt::format("  the field is that of a fine body ({})", scene.identity.at("fine")));
+    answer(globals,
+           fmt::format("  the field is that of a fine body ({})", shortened(scene.identity.at("fine"))));
   if (body.fine)
     answer(
         globals,
         fmt::format("  corrected by a fine body ({}), fully to {:.3g} mm from rest, less and less to {:.3g}",
-                    body.fine->fine_body(), 1e3 * FineJet::trusted_share * body.fine->radius(),
+                    shortened(body.fine->fine_body()), 1e3 * FineJet::trusted_share * body.fine->radius(),
                     1e3 * body.fine->radius()));
   return 0;
 }
@@ -208,17 +220,6 @@ Json states_json(const StateSetSummary& sum, const StateFileHeader& header, cons
   document["notes"] = Json(header.notes);
   document["bytes"] = std::filesystem::file_size(file);
   return document;
-}
-
-// A checksum of 64 digits by its first twelve; --json has all.
-std::string shortened(const std::string& text) {
-  std::string out = text;
-  for (std::size_t from = 0; from < out.size(); ++from) {
-    const std::size_t end = std::min(out.find_first_not_of("0123456789abcdef", from), out.size());
-    if (end - from >= 64) out.erase(from + 12, end - from - 12);
-    from += std::min<std::size_t>(end - from, 12);
-  }
-  return out;
 }
 
 int info_states(const Globals& globals, const std::string& file) {

@@ -23,6 +23,7 @@
 #include "geometry/states/energy_jet.hpp"
 #include "geometry/states/state_file.hpp"
 #include "geometry/states/state_outcome.hpp"
+#include "solver/body/fine_jet.hpp"
 #include "solver/equilibrium/mesh_error.hpp"
 #include "solver/equilibrium/solver.hpp"
 
@@ -275,6 +276,14 @@ int run_solve(const Globals& globals, const SolveArguments& arguments) {
     for (const std::string& warning : sited->warnings) warn(globals, warning);
   for (const Vec3& x : points)
     if (const auto line = sited ? sited->beyond(x) : std::nullopt) warn(globals, *line);
+  if (const FineJet* fine = scene.body->fine.get())
+    for (const Vec3& x : points)
+      if (x.norm() > FineJet::trusted_share * fine->radius())
+        warn(globals,
+             fmt::format(
+                 "({:g}, {:g}, {:g}): the fine body corrects forces to {:.3g} mm from rest; beyond, the "
+                 "force is more and more that of the coarse mesh",
+                 x[0], x[1], x[2], 1e3 * FineJet::trusted_share * fine->radius()));
   SolveResult result =
       solve(globals, arguments, scene, points, sited ? std::optional(sited->body->pad->site) : std::nullopt);
   result.sited = sited;

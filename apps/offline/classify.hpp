@@ -72,7 +72,8 @@ struct Classified {
   std::vector<Vec3> beside;
   std::size_t unusable = 0;
   double spacing = unknown;  // [m]
-  bool spacing_estimated = false;
+  int estimated_dimension =
+      0;  // of the cloud (3 volume, 2 surface, 1 strokes) if the spacing is estimated; else 0
   // States in a plane fill little of a box unless it lies along the plane: axes of box, leaves and index are turned by
   // this; states and all places told are not.
   Mat3 turn = Mat3::Identity();

@@ -65,7 +65,7 @@ void take_scene(const ClassifyArguments& arguments, const std::string& where, co
 
 // Of an estimated spacing, as along strokes far apart: one that the hull of the states can have.
 std::string wider_spacing(const Classified& set, const CoverageOptions& coverage) {
-  if (!set.spacing_estimated) return {};
+  if (set.estimated_dimension == 0) return {};
   const double spacing = hull_spacing(set.places(), set.box, coverage).spacing;
   return spacing > set.spacing ? fmt::format(": {:.2g} would make about 90 % of their hull safe", spacing)
                                : std::string();
@@ -240,8 +240,9 @@ Classified prepare_states(const ClassifyArguments& arguments, const std::string&
     for (const State& s : result.states)
       if (std::isfinite(s.spacing) && !(s.spacing <= result.spacing)) result.spacing = s.spacing;
   if (!std::isfinite(result.spacing)) {
-    result.spacing = estimate_spacing(result.states);
-    result.spacing_estimated = true;
+    const EstimatedSpacing estimated = estimated_spacing(result.states);
+    result.spacing = estimated.spacing;
+    result.estimated_dimension = estimated.dimension;
   }
   if (!(result.spacing > 0))
     throw InputError(where,

@@ -13,6 +13,7 @@
 #include "apps/console/json.hpp"
 #include "apps/console/outputs.hpp"
 #include "apps/console/spacing_check.hpp"
+#include "apps/console/units.hpp"
 #include "apps/console/values.hpp"
 #include "apps/offline/calibrate_labels.hpp"
 #include "apps/offline/classify.hpp"
@@ -135,8 +136,8 @@ CoveragePicture picture_of(const Classified& set, const ClassifyArguments& argum
   picture.volume = set.regions.volume;
   picture.components = set.regions.component_count;
   picture.title =
-      fmt::format("Coverage of {} ({}, h = {:.4g} mm)", fs::path(arguments.input.states).filename().string(),
-                  arguments.space.index, 1e3 * set.spacing);
+      fmt::format("Coverage of {} ({}, h = {})", fs::path(arguments.input.states).filename().string(),
+                  arguments.space.index, Units(set.spacing).distance(set.spacing));
   picture.body = set.body;
   return picture;
 }
@@ -274,7 +275,7 @@ int run_classify(const Globals& globals, const ClassifyArguments& arguments) {
                                               arguments.places.through));
   const std::vector<Coverage> found = cover(set, points);
   std::optional<HullSpacing> hull;
-  if (set.spacing_estimated && set.beside.empty())
+  if (set.estimated_dimension == 3 && set.beside.empty())
     hull = hull_spacing(set.places(), set.box, arguments.space.coverage);
   const double seconds = seconds_since(start);
   std::optional<ErrorKnown> errors;

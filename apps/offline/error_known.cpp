@@ -42,7 +42,7 @@ bool wants_errors(const ClassifyArguments& arguments, const Classified& set) {
       set.states, [](const State& s) { return s.force.allFinite() && !s.force.isZero(0); });
   if (arguments.bars && !forces)
     throw InputError("--bars", "needs forces, expected states that are not all without one");
-  return forces && (arguments.bars || (set.spacing_estimated && !arguments.space.spacing));
+  return forces && (arguments.bars || (set.estimated_dimension > 0 && !arguments.space.spacing));
 }
 
 ErrorKnown error_known(const Globals& globals, const ClassifyArguments& arguments, const Classified& set,

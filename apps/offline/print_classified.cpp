@@ -102,7 +102,7 @@ JsonKeys<C> set_keys() {
           {"unusable", "", "failed solves in the file", [](const C& c) { return c.result.set.unusable; }},
           {"spacing", "m", "that counts as dense", [](const C& c) { return c.result.set.spacing; }},
           {"spacing_estimated", "", "true: estimated from the density of the states, since the file has none",
-           [](const C& c) { return c.result.set.spacing_estimated; }},
+           [](const C& c) { return c.result.set.estimated_dimension > 0; }},
           {"hull.safe_share", "1",
            "of the hull of the states, where the spacing is estimated and they fill a volume; else null",
            [](const C& c) { return c.result.hull ? share_of_hull(c.result.set, *c.result.hull) : unknown; }},
@@ -184,22 +184,29 @@ void count_points(const std::vector<Coverage>& found, const Globals& globals) {
 
 std::string hull_in_words(const Classified& set, const HullSpacing& hull) {
   const double share = share_of_hull(set, hull);
-  if (!(share < enough_of_hull)) return {};
-  return fmt::format(
-      "{:.0f} % of the hull of the states is safe at the estimated spacing; --spacing {:.2g} would make "
-      "about 90 % safe",
-      100 * share, hull.spacing);
+  if (!std::isfinite(share)) return {};
+  const std::string safe = fmt::format("{:.0f} % of the hull of the states is safe", 100 * share);
+  if (share >= enough_of_hull) return safe;
+  return safe + fmt::format(
+                    " at the estimated spacing; --spacing {:.2g} would make about 90 % of it safe, and close "
+                    "every gap narrower than that",
+                    hull.spacing);
 }
 
 constexpr std::size_t gaps_said = 5;  // the largest
+// By the dimension of the cloud.
+constexpr const char* estimated_along[] = {"", " (estimated, along their strokes)",
+                                           " (estimated, along their surface)", " (estimated)"};
 
 void print_gaps(const Classified& set, const Units& units, const Globals& globals) {
   std::size_t gaps = 0;
   for (const RegionComponent& c : set.regions.components)
     if (c.label == Label::gap && ++gaps <= gaps_said)
-      say(globals, fmt::format("gap of {:.4g} {} around {}: states in {} from there, {} beside it",
-                               units.volume(c.volume), units.of_volume(), units.place(c.inner),
-                               counted(c.sides.size(), "direction"),
+      say(globals, fmt::format("gap of {:.4g} {} around {}: states {}, {} beside it", units.volume(c.volume),
+                               units.of_volume(), units.place(c.inner),
+                               c.sides.size() == 1 && c.sides[0].half_angle_deg > 90
+                                   ? "all round"
+                                   : "on " + counted(c.sides.size(), "side"),
                                counted(c.safe_neighbours.size(), "safe component")));
   if (const std::size_t all = set.regions.component_count[Label::gap]; all > gaps_said)
     say(globals, fmt::format("and {} more gaps; --json lists them", all - gaps_said));
@@ -211,9 +218,9 @@ void print_summary(const Classified& set, double seconds, const Globals& globals
   for (const double v : set.regions.volume.values) all += v;
   answer(globals,
          fmt::format("{}, h = {}{}{}", counted(set.states.size(), "state"), units.distance(set.spacing),
-                     set.spacing_estimated ? " (estimated)"
-                     : set.lattice         ? " at the finest"
-                                           : "",
+                     set.estimated_dimension > 0 ? estimated_along[set.estimated_dimension]
+                     : set.lattice               ? " at the finest"
+                                                 : "",
                      set.unusable ? ", " + counted(set.unusable, "failed one") + " left out" : ""));
   for (const Label label : all_labels) {
     const double volume = set.regions.volume[label];

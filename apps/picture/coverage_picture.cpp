@@ -8,6 +8,7 @@
 #include <cstdio>
 #include <optional>
 
+#include "apps/console/units.hpp"
 #include "apps/picture/figure.hpp"
 #include "apps/picture/page.hpp"
 #include "apps/picture/plot.hpp"
@@ -221,7 +222,7 @@ int margin_of(const CoveragePicture& picture) {
   std::size_t longest = 5;
   for (const int axis : {1, 2})
     for (const double end : {picture.box.low[axis], picture.box.high[axis]})
-      longest = std::max(longest, fmt::formatted_size("{:.4g}", 1e3 * end));
+      longest = std::max(longest, fmt::formatted_size("{:.4g}", Units(picture.spacing).length(end)));
   return 54 + 8 * static_cast<int>(longest - 5);
 }
 
@@ -235,22 +236,25 @@ void draw_slice(const CoveragePicture& picture, const Slice& slice, double left,
   const std::string across = axis_name[static_cast<std::size_t>(slice.normal)],
                     right = axis_name[static_cast<std::size_t>(slice.u)],
                     up = axis_name[static_cast<std::size_t>(slice.v)];
-  const auto mm = [](double metres) { return fmt::format("{:.4g}", 1e3 * metres); };
+  const Units units(picture.spacing);
+  const auto number = [&](double metres) { return fmt::format("{:.4g}", units.length(metres)); };
   canvas.text(
       left, top - 8, Anchor::left,
-      across + " = " + mm(picture.through[slice.normal]) + " mm" + (flat ? ", " + up + " \u2191" : ""));
+      across + " = " + units.distance(picture.through[slice.normal]) + (flat ? ", " + up + " \u2191" : ""));
   canvas.slice(slice, left, top, scale);
   canvas.frame(left, top, width, height);
-  canvas.text(left, top + height + 16, Anchor::left, mm(picture.box.low[slice.u]));
-  canvas.text(left + width, top + height + 16, Anchor::right, mm(picture.box.high[slice.u]) + " mm");
+  canvas.text(left, top + height + 16, Anchor::left, number(picture.box.low[slice.u]));
+  canvas.text(left + width, top + height + 16, Anchor::right,
+              number(picture.box.high[slice.u]) + " " + units.of_length());
   canvas.text(left + width / 2, top + height + 16, Anchor::middle, right + " \u2192");
-  canvas.text(left - 6, top + height, Anchor::right, mm(picture.box.low[slice.v]));
-  canvas.text(left - 6, top + 10, Anchor::right, mm(picture.box.high[slice.v]));
+  canvas.text(left - 6, top + height, Anchor::right, number(picture.box.low[slice.v]));
+  canvas.text(left - 6, top + 10, Anchor::right, number(picture.box.high[slice.v]));
   if (!flat) canvas.text(left - 6, top + height / 2, Anchor::right, up + " \u2191");
 }
 
 void draw_legend(const CoveragePicture& picture, int margin, bool too_many, Canvas& canvas) {
   const double top = title_height + panel + 54, right = margin + panel + margin;
+  const Units units(picture.spacing);
   double all = 0;
   for (const double v : picture.volume.values) all += v;
   for (std::size_t i = 0; i < 4; ++i) {
@@ -258,10 +262,12 @@ void draw_legend(const CoveragePicture& picture, int margin, bool too_many, Canv
     const double y = top + 22 * static_cast<double>(i);
     canvas.swatch(label, margin, y, 26, 15);
     canvas.frame(margin, y, 26, 15);
-    canvas.text(margin + 34, y + 12, Anchor::left,
-                fmt::format("{}: {:.4g} cm\u00b3, {:.1f} %, {} component{}", name(label),
-                            1e6 * picture.volume[i], all > 0 ? 100 * picture.volume[i] / all : 0.0,
-                            picture.components[i], picture.components[i] == 1 ? "" : "s"));
+    canvas.text(
+        margin + 34, y + 12, Anchor::left,
+        fmt::format("{}: {:.4g} {}\u00b3, {:.1f} %, {} component{}", name(label),
+                    units.volume(picture.volume[i]), units.of_length() == std::string_view("m") ? "m" : "cm",
+                    all > 0 ? 100 * picture.volume[i] / all : 0.0, picture.components[i],
+                    picture.components[i] == 1 ? "" : "s"));
   }
   canvas.state(right + 13, top + 8);
   canvas.text(

@@ -12,6 +12,7 @@
 #include <system_error>
 #include <utility>
 
+#include "apps/console/interrupt.hpp"
 #include "geometry/common/packer.hpp"
 #include "geometry/common/sha256.hpp"
 
@@ -60,6 +61,7 @@ PieceFile::PieceFile(fs::path file) : file_(std::move(file)) {
     close(std::exchange(descriptor_, -1));
     return;
   }
+  pieces_are_kept();
   std::ostringstream bytes;
   bytes << std::ifstream(file_, std::ios::binary).rdbuf();
   std::size_t at = 0;

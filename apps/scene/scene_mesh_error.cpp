@@ -157,7 +157,10 @@ MeshError MeshErrorTask::get() {
   }
   if (scene_.touch.anywhere) {
     MeshError none;
-    none.why = "the contact has no place of its own";
+    none.why =
+        "the contact has no place of its own (forefeel solve SCENE --site=X,Y,Z --at=… "
+        "--discretisation-error "
+        "measures it at one)";
     return none;
   }
   if (!found_.valid())

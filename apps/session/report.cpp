@@ -93,7 +93,7 @@ std::string tiles(const SessionSummary& s) {
                            with_unit(s.switching.max_jump_undamped, "N")));
   html += tile(percent(s.time_in[Label::safe]),
                fmt::format("of {} in safe regions (densely known)", counted(s.run.frames, "frame")),
-               small_is_good(1 - s.time_in[Label::safe], 0.5, 0.9));
+               s.motion.touch ? Judged::plain : small_is_good(1 - s.time_in[Label::safe], 0.5, 0.9));
   html += s.states.foreign
               ? tile(shown(s.states.start), "known states of another body; none was solved")
               : tile(shown(s.states.solved), "states solved; " + shown(s.states.used) + " used by a model");

@@ -112,10 +112,10 @@ Json switches(std::span<const SwitchRecord> all) {
 // The ink of a cause.
 constexpr std::pair<FeltCause, const char*> felt_inks[] = {{FeltCause::change_of_model, "switching"},
                                                            {FeltCause::slip, "approximation"},
-                                                           {FeltCause::snap, "staleness"},
+                                                           {FeltCause::snap, "group"},
                                                            {FeltCause::begin, "within"},
                                                            {FeltCause::end, "above"},
-                                                           {FeltCause::motion, "limit"}};
+                                                           {FeltCause::motion, "clamp"}};
 
 // [t, |force sent|, change, share, cause]
 Json felt(const SessionResult& result, const RunView& view) {
@@ -231,7 +231,8 @@ std::string curves(const std::string& compared, const FeltSteps& felt, std::size
 
 std::string around_switch(std::size_t switches) {
   return fmt::format(
-      "<h2>Around one switch ({} in all)</h2>\n<figure><p class=\"bar\"><button id=\"run-before\">‹</button>"
+      "<div{}><h2>Around one switch ({} in all)</h2>\n<figure><p class=\"bar\"><button "
+      "id=\"run-before\">‹</button>"
       "<input id=\"run-which\" type=\"range\" min=\"0\" value=\"0\" aria-label=\"number of the switch\">"
       "<button id=\"run-next\">›</button><button id=\"run-largest\">largest</button></p>\n"
       "<p id=\"run-what\"></p>\n<canvas id=\"run-switch\" role=\"img\" aria-label=\"force around one "
@@ -239,8 +240,8 @@ std::string around_switch(std::size_t switches) {
       "style=\"height:290px\"></canvas>\n<figcaption>60 ms before to 140 ms after the switch (dotted). The "
       "rendered "
       "force leaves the old model and reaches the newest without a step that a hand "
-      "feels.</figcaption></figure>\n",
-      switches);
+      "feels.</figcaption></figure></div>\n",
+      switches == 0 ? " hidden" : "", switches);
 }
 
 std::string maps(const std::string& compared) {

@@ -68,9 +68,11 @@ void tell_session(const Globals& globals, const SessionSummary& s, const std::op
       s.states.foreign
           ? fmt::format("of {} of another body; none was solved", counted(s.states.start, "state"))
           : fmt::format(
-                "{} known at the start, {} solved by {} (policy {}, load {:.2g}){}, {} used",
+                "{} known at the start, {} solved by {} (policy {}{}{}){}, {} used",
                 counted(s.states.start, "state"), s.states.solved,
-                counted(static_cast<std::size_t>(s.settings.workers), "worker"), s.settings.policy, s.load,
+                counted(static_cast<std::size_t>(s.settings.workers), "worker"), s.settings.policy,
+                s.settings.cost.empty() ? "" : ", cost " + s.settings.cost,
+                std::isfinite(s.load) ? fmt::format(", load {:.2g}", s.load) : "",
                 s.states.inverted > 0 ? fmt::format(", {} with inverted elements", s.states.inverted) : "",
                 s.states.used);
   say(globals,

@@ -173,7 +173,7 @@ std::optional<Scene> scene_of(const MadeBy& made_by) {
     std::error_code error;
     if (!fs::is_regular_file(file, error)) continue;
     try {
-      Scene scene = load_scene(file, overrides, nullptr, {.spacing = false, .quiet = true});
+      Scene scene = load_scene_with_sites(file, overrides, {.spacing = false, .quiet = true});
       if (scene.source.hash == made_by.scene_hash) return scene;
     } catch (const InputError&) {  // no longer the scene that it was
     }

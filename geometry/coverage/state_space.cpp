@@ -1,5 +1,6 @@
 #include "geometry/coverage/state_space.hpp"
 
+#include <Eigen/Eigenvalues>
 #include <algorithm>
 #include <array>
 #include <cmath>
@@ -169,36 +170,87 @@ Vec3 half_way(std::size_t i, double distance) {
 
 }  // namespace
 
-double estimate_spacing(std::span<const State> states) {
-  constexpr std::size_t most_measured = 20'000, around = 24;
+namespace {
+
+constexpr std::size_t most_measured = 20'000, around = 24;
+
+// The states at places of their own, and those near them.
+struct Cloud {
   PointOctree points;
   std::vector<Vec3> positions;
-  std::vector<PointOctree::Neighbour> near;
-  for (const State& state : states) {
-    if (!positions.empty()) points.nearest(state.at, 1, near);
-    if (!near.empty() && near[0].squared == 0) continue;
-    points.insert(static_cast<std::uint32_t>(positions.size()), state.at);
-    positions.push_back(state.at);
+  std::size_t step = 1;  // every step-th is measured
+
+  explicit Cloud(std::span<const State> states) {
+    std::vector<PointOctree::Neighbour> near;
+    for (const State& state : states) {
+      if (!positions.empty()) points.nearest(state.at, 1, near);
+      if (!near.empty() && near[0].squared == 0) continue;
+      points.insert(static_cast<std::uint32_t>(positions.size()), state.at);
+      positions.push_back(state.at);
+    }
+    step += positions.size() / most_measured;
   }
-  std::vector<double> distance, radius;
-  std::vector<Vec3> offsets;
-  const std::size_t step = 1 + positions.size() / most_measured;
-  for (std::size_t i = 0; i < positions.size(); i += step) {
-    points.nearest(positions[i], around, near);
-    if (near.size() < 2) continue;
-    distance.push_back(std::sqrt(near[1].squared));
-    const Vec3 q = positions[i] + half_way(i, distance.back());
-    offsets.clear();
-    for (const PointOctree::Neighbour& n : near) offsets.push_back(positions[n.id] - q);
-    const LocalSpread cell = least_spread(offsets, distance.back());
-    if (!cell.solid) continue;
-    std::array<Vec3, 4> corner;
-    for (std::size_t k = 0; k < 4; ++k) corner[k] = offsets[cell.corner[k]];
-    radius.push_back(circumradius(corner));
+};
+
+// 1, 2 or 3, by the variances of the neighbours along their principal axes.
+int local_dimension(const std::vector<Vec3>& offsets) {
+  Vec3 mean = Vec3::Zero();
+  for (const Vec3& d : offsets) mean += d / static_cast<double>(offsets.size());
+  Mat3 spread = Mat3::Zero();
+  for (const Vec3& d : offsets) spread += (d - mean) * (d - mean).transpose();
+  const Vec3 variance = Eigen::SelfAdjointEigenSolver<Mat3>(spread, Eigen::EigenvaluesOnly).eigenvalues();
+  constexpr double thin = 0.02;
+  return variance[1] < thin * variance[2] ? 1 : variance[0] < thin * variance[2] ? 2 : 3;
+}
+
+// What the states near each measured one tell.
+struct NearStates {
+  std::vector<double> nearest, second, fourth, radius;  // distances, and of the cells [m]
+  std::array<std::size_t, 4> of_dimension{};
+
+  explicit NearStates(const Cloud& cloud) {
+    std::vector<PointOctree::Neighbour> near;
+    std::vector<Vec3> offsets;
+    for (std::size_t i = 0; i < cloud.positions.size(); i += cloud.step) {
+      const Vec3& at = cloud.positions[i];
+      cloud.points.nearest(at, around, near);
+      if (near.size() < 2) continue;
+      const auto distance = [&](std::size_t k) {
+        return std::sqrt(near[std::min(k, near.size() - 1)].squared);
+      };
+      nearest.push_back(distance(1));
+      second.push_back(distance(2));
+      fourth.push_back(distance(4));
+      const Vec3 q = at + half_way(i, nearest.back());
+      offsets.clear();
+      for (const PointOctree::Neighbour& n : near) offsets.push_back(cloud.positions[n.id] - q);
+      ++of_dimension[static_cast<std::size_t>(local_dimension(offsets))];
+      const LocalSpread cell = least_spread(offsets, nearest.back());
+      if (!cell.solid) continue;
+      std::array<Vec3, 4> corner;
+      for (std::size_t k = 0; k < 4; ++k) corner[k] = offsets[cell.corner[k]];
+      radius.push_back(circumradius(corner));
+    }
   }
-  // Strokes and shells have hardly a cell among near states.
-  if (3 * radius.size() < distance.size()) return median(std::move(distance));
-  return quantile_of(std::move(radius), 0.75) / (std::sqrt(3.0) / 2);
+  int dimension() const {
+    if (2 * of_dimension[1] > nearest.size()) return 1;
+    return 2 * (of_dimension[1] + of_dimension[2]) > nearest.size() ? 2 : 3;
+  }
+};
+
+}  // namespace
+
+EstimatedSpacing estimated_spacing(std::span<const State> states) {
+  NearStates near{Cloud(states)};
+  const int dimension = near.dimension();
+  if (dimension == 1) return {median(std::move(near.second)), 1};
+  if (dimension == 2) return {median(std::move(near.fourth)), 2};
+  if (near.radius.empty()) return {median(std::move(near.nearest)), 3};
+  return {quantile_of(std::move(near.radius), 0.75) / (std::sqrt(3.0) / 2), 3};
+}
+
+double estimate_spacing(std::span<const State> states) {
+  return estimated_spacing(states).spacing;
 }
 
 }  // namespace forefeel

@@ -174,10 +174,8 @@ std::vector<std::string> attention(const SessionSummary& summary) {
   if (summary.run.frames > 0 && !motion.touch && states.start + states.solved + states.used == 0)
     lines.push_back("no state was solved: what was rendered is no force of the body");
   add_short_bars(summary.error.bars, lines);
-  const std::size_t sampled = summary.error.samples.samples, visits = summary.error.first_visit.samples;
+  const std::size_t sampled = summary.error.samples.samples;
   if (summary.run.frames > 0 && sampled < few_samples) lines.push_back(samples("the errors", sampled));
-  if (summary.run.frames > 0 && visits > 0 && visits < few_samples)
-    lines.push_back(samples("the errors of first visits", visits));
   return lines;
 }
 
@@ -195,6 +193,10 @@ std::vector<std::string> remarks(const SessionSummary& summary) {
   else
     lines.push_back(fmt::format("the mesh itself errs by {}, a hand feels {} ({})", said_percent(mesh.error),
                                 in_percent(felt_share), mesh.how));
+  const std::size_t visits = summary.error.first_visit.samples;
+  if (summary.run.frames > 0 && visits > 0 && visits < few_samples)
+    lines.push_back(samples("the errors of first visits", visits) +
+                    ": a motion that goes to more places tells more");
   const double outside = summary.motion.outside;
   if (outside > outside_too_often && !outside_is_felt(summary))
     lines.push_back(outside_box(summary.motion) + ", without an error that a hand feels");

@@ -62,7 +62,7 @@ std::string_view in_words(FeltCause cause) {
   constexpr std::string_view words[] = {"a switch of models",
                                         "a slip",
                                         "a snap",
-                                        "the begin of a touch or of the session",
+                                        "the beginning of a touch or of the session",
                                         "the end of a touch or of the session",
                                         "the motion"};
   return words[static_cast<std::size_t>(cause)];
@@ -139,7 +139,7 @@ std::string in_words(const FeltSteps& steps) {
   if (within > 0)
     all += fmt::format(", the largest {:.2g} N ({:.3g} %): {}", steps.largest_within,
                        100 * steps.share_within, causes);
-  return ends.empty() ? all : all + "; beside " + ends;
+  return ends.empty() ? all : all + "; apart from these " + ends;
 }
 
 }  // namespace forefeel

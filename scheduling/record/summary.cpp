@@ -276,6 +276,7 @@ SessionSummary::Settings settings_of(const SessionInput& input, const SessionOpt
           .select = options.model.fit.select,
           .seed = options.seed,
           .spacing = input.touched.space.spacing,
+          .cost = options.clock.kind == Clock::real ? "" : to_text(options.workers.cost),
           .device = device_that_ran(input, options)};
 }
 

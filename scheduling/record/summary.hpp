@@ -167,8 +167,9 @@ struct SessionSummary {
     std::string policy;
     Select select = Select::label;
     std::uint64_t seed = 0;
-    double spacing = 0;  // of the states [m]
-    std::string device;  // "replay:RUN" where a run is replayed, "object" where an object was given
+    double spacing = 0;     // of the states [m]
+    std::string cost = {};  // of a solve, as written; empty under the real clock
+    std::string device;     // "replay:RUN" where a run is replayed, "object" where an object was given
   };
   // How the run itself went.
   struct Run {

@@ -164,8 +164,10 @@ std::vector<std::size_t> ranked_levels(const Study& study, const std::vector<Stu
 std::vector<AxisRanking> rankings(const Study& study, const std::vector<StudyCellResult>& cells) {
   std::vector<AxisRanking> all;
   const StudyMetric metric = primary_metric(study);
+  const bool motions_alone = std::ranges::all_of(
+      study.axes, [](const StudyAxis& axis) { return axis.values.size() < 2 || is_trace_axis(axis); });
   for (std::size_t axis = 0; axis < study.axes.size(); ++axis)
-    if (study.axes[axis].values.size() > 1)
+    if (study.axes[axis].values.size() > 1 && (motions_alone || !is_trace_axis(study.axes[axis])))
       all.push_back({axis, metric, ranking_of(study, cells, axis, metric)});
   return all;
 }

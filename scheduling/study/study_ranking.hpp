@@ -58,7 +58,8 @@ struct AxisRanking {
   StudyMetric metric;
   LevelRanking ranking;
 };
-// The ranking of each axis with at least two values.
+// The ranking of each axis with at least two values; of motions only where nothing else varies, since each has its own
+// load.
 std::vector<AxisRanking> rankings(const Study& study, const std::vector<StudyCellResult>& cells);
 
 // The first axis' value `a` against `b`, over everything or in one slice. Means are differences, or

@@ -83,11 +83,12 @@ MetricWords in_words(const StudyMetric& metric) {
   return {" " + metric.title.substr(open + 2, metric.title.size() - open - 3), metric.title.substr(0, open)};
 }
 
-// "coverage 98 %, nearest 95 % of first visits within the JND".
-std::string two_best(const StudyAxis& axis, const StudyMetric& metric, const std::vector<Contender>& all) {
+// "coverage 98 %, nearest 95 % of first visits within the JND", at most five.
+std::string best_first(const StudyAxis& axis, const StudyMetric& metric, const std::vector<Contender>& all) {
   const MetricWords words = in_words(metric);
   std::string text = metric.share ? "" : words.what + ": ";
-  for (std::size_t i = 0; i < std::min<std::size_t>(2, all.size()); ++i)
+  constexpr std::size_t most_named = 5;
+  for (std::size_t i = 0; i < std::min(most_named, all.size()); ++i)
     text += fmt::format("{}{} {}{}", i > 0 ? ", " : "", axis.values[all[i].level].text,
                         amount(metric, all[i].mean), words.unit);
   return metric.share ? text + " of " + words.what : text;
@@ -122,7 +123,7 @@ std::string factor_below(const Comparison& d) {
 // Why there is no winner: "the difference …".
 std::string no_winner(const StudyAxis& axis, std::span<const Observation> seen, const StudyMetric& metric,
                       const std::vector<Contender>& all, const Comparison& next) {
-  std::string text = fmt::format("No winner: {}", two_best(axis, metric, all));
+  std::string text = fmt::format("No winner: {}", best_first(axis, metric, all));
   if (next.won == 0 && next.lost == 0) return text + fmt::format(". They are equal in all {}", over(next));
   if (next.groups < fewest_motions) return text + ". " + too_few(metric, next);
   return text + fmt::format(". The difference, {}, over {}, is not significant{}",
@@ -133,7 +134,7 @@ std::string no_winner(const StudyAxis& axis, std::span<const Observation> seen, 
 std::string winner(const StudyAxis& axis, std::span<const Observation> seen, const StudyMetric& metric,
                    const std::vector<Contender>& all, const Comparison& next) {
   return fmt::format("Best {}: {} ({}, over {}): the difference is significant{}", axis.column,
-                     two_best(axis, metric, all), difference_in_words(metric, next), over(next),
+                     best_first(axis, metric, all), difference_in_words(metric, next), over(next),
                      beaten_by_best(axis, seen, metric, all));
 }
 
@@ -179,7 +180,7 @@ std::optional<std::string> study_verdict(const Study& study, const std::vector<S
                        axis.column, metric.title);
   std::string text;
   if (all.size() == 1) {
-    text = fmt::format("Only {} competes: {}", axis.values[all[0].level].text, two_best(axis, metric, all));
+    text = fmt::format("Only {} competes: {}", axis.values[all[0].level].text, best_first(axis, metric, all));
   } else {
     const Comparison next = compare_levels(seen, all[0].level, all[1].level);
     text = is_shown(next, metric)
@@ -216,6 +217,9 @@ std::string more_motions(const Comparison& d) {
         d.groups);
   if (*needed <= d.groups)
     return "The spread over motions is small: more seeds and motions of other kinds decide.";
+  constexpr std::size_t most_said = 100;
+  if (*needed - d.groups > most_said)
+    return fmt::format("More than {} more motions would be needed to show so small a difference.", most_said);
   return fmt::format(
       "About {} would show it with a chance of 80 %, if difference and spread stay as they are.",
       counted(*needed - d.groups, "more motion"));

@@ -141,7 +141,8 @@ void check_session(const Workshop& shop, const std::string& out, double limit) {
   std::smatch line, part;
   REQUIRE(std::regex_search(
       out, line,
-      std::regex(R"(felt +(\d+)  steps? of the force that a hand feels([^;\n]*)(; beside ([^;\n]*))?;)")));
+      std::regex(
+          R"(felt +(\d+)  steps? of the force that a hand feels([^;\n]*)(; apart from these ([^;\n]*))?;)")));
   std::size_t all_felt = std::stoul(line[1]);
   for (std::string rest = line[4]; std::regex_search(rest, part, std::regex(R"((\d+) by)"));
        rest = part.suffix())

@@ -141,7 +141,8 @@ TEST_CASE("steps are counted by cause, with the largest of them") {
   CHECK(felt.largest == 0.7);
   CHECK(felt.largest_share == 0.5);
   CHECK(in_words(felt) ==
-        "2 steps of the force that a hand feels, the largest 0.2 N (50 %): 2 by a slip; beside 1 by the end "
+        "2 steps of the force that a hand feels, the largest 0.2 N (50 %): 2 by a slip; apart from these 1 "
+        "by the end "
         "of a "
         "touch or of the session");
   CHECK(in_words(FeltSteps()) == "0 steps of the force that a hand feels");
