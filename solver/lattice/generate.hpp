@@ -33,8 +33,7 @@ struct LatticeOptions : GenerateOptions {
 // starts from. work / path bounds the gain of any number of threads. With ranks all are 0.
 struct ParallelTimes {
   double work = 0;  // [s], of all pieces and of what comes before them
-  double path =
-      0;  // [s], the longest chain of pieces that wait for each other, or all calls of the sink if longer
+  double path = 0;  // [s], the longest chain of pieces, or all calls of the sink if longer
   double idle = 0;  // [s], sum over the threads, without a piece to solve
 };
 struct GenerateReport {
