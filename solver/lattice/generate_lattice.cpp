@@ -70,7 +70,11 @@ class PieceQueue {
     changed_.notify_all();
   }
 
-  void wake() { changed_.notify_all(); }  // after `stopped` became true
+  // After `stopped` became true. Under the lock, so that no thread falls asleep between its look and this call.
+  void wake() {
+    const std::lock_guard lock(mutex_);
+    changed_.notify_all();
+  }
 
   // before: seconds before the first piece; in_sink: seconds in the sink, one call after another
   ParallelTimes times(double before, double in_sink) const {
@@ -177,11 +181,10 @@ class Sweep {
   }
 
   void keep_failure() {
-#pragma omp critical(forefeel_generate)
-    if (!failure_.first) {
-      failure_.first = std::current_exception();
-      failure_.seen.store(true);
-    }
+    const std::lock_guard lock(mutex_);
+    if (failure_.first) return;
+    failure_.first = std::current_exception();
+    failure_.seen.store(true);
   }
 
   bool stopped() const {
@@ -190,21 +193,13 @@ class Sweep {
 
   void emit(State state) {
     if (state.solve.status == SolveStatus::cancelled) return;
-    std::exception_ptr thrown;
-#pragma omp critical(forefeel_generate)
-    {
-      const double start = thread_seconds();
-      try {
-        (state.usable() ? report_.solved : report_.failed) += 1;
-        report_.inverted += has_inverted_elements(state);
-        sink_(std::move(state));
-        if (progress_) progress_(report_.resumed + report_.solved + report_.failed, plan_.positions());
-      } catch (...) {
-        thrown = std::current_exception();
-      }
-      in_sink_ += thread_seconds() - start;
-    }
-    if (thrown) std::rethrow_exception(thrown);
+    const std::lock_guard lock(mutex_);
+    const double start = thread_seconds();
+    (state.usable() ? report_.solved : report_.failed) += 1;
+    report_.inverted += has_inverted_elements(state);
+    sink_(std::move(state));
+    if (progress_) progress_(report_.resumed + report_.solved + report_.failed, plan_.positions());
+    in_sink_ += thread_seconds() - start;
   }
 
   std::chrono::steady_clock::time_point began_;
@@ -221,6 +216,7 @@ class Sweep {
     const auto at = place_.find(c);
     return at != place_.end() && coarse_[at->second].solved() ? &coarse_[at->second] : nullptr;
   };
+  std::mutex mutex_;    // of all below; it does not spin, unlike OpenMP's
   double in_sink_ = 0;  // [s]
   GenerateReport report_;
   Failure failure_;
