@@ -69,6 +69,11 @@ struct Generated {
   const Scene& scene;
 };
 
+std::optional<double> parallel_time(const Generated& generated, double ParallelTimes::*time) {
+  if (generated.result.ranks) return {};
+  return generated.result.report.parallel.*time;
+}
+
 const JsonKeys<Generated>& generate_keys() {
   using G = Generated;
   static const JsonKeys<G> keys{
@@ -84,6 +89,13 @@ const JsonKeys<Generated>& generate_keys() {
       {"states_per_second", "1/s", "solved in this run",
        [](const G& g) { return g.result.states_per_second(); }},
       {"threads", "", "that solved", [](const G& g) { return g.result.report.threads; }},
+      {"parallel.work_s", "s", "sum of the times of all pieces of work; null with --mpi",
+       [](const G& g) { return parallel_time(g, &ParallelTimes::work); }},
+      {"parallel.path_s", "s",
+       "longest chain of pieces that wait for each other: no number of threads is faster",
+       [](const G& g) { return parallel_time(g, &ParallelTimes::path); }},
+      {"parallel.idle_s", "s", "waiting of all threads for a piece",
+       [](const G& g) { return parallel_time(g, &ParallelTimes::idle); }},
       {"ranks.solving", "", "with --mpi: ranks that solved",
        [](const G& g) { return g.result.ranks ? std::optional(g.result.ranks->ranks) : std::nullopt; }},
       {"ranks.lost", "", "with --mpi: ranks that answered no more",

@@ -70,7 +70,7 @@ struct BodyKeys {
   std::optional<double> length;  // [m]
   Element element = Body().element;
   std::optional<FineKeys> fine;
-  bool uniform = false;
+  std::optional<bool> uniform;
   std::optional<double> accuracy;
 };
 
@@ -105,11 +105,20 @@ const SceneRows<BodyKeys>& rows_of_body() {
               "relative error of the force, mesh and contact included, for which elements, element and fine "
               "are chosen where they are not given; of a volume mesh fine alone",
               &B::accuracy)
-          .flag("uniform",
+          .row({"uniform", "", "",
                 "a surface or phantom with a pad is meshed with elements of one size, not smaller ones under "
-                "the pad",
-                &B::uniform);
+                "the pad"},
+               [](const SceneTable& table, const std::string& key, B& keys) {
+                 keys.uniform = table.boolean(key);
+               })
+          .standard("false; true for linear elements that a fine body corrects");
   return rows;
+}
+
+// A fine body corrects linear elements of one size as well as graded ones, and their states cost a quarter: small
+// elements under a pad crease long before large ones do.
+bool is_uniform(const BodyKeys& keys) {
+  return keys.uniform.value_or(keys.fine && keys.element == Element::linear);
 }
 
 // Where elements are small: the place and radius of the pad [m], on the body as it is meshed, before body.length.
@@ -141,7 +150,7 @@ TetMesh read_volume_or_surface(const SceneTable& body, const BodyKeys& keys, con
   const Surface surface = read_surface(file);
   for (const std::string& remark : surface.remarks) warnings.push_back(file.string() + ": " + remark);
   TetrahedraliseOptions options{.elements = *keys.elements, .length = {}, .name = file.string()};
-  if (pressed && !keys.uniform) {
+  if (pressed && !is_uniform(keys)) {
     options.toward = before_scaling(pressed, scale_of(keys, surface));
     options.rim = rim;
   }
@@ -151,7 +160,7 @@ TetMesh read_volume_or_surface(const SceneTable& body, const BodyKeys& keys, con
 TetMesh make_phantom(const SceneTable& body, const BodyKeys& keys, Pressed pressed,
                      const std::optional<LowEnd>& rim) {
   chosen_word(body, "phantom", keys.phantom, phantom_names());
-  if (pressed && !keys.uniform) {
+  if (pressed && !is_uniform(keys)) {
     const double scale = scale_of(keys, phantom_surface(keys.phantom));
     pressed = before_scaling(pressed, scale);
     return cached_phantom(
@@ -252,6 +261,7 @@ bool subdivides(const BodyInput& in) {
 Body assemble_fine(const BodyInput& in, const Body& body, std::size_t elements) {
   BodyKeys keys = in.keys;
   keys.element = in.keys.fine->element;
+  keys.fine.reset();
   if (subdivides(in)) {
     Body fine = refined_to(body, elements);
     fine.element = keys.element;

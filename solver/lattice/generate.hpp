@@ -29,11 +29,19 @@ struct LatticeOptions : GenerateOptions {
   double spacing = 0.006;  // h [m]
   Box box;                 // [m]
 };
+// What more threads could do. Each piece of work (a coarse state, or a few fine ones) waits only for the pieces that it
+// starts from. work / path bounds the gain of any number of threads. With ranks all are 0.
+struct ParallelTimes {
+  double work = 0;  // [s], of all pieces and of what comes before them
+  double path = 0;  // [s], the longest chain of pieces, or all calls of the sink if longer
+  double idle = 0;  // [s], sum over the threads, without a piece to solve
+};
 struct GenerateReport {
   std::size_t solved = 0, failed = 0, resumed = 0;
   std::size_t inverted = 0;  // of the solved: with inverted elements (state_outcome.hpp)
   double seconds = 0;        // wall time [s]
   int threads = 0;
+  ParallelTimes parallel;
 };
 
 // Adds to a space all states of its own lattice, with its spacing and box. States that it holds are not solved again;

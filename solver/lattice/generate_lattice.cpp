@@ -3,9 +3,14 @@
 #include <algorithm>
 #include <atomic>
 #include <chrono>
-#include <cmath>
+#include <condition_variable>
+#include <ctime>
 #include <exception>
+#include <functional>
 #include <map>
+#include <mutex>
+#include <optional>
+#include <queue>
 #include <utility>
 
 #include "geometry/coverage/state_space.hpp"
@@ -18,12 +23,81 @@
 namespace forefeel {
 namespace {
 
+double lattice_seconds_since(std::chrono::steady_clock::time_point start) {
+  return std::chrono::duration<double>(std::chrono::steady_clock::now() - start).count();
+}
+
+// Processor time of this thread: other programs do not lengthen it [s].
+double thread_seconds() {
+  timespec t{};
+  clock_gettime(CLOCK_THREAD_CPUTIME_ID, &t);
+  return static_cast<double>(t.tv_sec) + 1e-9 * static_cast<double>(t.tv_nsec);
+}
+
+// Hands each piece to a thread as soon as those that it waits for are solved: coarse nodes first, outward from rest.
+class PieceQueue {
+ public:
+  explicit PieceQueue(std::vector<SweepPiece> pieces)
+      : pieces_(std::move(pieces)), begins_(pieces_.size(), 0.0), left_(pieces_.size()) {
+    for (std::size_t i = 0; i < pieces_.size(); ++i)
+      if (pieces_[i].waits_for == 0) ready_.push(i);
+  }
+
+  const std::vector<SweepPiece>& pieces() const { return pieces_; }
+
+  // Waits for a piece. Nothing if all are handed out, or once `stopped` is true.
+  std::optional<std::size_t> take(const std::function<bool()>& stopped) {
+    std::unique_lock lock(mutex_);
+    const auto start = std::chrono::steady_clock::now();
+    changed_.wait(lock, [&] { return !ready_.empty() || left_ == 0 || stopped(); });
+    idle_ += lattice_seconds_since(start);
+    if (ready_.empty() || stopped()) return {};
+    const std::size_t id = ready_.top();
+    ready_.pop();
+    --left_;
+    return id;
+  }
+
+  void done(std::size_t id, double seconds) {
+    const std::lock_guard lock(mutex_);
+    work_ += seconds;
+    const double end = begins_[id] + seconds;
+    longest_ = std::max(longest_, end);
+    for (const std::size_t other : pieces_[id].before) {
+      begins_[other] = std::max(begins_[other], end);
+      if (--pieces_[other].waits_for == 0) ready_.push(other);
+    }
+    changed_.notify_all();
+  }
+
+  // After `stopped` became true. Under the lock, so that no thread falls asleep between its look and this call.
+  void wake() {
+    const std::lock_guard lock(mutex_);
+    changed_.notify_all();
+  }
+
+  // before: seconds before the first piece; in_sink: seconds in the sink, one call after another
+  ParallelTimes times(double before, double in_sink) const {
+    return {.work = before + work_, .path = before + std::max(longest_, in_sink), .idle = idle_};
+  }
+
+ private:
+  std::vector<SweepPiece> pieces_;
+  std::priority_queue<std::size_t, std::vector<std::size_t>, std::greater<>> ready_;
+  std::vector<double> begins_;  // by piece: the earliest time with any number of threads [s]
+  std::size_t left_;            // not handed out
+  double work_ = 0, longest_ = 0, idle_ = 0;
+  std::mutex mutex_;
+  std::condition_variable changed_;
+};
+
 // Solves the missing states by threads and gives them to the sink.
 class Sweep {
  public:
   Sweep(std::shared_ptr<const Body> body, const LatticeOptions& options, const std::vector<State>& known,
         const std::function<void(State)>& sink, const std::function<void(std::size_t, std::size_t)>& progress)
-      : body_(std::move(body)),
+      : began_(std::chrono::steady_clock::now()),
+        body_(std::move(body)),
         d_(std::make_shared<const Discretisation>(discretise(*body_))),
         options_(options),
         sink_(sink),
@@ -36,6 +110,9 @@ class Sweep {
   GenerateReport run() {
     if (!plan_.missing().empty()) is_linear(*body_) ? run_linear() : run_sweep();
     if (failure_.first) std::rethrow_exception(failure_.first);
+    report_.seconds = lattice_seconds_since(began_);
+    if (const double all = thread_seconds() - began_at_; report_.parallel.work == 0)
+      report_.parallel = {.work = all, .path = all};
     return report_;
   }
 
@@ -63,8 +140,7 @@ class Sweep {
       const auto start = std::chrono::steady_clock::now();
       node.state = linear.state(position_of(k, options_.spacing), node.field);
       node.state.solve.parent = Vec3::Zero();
-      node.state.solve.seconds =
-          std::chrono::duration<double>(std::chrono::steady_clock::now() - start).count();
+      node.state.solve.seconds = lattice_seconds_since(start);
       emit(states.of(node));
     }
   }
@@ -72,56 +148,43 @@ class Sweep {
   void run_sweep() {
     SweepOptions sweep = sweep_options(*body_, options_, options_.stop, solved_);
     sweep.precision = fitting_precision(d_);
-    for (int i = 0; i < report_.threads; ++i)
-      workers_.push_back(std::make_unique<Worker>(d_, sweep, *body_, options_));
-    march_coarse();
-    if (!stopped()) fill_cells();
-  }
-
-  void march_coarse() {
-    for (const LatticeIndex& c : plan_.coarse()) {
-      place_[c] = coarse_.size();
-      coarse_.emplace_back();
-    }
-    std::map<int, std::vector<LatticeIndex>> levels;
-    for (const LatticeIndex& c : plan_.coarse()) levels[level(c)].push_back(c);
-    for (const auto& [number, members] : levels) {
-      for_each(members.size(), [&, &list = members](Worker& worker, std::size_t i) {
-        SweepNode& node = coarse_[place_.at(list[i])];
-        node = solve_coarse_node(worker.sweep, list[i]);
-        if (plan_.is_wanted(list[i])) emit(worker.states.of(node));
-      });
-      if (stopped()) return;
-    }
-  }
-
-  // Solves the fine states by groups, outward from rest.
-  void fill_cells() {
-    for_each(plan_.groups().size(), [&](Worker& worker, std::size_t i) {
-      for (const SweepNode& node : solve_fine_nodes(worker.sweep, plan_.groups()[i]))
-        if (plan_.is_wanted(node.index)) emit(worker.states.of(node));
-    });
-  }
-
-  template <class Work>
-  void for_each(std::size_t count, const Work& work) {
-#pragma omp parallel for schedule(dynamic) num_threads(report_.threads)
-    for (std::size_t i = 0; i < count; ++i) {
-      if (stopped()) continue;
+    for (const LatticeIndex& c : plan_.coarse()) place_.emplace(c, place_.size());
+    coarse_.resize(place_.size());
+    PieceQueue queue(pieces_of(plan_));
+    const double before = thread_seconds() - began_at_;
+#pragma omp parallel num_threads(report_.threads)
+    {
       try {
-        work(*workers_[static_cast<std::size_t>(omp_get_thread_num())], i);
+        Worker worker(d_, sweep, *body_, options_);
+        while (const std::optional<std::size_t> id = queue.take([this] { return stopped(); })) {
+          const double start = thread_seconds();
+          solve_piece(worker, queue.pieces()[*id]);
+          queue.done(*id, thread_seconds() - start);
+        }
       } catch (...) {
         keep_failure();
       }
+      queue.wake();
     }
+    report_.parallel = queue.times(before, in_sink_);
+  }
+
+  void solve_piece(Worker& worker, const SweepPiece& piece) {
+    if (!piece.is_coarse) {
+      for (const SweepNode& node : solve_fine_nodes(worker.sweep, piece.states))
+        if (plan_.is_wanted(node.index)) emit(worker.states.of(node));
+      return;
+    }
+    SweepNode& node = coarse_[place_.at(piece.states.front())];
+    node = solve_coarse_node(worker.sweep, piece.states.front());
+    if (plan_.is_wanted(node.index)) emit(worker.states.of(node));
   }
 
   void keep_failure() {
-#pragma omp critical(forefeel_generate)
-    if (!failure_.first) {
-      failure_.first = std::current_exception();
-      failure_.seen.store(true);
-    }
+    const std::lock_guard lock(mutex_);
+    if (failure_.first) return;
+    failure_.first = std::current_exception();
+    failure_.seen.store(true);
   }
 
   bool stopped() const {
@@ -130,21 +193,17 @@ class Sweep {
 
   void emit(State state) {
     if (state.solve.status == SolveStatus::cancelled) return;
-    std::exception_ptr thrown;
-#pragma omp critical(forefeel_generate)
-    {
-      try {
-        (state.usable() ? report_.solved : report_.failed) += 1;
-        report_.inverted += has_inverted_elements(state);
-        sink_(std::move(state));
-        if (progress_) progress_(report_.resumed + report_.solved + report_.failed, plan_.positions());
-      } catch (...) {
-        thrown = std::current_exception();
-      }
-    }
-    if (thrown) std::rethrow_exception(thrown);
+    const std::lock_guard lock(mutex_);
+    const double start = thread_seconds();
+    (state.usable() ? report_.solved : report_.failed) += 1;
+    report_.inverted += has_inverted_elements(state);
+    sink_(std::move(state));
+    if (progress_) progress_(report_.resumed + report_.solved + report_.failed, plan_.positions());
+    in_sink_ += thread_seconds() - start;
   }
 
+  std::chrono::steady_clock::time_point began_;
+  double began_at_ = thread_seconds();
   std::shared_ptr<const Body> body_;
   std::shared_ptr<const Discretisation> d_;
   const LatticeOptions& options_;
@@ -157,7 +216,8 @@ class Sweep {
     const auto at = place_.find(c);
     return at != place_.end() && coarse_[at->second].solved() ? &coarse_[at->second] : nullptr;
   };
-  std::vector<std::unique_ptr<Worker>> workers_;
+  std::mutex mutex_;    // of all below; it does not spin, unlike OpenMP's
+  double in_sink_ = 0;  // [s]
   GenerateReport report_;
   Failure failure_;
 };
@@ -178,10 +238,7 @@ GenerateReport generate_lattice(std::shared_ptr<const Body> body, const LatticeO
                                 const std::function<void(State)>& sink,
                                 const std::function<void(std::size_t, std::size_t)>& progress,
                                 const std::vector<State>& known) {
-  const auto start = std::chrono::steady_clock::now();
-  GenerateReport report = Sweep(std::move(body), options, known, sink, progress).run();
-  report.seconds = std::chrono::duration<double>(std::chrono::steady_clock::now() - start).count();
-  return report;
+  return Sweep(std::move(body), options, known, sink, progress).run();
 }
 
 }  // namespace forefeel

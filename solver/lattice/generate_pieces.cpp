@@ -68,66 +68,33 @@ SweepNode unpack_node(Unpacker& message) {
 }  // namespace
 
 struct LatticePieces::Impl {
-  struct Piece {
-    PieceKind kind;
-    LatticeIndex index;                    // of the coarse node, or of the first fine state
-    std::vector<LatticeIndex> fine;        // what it solves
-    std::size_t waits_for = 0;             // pieces
-    std::vector<std::size_t> before = {};  // pieces that wait for it
-    bool is_done = false;
-  };
-  // Coarse nodes come first, because other pieces depend on them; both kinds are ordered outward from rest.
+  // By number: coarse nodes first, because other pieces depend on them.
   using Ready = std::priority_queue<std::size_t, std::vector<std::size_t>, std::greater<>>;
 
   Impl(const LatticeOptions& options, const std::vector<State>& known, std::shared_ptr<CoarseNodes> its_nodes,
        std::function<void(State)> its_sink, std::function<void(std::size_t, std::size_t)> its_progress)
       : plan(options, known),
+        pieces(pieces_of(plan)),
+        is_done(pieces.size(), false),
         spacing(options.spacing),
         nodes(std::move(its_nodes)),
         sink(std::move(its_sink)),
         progress(std::move(its_progress)) {
     report.resumed = plan.resumed();
-    add_coarse();
-    add_cells();
     left = pieces.size();
     for (std::size_t id = 0; id < pieces.size(); ++id)
       if (pieces[id].waits_for == 0) ready.push(id);
   }
 
-  void add_coarse() {
-    std::vector<LatticeIndex> outward = plan.coarse();
-    std::ranges::stable_sort(outward, {}, [](const LatticeIndex& c) { return level(c); });
-    for (const LatticeIndex& c : outward) {
-      const std::size_t id = pieces.size();
-      coarse_piece[c] = id;
-      pieces.push_back({.kind = PieceKind::coarse, .index = c, .fine = {c}});
-      for (const LatticeIndex& p : towards_rest(plan.planes(), c)) wait_for(id, p);
-    }
-  }
-  void add_cells() {
-    for (const std::vector<LatticeIndex>& group : plan.groups()) {
-      const std::size_t id = pieces.size();
-      pieces.push_back({.kind = PieceKind::cell, .index = group.front(), .fine = group});
-      for (const LatticeIndex& corner : corners_of(plan.planes(), group)) wait_for(id, corner);
-    }
-  }
-  void wait_for(std::size_t id, const LatticeIndex& coarse) {
-    const auto at = coarse_piece.find(coarse);
-    if (at == coarse_piece.end()) return;
-    pieces[at->second].before.push_back(id);
-    ++pieces[id].waits_for;
-  }
-
-  Bytes content(const Piece& piece, int worker) {
+  Bytes content(const SweepPiece& piece, int worker) {
     Packer message;
-    message.add(piece.kind);
-    pack(message, piece.index);
-    message.add(std::uint32_t(piece.fine.size()));
-    for (const LatticeIndex& k : piece.fine) pack(message, k);
+    message.add(piece.is_coarse ? PieceKind::coarse : PieceKind::cell);
+    message.add(std::uint32_t(piece.states.size()));
+    for (const LatticeIndex& k : piece.states) pack(message, k);
     std::vector<const SweepNode*> needed;
     if (worker > 0) {
       std::set<LatticeIndex>& there = sent[worker];
-      for (const LatticeIndex& c : nodes_looked_at(plan.planes(), piece.fine))
+      for (const LatticeIndex& c : nodes_looked_at(plan.planes(), piece.states))
         if (const SweepNode* node = nodes->find(c); node && there.insert(c).second) needed.push_back(node);
     }
     message.add(std::uint32_t(needed.size()));
@@ -136,16 +103,16 @@ struct LatticePieces::Impl {
   }
 
   // The nodes of a result, if they are those of the piece.
-  std::vector<SweepNode> read(const Piece& piece, Unpacker result) const {
+  std::vector<SweepNode> read(const SweepPiece& piece, Unpacker result) const {
     std::vector<SweepNode> found;
-    if (result.number<std::uint32_t>() != piece.fine.size())
+    if (result.number<std::uint32_t>() != piece.states.size())
       throw MalformedMessage("another number of states");
-    for (const LatticeIndex& k : piece.fine) {
+    for (const LatticeIndex& k : piece.states) {
       found.push_back(unpack_node(result));
       const SweepNode& node = found.back();
       if (node.index != k || node.state.at != position_of(k, spacing))
         throw MalformedMessage("another position");
-      if (piece.kind == PieceKind::coarse && node.solved() && node.field.u.empty())
+      if (piece.is_coarse && node.solved() && node.field.u.empty())
         throw MalformedMessage("a solution without displacements");
     }
     result.expect_end();
@@ -160,12 +127,12 @@ struct LatticePieces::Impl {
   }
 
   const SweepPlan plan;
+  std::vector<SweepPiece> pieces;
+  std::vector<bool> is_done;  // by piece
   double spacing;
   std::shared_ptr<CoarseNodes> nodes;
   std::function<void(State)> sink;
   std::function<void(std::size_t, std::size_t)> progress;
-  std::vector<Piece> pieces;
-  std::map<LatticeIndex, std::size_t> coarse_piece;
   Ready ready;
   std::size_t left = 0;
   std::map<int, std::set<LatticeIndex>> sent;  // to each worker
@@ -184,26 +151,25 @@ std::optional<LatticePieces::Piece> LatticePieces::next(int worker) {
   while (!impl_->ready.empty()) {
     const std::size_t id = impl_->ready.top();
     impl_->ready.pop();
-    if (impl_->pieces[id].is_done) continue;  // was offered again, but its first worker has finished it since
+    if (impl_->is_done[id]) continue;  // was offered again, but its first worker has finished it since
     return Piece{id, impl_->content(impl_->pieces[id], worker)};
   }
   return {};
 }
 
 void LatticePieces::done(std::uint64_t id, int worker, Unpacker result) {
-  Impl::Piece& piece = impl_->pieces.at(id);
-  if (piece.is_done) return;
+  const SweepPiece& piece = impl_->pieces.at(id);
+  if (impl_->is_done[id]) return;
   std::vector<SweepNode> found = impl_->read(piece, std::move(result));
-  piece.is_done = true;
+  impl_->is_done[id] = true;
   --impl_->left;
-  const bool is_coarse = piece.kind == PieceKind::coarse;
   for (SweepNode& node : found) {
-    if (impl_->plan.is_wanted(is_coarse ? piece.fine.front() : node.index)) impl_->emit(node.state);
+    if (impl_->plan.is_wanted(node.index)) impl_->emit(node.state);
     node.state.displacements = nullptr;  // neighbours are predicted from the field
     node.state.jet = nullptr;
   }
-  if (is_coarse && found.front().solved()) {
-    impl_->sent[worker].insert(piece.index);
+  if (piece.is_coarse && found.front().solved()) {
+    impl_->sent[worker].insert(found.front().index);
     impl_->nodes->keep(std::move(found.front()));
   }
   for (const std::size_t other : piece.before)
@@ -265,7 +231,6 @@ LatticeWorker::~LatticeWorker() = default;
 
 std::optional<Bytes> LatticeWorker::solve(Unpacker piece) {
   const auto kind = static_cast<PieceKind>(piece.number<std::uint8_t>());
-  const LatticeIndex index = unpack_index(piece);
   std::vector<LatticeIndex> fine;
   for (auto count = piece.number<std::uint32_t>(); count > 0; --count) fine.push_back(unpack_index(piece));
   for (auto count = piece.number<std::uint32_t>(); count > 0; --count) impl_->nodes->keep(unpack_node(piece));
@@ -273,7 +238,7 @@ std::optional<Bytes> LatticeWorker::solve(Unpacker piece) {
   impl_->looked_at = nodes_looked_at(impl_->worker.options().planes, fine);
   std::vector<SweepNode> found;
   if (kind == PieceKind::coarse)
-    found.push_back(solve_coarse_node(impl_->worker, index));
+    found.push_back(solve_coarse_node(impl_->worker, fine.at(0)));
   else
     found = solve_fine_nodes(impl_->worker, fine);
   Packer result;

@@ -99,6 +99,7 @@ class SweepWorker {
     LocalField field;
   };
   void walk(const std::vector<SweepNode*>& nodes);
+  void drop_far(std::vector<LocalField*>& fields, std::vector<std::size_t>& candidates);
   std::vector<Anchor> find_anchors(const std::vector<SweepNode*>& nodes);
   std::vector<Anchor> candidates_of(const SweepNode& node, int steps) const;
   std::optional<double> predict_between(const SweepNode& node, const Vec3& x, LocalField& field) const;

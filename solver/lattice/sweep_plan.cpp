@@ -196,6 +196,30 @@ std::vector<LatticeIndex> corners_of(const CoarsePlanes& planes, std::span<const
   return {corners.begin(), corners.end()};
 }
 
+std::vector<SweepPiece> pieces_of(const SweepPlan& plan) {
+  std::vector<SweepPiece> pieces;
+  std::map<LatticeIndex, std::size_t> number;
+  const auto add = [&](bool is_coarse, std::vector<LatticeIndex> states,
+                       std::span<const LatticeIndex> needed) {
+    SweepPiece piece{.is_coarse = is_coarse, .states = std::move(states)};
+    for (const LatticeIndex& c : needed)
+      if (const auto at = number.find(c); at != number.end()) {
+        pieces[at->second].before.push_back(pieces.size());
+        ++piece.waits_for;
+      }
+    pieces.push_back(std::move(piece));
+  };
+  std::vector<LatticeIndex> outward = plan.coarse();
+  std::ranges::stable_sort(outward, {}, level);
+  for (const LatticeIndex& c : outward) {
+    add(true, {c}, towards_rest(plan.planes(), c));
+    number[c] = pieces.size() - 1;
+  }
+  for (const std::vector<LatticeIndex>& group : plan.groups())
+    add(false, group, corners_of(plan.planes(), group));
+  return pieces;
+}
+
 SweepOptions sweep_options(const Body& body, const LatticeOptions& options, const std::stop_token& stop,
                            SolvedNodes solved) {
   const bool soft = std::ranges::any_of(materials(body), [](const Material& material) {

@@ -1,7 +1,6 @@
 #pragma once
-// Plans a sweep (sweep.hpp): which pieces must be solved, and which solved nodes each piece needs. A piece is a coarse
-// node, or a group of fine states. A coarse node needs only coarse nodes nearer to rest; a group may also need the
-// corners of its cells.
+// Plans a sweep (sweep.hpp): which pieces must be solved, and which solved nodes each piece needs. A coarse node needs
+// only coarse nodes nearer to rest; a group of fine states may also need the corners of its cells.
 
 #include <functional>
 #include <map>
@@ -45,6 +44,17 @@ class SweepPlan {
   std::vector<LatticeIndex> missing_, coarse_;
   std::vector<std::vector<LatticeIndex>> groups_;
 };
+
+// A unit of work. It may start when all pieces that it waits for are solved: it looks at no other nodes.
+struct SweepPiece {
+  bool is_coarse = false;                // a coarse node; otherwise a group of fine states
+  std::vector<LatticeIndex> states;      // that it solves
+  std::size_t waits_for = 0;             // pieces
+  std::vector<std::size_t> before = {};  // numbers of the pieces that wait for it
+};
+
+// All pieces of the plan, each after those that it waits for: coarse nodes first, both kinds outward from rest.
+std::vector<SweepPiece> pieces_of(const SweepPlan& plan);
 
 // The coarse nodes at the corners of the cells, or of the edges and faces, on which fine positions lie.
 std::vector<LatticeIndex> corners_of(const CoarsePlanes& planes, std::span<const LatticeIndex> fine);

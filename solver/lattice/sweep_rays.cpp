@@ -22,6 +22,8 @@ constexpr double sheet_thickness = 0.2;  // [h] largest distance of an anchor fr
 constexpr double smooth_move = 0.08;     // [h] largest distance of a node from the end of a smooth step
 constexpr double snap = 0.3;  // a kink above this: an element has snapped through, two equilibria are near
 constexpr int last_steps = 4;
+constexpr std::size_t most_easy = 4;      // candidates of a path without inverted elements around them
+constexpr double far_from_anchor = 0.15;  // relative residual of a prediction
 
 double distance(const std::vector<double>& a, const std::vector<double>& b, std::size_t rows) {
   double largest = 0;
@@ -73,8 +75,9 @@ std::optional<double> SweepWorker::predict_between(const SweepNode& node, const 
   return least;
 }
 
-// The steps of a path at which an anchor is looked for: the last four, and the last step at which no corner
-// around it has an inverted element.
+// The steps of a path at which an anchor is looked for: the last four, and further in until four have been found or no
+// corner around one has an inverted element. Where elements are small, the last cells are often too large for a
+// prediction.
 std::vector<SweepWorker::Anchor> SweepWorker::candidates_of(const SweepNode& node, int steps) const {
   std::vector<Anchor> candidates;
   for (int step = steps - 1; step > 0; --step) {
@@ -82,9 +85,23 @@ std::vector<SweepWorker::Anchor> SweepWorker::candidates_of(const SweepNode& nod
     const std::optional<double> least = predict_between(node, node.state.at * step / steps, candidate.field);
     const bool easy = least && *least > 0;
     if (least && (easy || step >= steps - last_steps)) candidates.push_back(std::move(candidate));
-    if (easy) break;
+    if (easy && candidates.size() >= most_easy) break;
   }
   return candidates;
+}
+
+// Predictions that no iteration would take to an equilibrium nearby.
+void SweepWorker::drop_far(std::vector<LocalField*>& fields, std::vector<std::size_t>& candidates) {
+  if (fields.empty()) return;
+  const std::array<double, lane_count> residual = lanes_.residuals(fields);
+  std::size_t kept = 0;
+  for (std::size_t i = 0; i < fields.size(); ++i) {
+    if (!(residual[i] <= far_from_anchor)) continue;
+    fields[kept] = fields[i];
+    candidates[kept++] = candidates[i];
+  }
+  fields.resize(kept);
+  candidates.resize(kept);
 }
 
 std::vector<SweepWorker::Anchor> SweepWorker::find_anchors(const std::vector<SweepNode*>& nodes) {
@@ -103,17 +120,18 @@ std::vector<SweepWorker::Anchor> SweepWorker::find_anchors(const std::vector<Swe
   });
   for (std::size_t first = 0; first < candidates.size();) {
     std::vector<double> middle(rows + 6, 0.0);
-    std::vector<LocalField> predicted;
     std::vector<LocalField*> fields;
     std::vector<std::size_t> taken;
     for (; first < candidates.size() && fields.size() < lane_count; ++first) {
       auto& [node, candidate] = candidates[first];
       if (candidate.step <= anchors[node].step) continue;  // it has an anchor further out
       taken.push_back(first);
-      predicted.push_back({candidate.field.u, {}});
       fields.push_back(&candidate.field);
     }
-    if (fields.empty()) break;
+    drop_far(fields, taken);
+    if (fields.empty()) continue;
+    std::vector<LocalField> predicted;
+    for (const LocalField* field : fields) predicted.push_back({field->u, {}});
     for (const LocalField* field : fields)
       for (std::size_t i = 0; i < middle.size(); ++i)
         middle[i] += field->u[i] / static_cast<double>(fields.size());

@@ -1,6 +1,10 @@
+#include <set>
+#include <stdexcept>
+
 #include "block_body.hpp"
 #include "geometry/coverage/state_space.hpp"
 #include "solver/lattice/generate.hpp"
+#include "solver/lattice/sweep_plan.hpp"
 #include "tests/support/test.hpp"
 
 namespace {
@@ -111,14 +115,55 @@ TEST_CASE(
   }
 }
 
-TEST_CASE("the states are the same whatever the thread count, bit for bit") {
+TEST_CASE(
+    "the states are the same whatever the thread count, bit for bit; the times show what threads can do") {
   const auto body = block_body(Law::neo_hookean);
-  const auto one = generate(body, small_box(1));
-  for (const int threads : {2, 3}) {
-    const auto more = generate(body, small_box(threads));
+  GenerateReport report;
+  const auto one = generate(body, small_box(1), {}, &report);
+  CHECK(report.parallel.path > 0);
+  for (const int threads : {2, 3, 7}) {
+    const auto more = generate(body, small_box(threads), {}, &report);
     REQUIRE(more.size() == one.size());
     for (const auto& [k, state] : one) CHECK(same_bits(state, more.at(k)));
+    CHECK(report.parallel.path < report.parallel.work);
+    CHECK(report.parallel.idle <= threads * report.seconds);
   }
+}
+
+TEST_CASE("a sink that throws ends all threads, with its exception") {
+  const auto body = block_body(Law::neo_hookean);
+  for (const int threads : {1, 3, 7}) {
+    std::size_t given = 0;
+    const auto fill = [&](const State&) {
+      if (++given == 9) throw std::runtime_error("full");
+    };
+    CHECK_THROWS_WITH(generate_lattice(body, small_box(threads), fill), "full");
+    CHECK(given == 9);
+  }
+}
+
+TEST_CASE("a plan's pieces come after those that they wait for, and look at no other nodes") {
+  const SweepPlan plan(small_box(1), {});
+  const std::vector<SweepPiece> pieces = pieces_of(plan);
+  std::vector<std::set<LatticeIndex>> known(pieces.size());  // coarse nodes solved before, by piece
+  std::vector<std::size_t> waits(pieces.size(), 0);
+  std::size_t states = 0;
+  for (std::size_t i = 0; i < pieces.size(); ++i) {
+    states += pieces[i].states.size();
+    CHECK(pieces[i].waits_for == waits[i]);
+    for (const LatticeIndex& c : nodes_looked_at(plan.planes(), pieces[i].states)) {
+      // the node beyond a parent counts only if it is nearer to rest
+      if (pieces[i].is_coarse && level(c) >= level(pieces[i].states.front())) continue;
+      CHECK(known[i].contains(c));
+    }
+    for (const std::size_t other : pieces[i].before) {
+      REQUIRE(other > i);
+      ++waits[other];
+      known[other].insert(known[i].begin(), known[i].end());
+      known[other].insert(pieces[i].states.front());
+    }
+  }
+  CHECK(states == plan.positions());
 }
 
 TEST_CASE(
