@@ -7,6 +7,7 @@
 
 #include "geometry/common/dense.hpp"
 #include "geometry/common/quantiles.hpp"
+#include "geometry/index/point_octree.hpp"
 #include "geometry/states/heaps.hpp"
 
 namespace forefeel {
@@ -77,7 +78,6 @@ ForceField::ForceField(const StateSpace& known, const FieldOptions& options)
   for (std::uint32_t id = 0; id < known.size(); ++id) {
     const State& state = known[StateId{id}];
     most_ = std::max(most_, state.force.norm());
-    rows_.push_back(state.at);
     State light;
     light.at = state.at;
     light.force = state.force;
@@ -217,16 +217,20 @@ std::optional<Vec3> ForceField::row_across(const Vec3& x, const Vec3& foot) cons
   const Vec3 u = (x - foot) / across;
   std::optional<Vec3> found;
   double nearest = std::max(options_.law.length, most_across * across);
-  const auto tells = [&](const Vec3& from, const Vec3& towards) {
-    const double away = from.norm();
-    return away >= across && away <= nearest && from.dot(towards) >= cone * away;
+  std::uint32_t last = 0;  // of equally near rows the last is found
+  const auto look = [&](const Vec3& from, const Vec3& towards) {
+    known_->points().for_each_within(from, nearest * (1 + 1e-12),
+                                     [&](std::uint32_t row, const Vec3& offset, double) {
+                                       const double away = offset.norm();
+                                       if (away > nearest || (found && away == nearest && row < last)) return;
+                                       if (!(away >= across && offset.dot(towards) >= cone * away)) return;
+                                       found = (*known_)[StateId{row}].at;
+                                       nearest = away;
+                                       last = row;
+                                     });
   };
-  for (const Vec3& at : rows_)
-    for (const bool beyond : {true, false})
-      if (beyond ? tells(at - x, u) : tells(at - foot, -u)) {
-        found = at;
-        nearest = (at - (beyond ? x : foot)).norm();
-      }
+  look(x, u);
+  look(foot, -u);
   return found;
 }
 

@@ -65,9 +65,8 @@ class ForceField {
   const StateSpace* known_;
   std::shared_ptr<const StateSpace> even_;  // without most rows of heaps; null: there are none
   FieldOptions options_;
-  double most_ = 0;         // largest force [N]
-  std::vector<Vec3> rows_;  // positions
-  Processes all_;           // none: of each place
+  double most_ = 0;  // largest force [N]
+  Processes all_;    // none: of each place
 };
 
 }  // namespace forefeel

@@ -203,12 +203,9 @@ EvaluateResult evaluate_command(const Globals& globals, const EvaluateArguments&
   result.belonging = known.belonging;
   result.mesh = known.mesh;
   Progress progress(globals, "evaluate");
-  const std::size_t count = result.points.size();
-  options.choosing = [&](double share) { progress.show(0.5 * share, "choosing a model"); };
+  options.show = stages_of(progress, "evaluate");
   try {
-    result.found = evaluate(known.states, result.points, options, [&](std::size_t done) {
-      progress.show(0.5 + 0.5 * double(done) / double(count), fmt::format("{} of {} points", done, count));
-    });
+    result.found = evaluate(known.states, result.points, options);
   } catch (const InputError& error) {
     if (error.place().key == "states") throw InputError(arguments.states, error.problem());
     throw;
