@@ -48,6 +48,11 @@ bool is_chosen(const EvaluateOptions& o, bool stiffness) {
   return o.choose.value_or(open && !stiffness);
 }
 
+// A process has none of these. Without bars there is then no use for one.
+bool may_be_process(const ModelWishes& wishes) {
+  return !wishes.kernel && !wishes.neighbours && !wishes.select && !wishes.ridge;
+}
+
 StateSpace space_of(std::span<const State> states, double spacing) {
   StateSpace space({.spacing = spacing > 0 ? spacing : StateSpaceOptions{}.spacing});
   for (const State& state : states) space.insert(state);
@@ -251,9 +256,9 @@ Evaluation evaluate(std::span<const State> states, std::span<const Vec3> points,
   const auto stage = [&](std::string_view what) { return stage_of(options, what); };
   std::vector<SeenPlace> wanted;
   if (open || (moving && options.bars)) wanted = seen_from(space, points);
-  if (moving && !stiffness && (open || options.bars)) {
+  if (moving && !stiffness && ((open && may_be_process(options.model)) || options.bars)) {
     begin_stage(options, "the law of the measured field");
-    result.field = field_of(mean.states, options.noise);
+    result.field = options.field ? options.field : field_of(mean.states, options.noise);
   }
   if (result.field) {
     result.shared = shared_error(states, result.repeated, result.field->law.noise);

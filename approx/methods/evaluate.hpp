@@ -29,12 +29,13 @@ struct EvaluateOptions {
   // True: the model is chosen (auto_model.hpp), except for what `model` fixes. Not given: the model is chosen if no
   // state has a stiffness and none of method, kernel, data, neighbours and ridge is given.
   std::optional<bool> choose = {};
-  std::optional<Method> method = {};  // rbf if not given
-  ModelWishes model = {};             // its neighbours, of rbf_network: the number of centres
-  bool choose_ridge = false;          // by leaving out single states (leave_one_out.hpp)
-  bool bars = false;                  // error bars of each point, for method rbf only (error_bar.hpp)
-  double spacing = unknown;           // h [m]; unknown: the median distance of the states
-  KnownNoise noise = {};              // of measured states; else it is estimated
+  std::optional<Method> method = {};       // rbf if not given
+  ModelWishes model = {};                  // its neighbours, of rbf_network: the number of centres
+  bool choose_ridge = false;               // by leaving out single states (leave_one_out.hpp)
+  bool bars = false;                       // error bars of each point, for method rbf only (error_bar.hpp)
+  double spacing = unknown;                // h [m]; unknown: the median distance of the states
+  KnownNoise noise = {};                   // of measured states; else it is estimated
+  std::optional<FieldOptions> field = {};  // that of an earlier evaluation of the same states and noise
   std::optional<double> stiffest =
       {};  // of measured states, across them [N/m]; else three times that along them
   // Check solves are not used as states: within their box, their errors give the bars.

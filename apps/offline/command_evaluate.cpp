@@ -377,7 +377,9 @@ void add_evaluate(CommandLine& line) {
       "--no-bars", arguments->no_bars,
       "No error bars, whose forces left out in groups take seconds with thousands of states. auto still fits "
       "the "
-      "field of measured forces: it is one of the models that auto compares, and tells the expected error");
+      "field of measured forces, one of the models that it compares, unless kernel, neighbours, select or "
+      "ridge is "
+      "given");
   sub.option("-o,--output", arguments->output, "Forces as CSV").shows("OUT.csv");
 }
 
