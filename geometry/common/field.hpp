@@ -162,7 +162,8 @@ void write_rows(const std::filesystem::path& file, std::span<const Record> recor
   out.commit();
 }
 
-// Writes row(i), the text of row i with its line end, of `count` rows: formatted by all threads, some thousands at a time.
+// Writes row(i), the text of row i with its line end, of `count` rows: formatted by all threads, some thousands at a
+// time.
 template <class Row>
 void write_lines(OutputFile& out, std::size_t count, Row&& row) {
   constexpr std::size_t part = 4096, parts = 64;
