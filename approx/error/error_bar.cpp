@@ -1,5 +1,7 @@
 #include "approx/error/error_bar.hpp"
 
+#include <omp.h>
+
 #include <algorithm>
 #include <cmath>
 #include <utility>
@@ -292,9 +294,16 @@ OfflineBars measure_bars(std::span<const State> states, const OfflineBarOptions&
   const Trials trials = leave_out(states, options.wanted, options.spacing);
   const std::size_t stride = std::max<std::size_t>(1, trials.positions / most_samples);
   std::vector<std::vector<BarSample>> parts(trials.each.size());
+  std::size_t done = 0;
 #pragma omp parallel for schedule(dynamic, 1)
-  for (std::size_t t = 0; t < parts.size(); ++t)
+  for (std::size_t t = 0; t < parts.size(); ++t) {
     parts[t] = samples_of(trials.each[t], static_cast<std::uint32_t>(t), options, stride);
+    std::size_t now = 0;
+#pragma omp atomic capture
+    now = ++done;
+    if (options.show && omp_get_thread_num() == 0)
+      options.show(static_cast<double>(now) / static_cast<double>(parts.size()));
+  }
   std::vector<BarSample> samples;
   for (const std::vector<BarSample>& part : parts) samples.insert(samples.end(), part.begin(), part.end());
   if (options.judge)

@@ -24,6 +24,7 @@
 #include <cstddef>
 #include <cstdint>
 #include <deque>
+#include <functional>
 #include <limits>
 #include <optional>
 #include <span>
@@ -176,6 +177,7 @@ struct OfflineBarOptions {
   std::optional<FieldOptions> judge = {};  // of measured states: s and sigma from the process
   double spacing = 0.006;                  // h [m]
   std::span<const SeenPlace> wanted = {};  // where the bars are wanted; empty: not known
+  std::function<void(double)> show = {};   // called by one thread with the share done
 };
 
 // states: usable ones, one at each position. Fewer than 8 states or 3 groups give no samples.

@@ -27,10 +27,15 @@ constexpr std::ptrdiff_t enough_outside =
 constexpr int most_deeper = 4;
 constexpr double least_direction = 0.02;  // share of the places outside that makes a direction count
 
-void add_trial(Trial trial, Trials& trials) {
+void see_held(Trial& trial) {
   if (trial.held.empty() || trial.known->empty()) return;
   const PlaceLocator locate(*trial.known);
   for (const State& held : trial.held) trial.seen.push_back(locate(held.at));
+}
+
+void add_trial(Trial trial, Trials& trials) {
+  if (trial.held.empty() || trial.known->empty()) return;
+  if (trial.seen.empty()) see_held(trial);
   trials.positions += trial.held.size();
   trials.each.push_back(std::move(trial));
 }
@@ -46,17 +51,20 @@ State without_displacements(const State& state) {
 void add_division(std::span<const State> states, const Division& division,
                   std::span<const std::uint32_t> group, std::span<const char> held, double spacing,
                   Trials& trials) {
+  std::vector<Trial> parts(division.count);
+#pragma omp parallel for schedule(dynamic, 1)
   for (std::uint32_t p = 0; p < division.count; ++p) {
-    Trial trial{
-        .known = std::make_unique<StateSpace>(StateSpaceOptions{.spacing = spacing}), .held = {}, .seen = {}};
+    Trial& trial = parts[p];
+    trial.known = std::make_unique<StateSpace>(StateSpaceOptions{.spacing = spacing});
     for (std::size_t i = 0; i < states.size(); ++i) {
       if (division.part[group[i]] != p)
         trial.known->insert(without_displacements(states[i]));
       else if (held[i])
         trial.held.push_back(without_displacements(states[i]));
     }
-    add_trial(std::move(trial), trials);
+    see_held(trial);
   }
+  for (Trial& trial : parts) add_trial(std::move(trial), trials);
 }
 
 void add_groups(std::span<const State> states, std::span<const Vec3> wanted, double spacing, Trials& trials) {

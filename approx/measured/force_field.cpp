@@ -7,6 +7,7 @@
 
 #include "geometry/common/dense.hpp"
 #include "geometry/common/quantiles.hpp"
+#include "geometry/index/point_octree.hpp"
 #include "geometry/states/heaps.hpp"
 
 namespace forefeel {
@@ -77,7 +78,6 @@ ForceField::ForceField(const StateSpace& known, const FieldOptions& options)
   for (std::uint32_t id = 0; id < known.size(); ++id) {
     const State& state = known[StateId{id}];
     most_ = std::max(most_, state.force.norm());
-    rows_.push_back(state.at);
     State light;
     light.at = state.at;
     light.force = state.force;
@@ -91,17 +91,17 @@ ForceField::ForceField(const StateSpace& known, const FieldOptions& options)
     if (options.even) states = std::move(even);
   }
   if (options.neighbours > 0) return;
-  all_ = processes_of(averaged_boxes(states, options.box));
+  all_ = processes_of(averaged_boxes(states, options.box), With::doubt);
 }
 
-ForceField::Processes ForceField::processes_of(const MeasuredRows& rows) const {
+ForceField::Processes ForceField::processes_of(const MeasuredRows& rows, With with) const {
   Processes made;
   FieldLaw law = options_.law;
   if (options_.local)
     if (const auto own = improved_law(rows, law, {.steps = local_steps, .noise = options_.noise}))
       law = own->law;
   made.own = std::make_shared<const GaussianProcess>(rows, law);
-  if (options_.doubt.length > 0)
+  if (options_.doubt.length > 0 && with == With::doubt)
     made.doubt = std::make_shared<const GaussianProcess>(stretched(rows, options_.stretch), options_.doubt);
   if (options_.spline.amplitude > 0) made.spline = std::make_shared<const ThinPlate>(rows, options_.spline);
   return made;
@@ -113,26 +113,29 @@ ForceField::Processes ForceField::processes_of(const MeasuredRows& rows) const {
 // the field, it has nearly all weight. Where the likeliest law is a rough one (Matern's), the field may have a kink
 // between the rows as it has one elsewhere: s is then at least the deviation of the spline.
 ForceField::Prediction ForceField::predicted(const Vec3& x) const {
-  Processes of = all_;
-  if (!of.own) {
-    std::vector<StateId> ids;
-    of = processes_of(rows_about(x));
-  }
-  const GaussianProcess::Prediction likeliest = of.own->at(x),
-                                    judged = of.doubt ? of.doubt->at(options_.stretch * x) : likeliest;
-  Prediction made{.force = likeliest.force,
-                  .alone = likeliest.force,
-                  .own_deviation = std::sqrt(3.0) * likeliest.deviation};
+  const Processes of = all_.own ? all_ : processes_of(rows_about(x), With::doubt);
+  const Blend found = blend(of, x);
+  const GaussianProcess::Prediction& likeliest = found.likeliest;
+  const GaussianProcess::Prediction judged = of.doubt ? of.doubt->at(options_.stretch * x) : likeliest;
+  Prediction made{
+      .force = found.force, .alone = likeliest.force, .own_deviation = std::sqrt(3.0) * likeliest.deviation};
   double rough = 0;
-  if (of.spline) {
-    const GaussianProcess::Prediction plain = of.spline->at(x);
-    const double ratio = plain.deviation / std::max(likeliest.deviation, std::numeric_limits<double>::min());
-    made.force += (plain.force - likeliest.force) / (1 + std::pow(ratio, 4));
-    if (options_.law.smoothness != Smoothness::gaussian) rough = std::sqrt(3.0) * plain.deviation;
-  }
+  if (of.spline && options_.law.smoothness != Smoothness::gaussian)
+    rough = std::sqrt(3.0) * found.plain.deviation;
   made.deviation = std::hypot(std::sqrt(3.0) * judged.deviation, (judged.force - made.force).norm());
   made.deviation = std::max(made.deviation, rough);
   return made;
+}
+
+ForceField::Blend ForceField::blend(const Processes& of, const Vec3& x) {
+  Blend found{.likeliest = of.own->at(x)};
+  found.force = found.likeliest.force;
+  if (!of.spline) return found;
+  found.plain = of.spline->at(x);
+  const double ratio =
+      found.plain.deviation / std::max(found.likeliest.deviation, std::numeric_limits<double>::min());
+  found.force += (found.plain.force - found.likeliest.force) / (1 + std::pow(ratio, 4));
+  return found;
 }
 
 // The nearest rows. Where they lie on lines or in heaps, 120 of them may all be of one. Then a row counts only if it is
@@ -217,16 +220,20 @@ std::optional<Vec3> ForceField::row_across(const Vec3& x, const Vec3& foot) cons
   const Vec3 u = (x - foot) / across;
   std::optional<Vec3> found;
   double nearest = std::max(options_.law.length, most_across * across);
-  const auto tells = [&](const Vec3& from, const Vec3& towards) {
-    const double away = from.norm();
-    return away >= across && away <= nearest && from.dot(towards) >= cone * away;
+  std::uint32_t last = 0;  // of equally near rows the last is found
+  const auto look = [&](const Vec3& from, const Vec3& towards) {
+    known_->points().for_each_within(from, nearest * (1 + 1e-12),
+                                     [&](std::uint32_t row, const Vec3& offset, double) {
+                                       const double away = offset.norm();
+                                       if (away > nearest || (found && away == nearest && row < last)) return;
+                                       if (!(away >= across && offset.dot(towards) >= cone * away)) return;
+                                       found = (*known_)[StateId{row}].at;
+                                       nearest = away;
+                                       last = row;
+                                     });
   };
-  for (const Vec3& at : rows_)
-    for (const bool beyond : {true, false})
-      if (beyond ? tells(at - x, u) : tells(at - foot, -u)) {
-        found = at;
-        nearest = (at - (beyond ? x : foot)).norm();
-      }
+  look(x, u);
+  look(foot, -u);
   return found;
 }
 
@@ -239,6 +246,17 @@ ForceField::Prediction ForceField::at(const Vec3& x) const {
   if (foot.between) made.least_error = std::min(made.least_error, predicted(*foot.between).deviation);
   made.force = bounded(made.force);
   made.alone = bounded(made.alone);
+  return made;
+}
+
+ForceField::Linear ForceField::linear(const Vec3& x, double step) const {
+  const Processes of = all_.own ? all_ : processes_of(rows_about(foot_of(x).at), With::force_alone);
+  const auto force = [&](const Vec3& at) { return bounded(blend(of, foot_of(at).at).force); };
+  Linear made{.force = force(x)};
+  for (int axis = 0; axis < 3; ++axis) {
+    const Vec3 off = step * Vec3::Unit(axis);
+    made.stiffness.col(axis) = (force(x - off) - force(x + off)) / (2 * step);
+  }
   return made;
 }
 

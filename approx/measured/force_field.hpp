@@ -41,6 +41,13 @@ class ForceField {
   // The space must outlive this. At least one state.
   ForceField(const StateSpace& known, const FieldOptions& options);
   Prediction at(const Vec3& x) const;
+  // Force at x, and K = -df/dx by central differences over `step` [m], all of the rows about x: where these change
+  // between two places, the force steps, and that is no stiffness. Costs two processes, as at() does three.
+  struct Linear {
+    Vec3 force = Vec3::Zero();      // [N]
+    Mat3 stiffness = Mat3::Zero();  // [N/m]
+  };
+  Linear linear(const Vec3& x, double step) const;
   double bound() const;  // no force is larger: twice the largest known one [N]
 
  private:
@@ -57,17 +64,23 @@ class ForceField {
         doubt;                                // no doubt: the law of the deviation is that of the force
     std::shared_ptr<const ThinPlate> spline;  // null: none
   };
-  Processes processes_of(const MeasuredRows& rows) const;
+  enum class With { doubt, force_alone };
+  Processes processes_of(const MeasuredRows& rows, With with) const;
   MeasuredRows rows_about(const Vec3& x) const;
   Prediction predicted(const Vec3& x) const;
+  // The blend of the likeliest law and the spline, and what both give.
+  struct Blend {
+    Vec3 force = Vec3::Zero();
+    GaussianProcess::Prediction likeliest = {}, plain = {};
+  };
+  static Blend blend(const Processes& of, const Vec3& x);
   Vec3 bounded(const Vec3& force) const;
 
   const StateSpace* known_;
   std::shared_ptr<const StateSpace> even_;  // without most rows of heaps; null: there are none
   FieldOptions options_;
-  double most_ = 0;         // largest force [N]
-  std::vector<Vec3> rows_;  // positions
-  Processes all_;           // none: of each place
+  double most_ = 0;  // largest force [N]
+  Processes all_;    // none: of each place
 };
 
 }  // namespace forefeel

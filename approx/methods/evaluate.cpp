@@ -3,7 +3,6 @@
 #include <fmt/format.h>
 
 #include <algorithm>
-#include <chrono>
 #include <cmath>
 #include <limits>
 #include <memory>
@@ -12,6 +11,8 @@
 #include "approx/error/leave_one_out.hpp"
 #include "approx/error/left_out.hpp"
 #include "approx/error/place_models.hpp"
+#include "approx/methods/evaluate_points.hpp"
+#include "approx/methods/point_runs.hpp"
 #include "approx/methods/rbf_network.hpp"
 #include "approx/model/model_options.hpp"
 #include "geometry/common/error.hpp"
@@ -26,88 +27,6 @@ namespace {
 constexpr double one_position = 1e-6;     // of the extent of measured states
 constexpr double most_apart = 20;         // bars inside the states: the widest over the narrowest
 constexpr double most_apart_between = 5;  // of places where the states know all directions
-
-using Clock = std::chrono::steady_clock;
-double since(Clock::time_point start) {
-  return std::chrono::duration<double>(Clock::now() - start).count();
-}
-
-// Its evaluation is repeated so that the clock resolves its time.
-double evaluation_ns(const ForceModel& model, const Place& place) {
-  constexpr int repeats = 16;
-  Vec3 sum = Vec3::Zero();
-  const auto begin = Clock::now();
-  for (int r = 0; r < repeats; ++r) sum += model.force(place);
-  return sum.allFinite() ? 1e9 * since(begin) / repeats : unknown;
-}
-
-// What the process of measured states gives at the points, and what it took.
-struct JudgedPoints {
-  std::vector<ForceField::Prediction> at;  // empty: no process
-  double fit_us = unknown, bound = unknown;
-  std::vector<double> evaluate_ns = {};
-};
-
-JudgedPoints judge(const StateSpace& space, std::span<const Vec3> points,
-                   const std::optional<FieldOptions>& options) {
-  JudgedPoints judged;
-  if (!options) return judged;
-  const auto start = Clock::now();
-  const ForceField field(space, *options);
-  judged.fit_us = 1e6 * since(start);
-  judged.bound = field.bound();
-  for (const Vec3& x : points) {
-    const auto begin = Clock::now();
-    judged.at.push_back(field.at(x));
-    judged.evaluate_ns.push_back(1e9 * since(begin));
-  }
-  return judged;
-}
-
-// What a process gave for the points, one after the other.
-class JudgedForces final : public ForceMaker, public ForceModel {
- public:
-  JudgedForces(const JudgedPoints& judged, std::string_view kernel) : judged_(judged), kernel_(kernel) {}
-  const ForceModel& at(const Place&, UpdateReport* report) override {
-    *report = {.refit = next_ == 0};
-    ++next_;
-    return *this;
-  }
-  Answer at(const Place&) const noexcept override {
-    return {.force = judged_.at[next_ - 1].force, .reach = {.bound = judged_.bound}, .kernel = kernel_};
-  }
-
- private:
-  const JudgedPoints& judged_;
-  std::string_view kernel_;
-  std::size_t next_ = 0;
-};
-
-// places: of the points, as the models are asked. options: of RBF models; null: others.
-EvaluatedPoints evaluate_at(ForceMaker& maker, const StateSpace& space, std::span<const Vec3> points,
-                            std::span<const Vec3> places, const ModelOptions* options,
-                            const ShowPoints& show) {
-  EvaluatedPoints result;
-  for (std::size_t i = 0; i < points.size(); ++i) {
-    UpdateReport report;
-    const auto start = Clock::now();
-    const ForceModel& model = maker.at({places[i]}, &report);
-    const double seconds = since(start);
-    const bool changed = report.refit || report.replaced > 0;
-    if (changed) result.fit_us.push_back(1e6 * seconds);
-    ++(report.refit ? result.fitted : changed ? result.updated : result.reused);
-    const Answer answer = model.at({places[i]});
-    result.forces.push_back(answer.force);
-    result.labels.push_back(space.label(points[i]));
-    result.reach.push_back(answer.reach);
-    if (!answer.kernel.empty()) result.kernels.push_back(answer.kernel);
-    if (options && options->data == Data::jet) result.trusted.push_back(answer.trusted ? 1 : 0);
-    if (options && answer.kernel != "jets" && answer.kernel != name(options->kernel)) ++result.stepped_down;
-    result.evaluate_ns.push_back(evaluation_ns(model, {places[i]}));
-    if (show) show(result.forces.size());
-  }
-  return result;
-}
 
 // One model of all states is made of forces alone unless data is given.
 ModelOptions model_options(const EvaluateOptions& options, bool stiffness, std::size_t states) {
@@ -127,6 +46,11 @@ bool is_chosen(const EvaluateOptions& o, bool stiffness) {
   const bool open = !o.method && !o.model.kernel && !o.model.data && !o.model.neighbours && !o.model.ridge &&
                     !o.choose_ridge;
   return o.choose.value_or(open && !stiffness);
+}
+
+// A process has none of these. Without bars there is then no use for one.
+bool may_be_process(const ModelWishes& wishes) {
+  return !wishes.kernel && !wishes.neighbours && !wishes.select && !wishes.ridge;
 }
 
 StateSpace space_of(std::span<const State> states, double spacing) {
@@ -206,6 +130,42 @@ void bound_bars(EvaluatedBars& bars, std::span<const Vec3> forces, double shared
       if (std::isfinite(width)) width = std::min(width + shared, bound + forces[i].norm());
 }
 
+std::vector<SeenPlace> seen_from(const StateSpace& space, std::span<const Vec3> points) {
+  const PlaceLocator locate(space);
+  std::vector<SeenPlace> seen(points.size());
+  for_each_run(points, [&](PointRun run, std::size_t) {
+    for (const std::uint32_t i : run) seen[i] = locate(points[i]);
+  });
+  return seen;
+}
+
+// A model of the neighbours of each point, or one of all states.
+EvaluatedPoints moving_points(const StateSpace& space, std::span<const Vec3> points,
+                              std::span<const Vec3> places, const ModelOptions& model, bool all,
+                              const ShowShare& show) {
+  const PointModels models{
+      .maker = [&] { return models_of(space, model, false); }, .places = places, .options = &model};
+  if (!all) return points_of_models(models, space, points, show);
+  return points_of_one_model(*models_of(space, model, true), models, space, points, show);
+}
+
+// An older method: one approximation of all states.
+EvaluatedPoints fixed_points(const StateSpace& space, std::span<const Vec3> points,
+                             std::span<const Vec3> places, const Evaluation& how,
+                             std::span<const State> states, const ShowShare& show) {
+  OneModel maker([&] { return std::make_unique<const Approximation>(how.method, states, how.options); });
+  return points_of_one_model(maker, {.maker = {}, .places = places}, space, points, show);
+}
+
+ShowShare stage_of(const EvaluateOptions& options, std::string_view what) {
+  if (!options.show) return {};
+  return [show = options.show, what](double share) { show(what, share); };
+}
+
+void begin_stage(const EvaluateOptions& options, std::string_view what) {
+  if (options.show) options.show(what, unknown);
+}
+
 EvaluatedBars bars_of(const StateSpace& space, std::span<const State> states, std::span<const Vec3> points,
                       const EvaluatedPoints& made, const JudgedPoints& judged,
                       const OfflineBarOptions& options, const EvaluateOptions& given) {
@@ -220,20 +180,24 @@ EvaluatedBars bars_of(const StateSpace& space, std::span<const State> states, st
   std::vector<SeenPlace> unchecked, held;
   std::vector<char> inside, between;
   for (const BarSample& s : own.samples()) held.push_back(s.seen);
+  const auto bar = [&](std::size_t i) {
+    if (measured.checked() && checked(points[i]))
+      return measured.at({.label = made.labels[i], .scale = checked_scale(made.forces[i])});
+    return own.at({.x = points[i],
+                   .label = made.labels[i],
+                   .outside = options.wanted[i].outside,
+                   .scale = options.judge ? judged.at[i].scale_of(made.forces[i])
+                                          : scale_at(space, points[i], made.forces[i]),
+                   .across = judged.at.empty() ? 0 : judged.at[i].least_error});
+  };
+  bars.at.resize(points.size());
+  for_each_run(points, [&](PointRun run, std::size_t) {
+    for (const std::uint32_t i : run) bars.at[i] = bar(i);
+  });
   for (std::size_t i = 0; i < points.size(); ++i) {
-    if (measured.checked() && checked(points[i])) {
-      bars.at.push_back(measured.at({.label = made.labels[i], .scale = checked_scale(made.forces[i])}));
-      continue;
-    }
-    const SeenPlace& seen = options.wanted[i];
-    unchecked.push_back(seen);
-    bars.outside += seen.outside ? 1 : 0;
-    bars.at.push_back(own.at({.x = points[i],
-                              .label = made.labels[i],
-                              .outside = seen.outside,
-                              .scale = options.judge ? judged.at[i].scale_of(made.forces[i])
-                                                     : scale_at(space, points[i], made.forces[i]),
-                              .across = judged.at.empty() ? 0 : judged.at[i].least_error}));
+    if (measured.checked() && checked(points[i])) continue;
+    unchecked.push_back(options.wanted[i]);
+    bars.outside += unchecked.back().outside ? 1 : 0;
   }
   if (!judged.at.empty() && options.judge && !measured.checked()) {
     for (std::size_t i = 0; i < unchecked.size(); ++i) {
@@ -251,7 +215,7 @@ EvaluatedBars bars_of(const StateSpace& space, std::span<const State> states, st
 }  // namespace
 
 Evaluation evaluate(std::span<const State> states, std::span<const Vec3> points,
-                    const EvaluateOptions& options, const ShowPoints& show) {
+                    const EvaluateOptions& options) {
   for (std::size_t i = 0; i < points.size(); ++i)
     if (!points[i].allFinite())
       throw InputError("points", fmt::format("row {} (from 0) is not finite, expected three numbers", i));
@@ -285,29 +249,31 @@ Evaluation evaluate(std::span<const State> states, std::span<const Vec3> points,
   const StateSpace space = space_of(even, spacing);
   result.options.spacing = space.options().spacing;
   const bool moving = result.method == Method::rbf;
-  std::vector<SeenPlace> wanted;
-  if (moving) {
-    const PlaceLocator locate(space);
-    for (const Vec3& x : points) wanted.push_back(locate(x));
-  }
   if (const auto off = options.noise.position; off && !(*off < extent_of(mean.states)))
     throw InputError("--position-noise",
                      fmt::format("is {:g} m, as large as all the states, expected less", *off));
   const bool open = moving && is_chosen(options, stiffness);
-  if (moving && !stiffness && (open || options.bars)) result.field = field_of(mean.states, options.noise);
+  const auto stage = [&](std::string_view what) { return stage_of(options, what); };
+  std::vector<SeenPlace> wanted;
+  if (open || (moving && options.bars)) wanted = seen_from(space, points);
+  if (moving && !stiffness && ((open && may_be_process(options.model)) || options.bars)) {
+    begin_stage(options, "the law of the measured field");
+    result.field = options.field ? options.field : field_of(mean.states, options.noise);
+  }
   if (result.field) {
     result.shared = shared_error(states, result.repeated, result.field->law.noise);
     result.field->stated = options.stiffest.has_value();
     if (options.stiffest) result.field->stiffest = *options.stiffest / across_of_95;
   }
-  const JudgedPoints judged = judge(all, points, result.field);
+  const JudgedPoints judged =
+      judge_points(all, points, result.field, stage("the measured field at the points"));
   for (std::size_t i = 0; i < judged.at.size(); ++i) wanted[i].doubt = judged.at[i].own_deviation;
   if (open) {
     result.chosen = choose_model(even,
                                  {.field = result.field,
                                   .model = options.model,
                                   .spacing = result.options.spacing,
-                                  .progress = options.choosing},
+                                  .progress = stage("choosing a model")},
                                  wanted);
     raise(*result.chosen, judged, result.shared.sum());
     model = result.chosen->model;
@@ -322,18 +288,13 @@ Evaluation evaluate(std::span<const State> states, std::span<const Vec3> points,
   const std::optional<FieldOptions> process = result.chosen ? result.chosen->field : std::nullopt;
   const bool own = process && !same_process(*process, *result.field);
   const bool local = process && process->local;  // it judges itself
-  const JudgedPoints near = own ? judge(all, points, process) : JudgedPoints{};
+  const JudgedPoints near =
+      own ? judge_points(all, points, process, stage("the field at the points")) : JudgedPoints{};
   const JudgedPoints& made_by = own ? near : judged;
-  std::unique_ptr<ForceMaker> maker;
-  if (process)
-    maker = std::make_unique<JudgedForces>(made_by, name(process->law.smoothness));
-  else if (moving)
-    maker = models_of(space, model, result.chosen && result.chosen->all);
-  else
-    maker = std::make_unique<OneModel>(
-        [&] { return std::make_unique<const Approximation>(result.method, even, result.options); });
-  result.made = evaluate_at(*maker, space, points, places, moving && !process ? &model : nullptr, show);
-  if (process) result.made.fit_us = {made_by.fit_us}, result.made.evaluate_ns = made_by.evaluate_ns;
+  result.made = process  ? points_of_process(made_by, name(process->law.smoothness), space, points)
+                : moving ? moving_points(space, points, places, model, result.chosen && result.chosen->all,
+                                         stage("points"))
+                         : fixed_points(space, points, places, result, even, stage("points"));
   if (moving && options.bars)
     result.bars = bars_of(space, even, points, result.made, local ? near : judged,
                           {.model = model,
@@ -343,7 +304,8 @@ Evaluation evaluate(std::span<const State> states, std::span<const Vec3> points,
                                     : result.chosen ? result.field
                                                     : std::nullopt,
                            .spacing = result.options.spacing,
-                           .wanted = wanted},
+                           .wanted = wanted,
+                           .show = stage("error bars")},
                           options);
   if (result.bars && result.field)
     bound_bars(*result.bars, result.made.forces, result.shared.sum(),

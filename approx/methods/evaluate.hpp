@@ -29,24 +29,26 @@ struct EvaluateOptions {
   // True: the model is chosen (auto_model.hpp), except for what `model` fixes. Not given: the model is chosen if no
   // state has a stiffness and none of method, kernel, data, neighbours and ridge is given.
   std::optional<bool> choose = {};
-  std::optional<Method> method = {};  // rbf if not given
-  ModelWishes model = {};             // its neighbours, of rbf_network: the number of centres
-  bool choose_ridge = false;          // by leaving out single states (leave_one_out.hpp)
-  bool bars = false;                  // error bars of each point, for method rbf only (error_bar.hpp)
-  double spacing = unknown;           // h [m]; unknown: the median distance of the states
-  KnownNoise noise = {};              // of measured states; else it is estimated
+  std::optional<Method> method = {};       // rbf if not given
+  ModelWishes model = {};                  // its neighbours, of rbf_network: the number of centres
+  bool choose_ridge = false;               // by leaving out single states (leave_one_out.hpp)
+  bool bars = false;                       // error bars of each point, for method rbf only (error_bar.hpp)
+  double spacing = unknown;                // h [m]; unknown: the median distance of the states
+  KnownNoise noise = {};                   // of measured states; else it is estimated
+  std::optional<FieldOptions> field = {};  // that of an earlier evaluation of the same states and noise
   std::optional<double> stiffest =
       {};  // of measured states, across them [N/m]; else three times that along them
   // Check solves are not used as states: within their box, their errors give the bars.
   CheckSolves checks = {};
-  std::function<void(double)> choosing = {};  // called with the share done while the model is chosen
+  // Called by one thread with what is being done, and its share done; NaN: not known.
+  std::function<void(std::string_view, double)> show = {};
 };
 
 struct EvaluatedPoints {
   std::vector<Vec3> forces;                 // [N]
   std::vector<Label> labels;                // coverage
   std::vector<Reach> reach;                 // (force_model.hpp) of the older methods the bound alone
-  std::vector<double> fit_us, evaluate_ns;  // fit_us: of those points whose model was made or changed
+  std::vector<double> fit_us, evaluate_ns;  // of points whose model was made or changed; of some points
   std::size_t fitted = 0, updated = 0,
               reused = 0;                 // number of points whose model was made anew, updated, kept
   std::vector<std::string_view> kernels;  // by point, after step-down; none for the older methods
@@ -79,13 +81,10 @@ struct Evaluation {
   double fit_us = unknown, evaluate_ns = unknown;  // medians
 };
 
-// Called after each point with the number done.
-using ShowPoints = std::function<void(std::size_t)>;
-
 // InputError if no state is usable, or if an option does not fit the states; its key is the name of the option
 // ("--neighbours").
 Evaluation evaluate(std::span<const State> states, std::span<const Vec3> points,
-                    const EvaluateOptions& options, const ShowPoints& show = {});
+                    const EvaluateOptions& options);
 
 // Measured states; stiffness: of each position, or empty.
 std::vector<State> measured_states(std::span<const Vec3> positions, std::span<const Vec3> forces,

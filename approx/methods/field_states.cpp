@@ -29,15 +29,6 @@ std::vector<State> spread_out(std::span<const State> measured, double apart) {
   return states;
 }
 
-Mat3 stiffness_at(const ForceField& field, const Vec3& x, double step) {
-  Mat3 stiffness;
-  for (int axis = 0; axis < 3; ++axis) {
-    const Vec3 off = step * Vec3::Unit(axis);
-    stiffness.col(axis) = (field.at(x - off).force - field.at(x + off).force) / (2 * step);
-  }
-  return stiffness;
-}
-
 }  // namespace
 
 std::optional<FieldStates> field_states(std::span<const State> measured, double spacing,
@@ -52,8 +43,9 @@ std::optional<FieldStates> field_states(std::span<const State> measured, double 
 #pragma omp parallel for schedule(dynamic, 1)
   for (std::size_t i = 0; i < made.states.size(); ++i) {
     State& state = made.states[i];
-    state.force = field.at(state.at).force;
-    state.stiffness = stiffness_at(field, state.at, step_share * spacing);
+    const ForceField::Linear made_there = field.linear(state.at, step_share * spacing);
+    state.force = made_there.force;
+    state.stiffness = made_there.stiffness;
     std::size_t now = 0;
 #pragma omp atomic capture
     now = ++done;

@@ -203,4 +203,14 @@ void Progress::note(const std::string& line) {
   if (line_) line_->note(line);
 }
 
+std::function<void(std::string_view, double)> stages_of(Progress& progress, std::string_view title) {
+  return [&progress, title = std::string(title)](std::string_view what, double share) {
+    progress.phase(fmt::format("{}: {}", title, what));
+    if (share >= 0)
+      progress.show(share, "");
+    else
+      progress.show("");
+  };
+}
+
 }  // namespace forefeel

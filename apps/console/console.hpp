@@ -4,6 +4,7 @@
 
 #include <chrono>
 #include <cstdint>
+#include <functional>
 #include <memory>
 #include <string>
 #include <string_view>
@@ -56,6 +57,9 @@ class Progress {
   struct Line;
   std::unique_ptr<Line> line_;  // null: prints nothing
 };
+
+// Shows work that tells what it does and its share done, NaN where that is not known: each kind is a phase.
+std::function<void(std::string_view, double)> stages_of(Progress& progress, std::string_view title);
 
 // As said of an estimate: "35 s", "7 min".
 std::string rough_time(double seconds);

@@ -118,8 +118,9 @@ void write_points(const std::string& file, const std::vector<Vec3>& points,
   const std::vector<Field<PointRow>> columns = point_columns(errors && errors->points);
   OutputFile out(file);
   out.write(header_of<PointRow>(columns));
-  for (std::size_t i = 0; i < points.size(); ++i)
-    out.write(csv_row<PointRow>(columns, {points[i], found[i], errors ? &*errors : nullptr, i}));
+  write_lines(out, points.size(), [&](std::size_t i) {
+    return csv_row<PointRow>(columns, {points[i], found[i], errors ? &*errors : nullptr, i});
+  });
   out.commit();
 }
 

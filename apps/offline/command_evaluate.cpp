@@ -207,12 +207,9 @@ EvaluateResult evaluate_command(const Globals& globals, const EvaluateArguments&
   result.mesh = known.mesh;
   result.value = known.value;
   Progress progress(globals, "evaluate");
-  const std::size_t count = result.points.size();
-  options.choosing = [&](double share) { progress.show(0.5 * share, "choosing a model"); };
+  options.show = stages_of(progress, "evaluate");
   try {
-    result.found = evaluate(known.states, result.points, options, [&](std::size_t done) {
-      progress.show(0.5 + 0.5 * double(done) / double(count), fmt::format("{} of {} points", done, count));
-    });
+    result.found = evaluate(known.states, result.points, options);
   } catch (const InputError& error) {
     if (error.place().key == "states") throw InputError(arguments.states, error.problem());
     throw;
@@ -398,7 +395,9 @@ void add_evaluate(CommandLine& line) {
       "--no-bars", arguments->no_bars,
       "No error bars, whose forces left out in groups take seconds with thousands of states. auto still fits "
       "the "
-      "field of measured forces: it is one of the models that auto compares, and tells the expected error");
+      "field of measured forces, one of the models that it compares, unless kernel, neighbours, select or "
+      "ridge is "
+      "given");
   sub.option("-o,--output", arguments->output, "Forces as CSV").shows("OUT.csv");
 }
 

@@ -49,12 +49,15 @@ ErrorKnown error_known(const Globals& globals, const ClassifyArguments& argument
                        const std::vector<Vec3>& points) {
   ErrorKnown known;
   known.tolerance = tolerance_of(globals, arguments);
-  const EvaluateOptions options{
+  Progress progress(globals, "classify");
+  EvaluateOptions options{
       .bars = true, .spacing = set.spacing, .noise = arguments.noise, .checks = set.checks};
+  options.show = stages_of(progress, "classify, error bars");
   std::vector<Vec3> places = halton_points(set.box, arguments.bars ? box_places : 1);
   for (Vec3& place : places) place = set.turn.transpose() * place;
   known.box = evaluate(set.states, places, options);
   known.places = places.size();
+  options.field = known.box.field;
   for (std::size_t i = 0; i < places.size(); ++i) known.places_within += within(known, known.box, i) ? 1 : 0;
   if (arguments.bars && !points.empty()) known.points = evaluate(set.states, points, options);
   if (!known.box.bars) return known;

@@ -46,8 +46,9 @@ struct Told {
 };
 
 // What `evaluate` finds at these places.
-Told told_at(std::span<const State> states, std::span<const Vec3> at) {
-  Evaluation found = evaluate(states, at, {.bars = true});
+Told told_at(std::span<const State> states, std::span<const Vec3> at, EvaluateOptions& options) {
+  Evaluation found = evaluate(states, at, options);
+  options.field = found.field;
   return {std::move(found.made.forces), found.bars ? found.bars->at : std::vector<Bar>()};
 }
 
@@ -93,7 +94,8 @@ void take_bars(std::vector<FrameRecord>& frames, const std::vector<std::size_t>&
 }  // namespace
 
 SessionSummary::AwayFromStates away_from_states(SessionResult& result, const SessionPlan& plan,
-                                                const std::function<void()>& write) {
+                                                const std::function<void()>& write,
+                                                const std::function<void(std::string_view, double)>& show) {
   SessionSummary::AwayFromStates away;
   std::vector<State> states;
   const bool measured = !plan.input.measured.empty();
@@ -124,10 +126,11 @@ SessionSummary::AwayFromStates away_from_states(SessionResult& result, const Ses
         rendered.push_back(result.frames[i].elastic);
       }
       for (const std::size_t i : evenly(states.size())) known.push_back(states[i].at);
-      const Told told = told_at(states, hand);
+      EvaluateOptions options{.bars = true, .show = show};
+      const Told told = told_at(states, hand, options);
       modelled_bars = told.about(modelled);
       away.bar = median_bar(modelled_bars);
-      away.bar_at_states = median_bar(told_at(states, known).bars);
+      away.bar_at_states = median_bar(told_at(states, known, options).bars);
       bars = told.about(rendered);
     }
   } catch (const InputError&) {  // states that no model takes

@@ -218,9 +218,13 @@ int run_session_command(const Globals& globals, const SessionArguments& given,
   progress.reset();
   for (const std::string& warning : result.warnings) warn(globals, warning);
   WriteAttempts files(result.failures);
-  const SessionSummary::AwayFromStates away = away_from_states(result, plan, [&] {
+  progress = std::make_unique<Progress>(globals, "session");
+  const auto write_tables = [&] {
     files.attempt("the run's tables", [&] { write_run_files(run, result, options); });
-  });
+  };
+  const SessionSummary::AwayFromStates away =
+      away_from_states(result, plan, write_tables, stages_of(*progress, "error of the states given"));
+  progress.reset();
 
   shapes.begin_files(run);
   const RunView view = view_of(space, options, plan.render.safety.force_limit);

@@ -9,6 +9,7 @@
 
 #include <fmt/format.h>
 
+#include <algorithm>
 #include <cmath>
 #include <concepts>
 #include <cstdint>
@@ -159,6 +160,23 @@ void write_rows(const std::filesystem::path& file, std::span<const Record> recor
     out.write({mine.text.data(), mine.text.size()});
   }
   out.commit();
+}
+
+// Writes row(i), the text of row i with its line end, of `count` rows: formatted by all threads, some thousands at a
+// time.
+template <class Row>
+void write_lines(OutputFile& out, std::size_t count, Row&& row) {
+  constexpr std::size_t part = 4096, parts = 64;
+  std::vector<std::string> texts(parts);
+  for (std::size_t begin = 0; begin < count; begin += part * parts) {
+#pragma omp parallel for schedule(dynamic, 1)
+    for (std::size_t k = 0; k < parts; ++k) {
+      texts[k].clear();
+      const std::size_t first = begin + k * part, last = std::min(count, first + part);
+      for (std::size_t i = first; i < last; ++i) texts[k] += row(i);
+    }
+    for (const std::string& text : texts) out.write(text);
+  }
 }
 
 template <class Record>

@@ -99,6 +99,7 @@ struct CoverTask {
   std::span<const CoverBlock> blocks;
   std::span<const std::uint32_t> order;  // of the states
   const VoxelLimits& limits;
+  const NearCubes& near;
   VoxelLabels& voxels;
 };
 
@@ -331,7 +332,8 @@ BlockFindings BlockCover::run(std::size_t number) {
   BlockFindings found;
   gather(block);
   triangulate();
-  CellRaster raster(task_.voxels, task_.limits, block.low, block.high, 0x1p-46 * task_.states.largest);
+  CellRaster raster(task_.voxels, task_.limits, task_.near, block.low, block.high,
+                    0x1p-46 * task_.states.largest);
   label(raster, block, found);
   answer(raster.asked());
   delaunay_.reset();
@@ -356,12 +358,14 @@ BlockFindings label_blocks(const CoveredStates& states, const VoxelLimits& limit
   std::vector<std::uint32_t> order(states.at.size());
   std::iota(order.begin(), order.end(), 0u);
   const std::vector<CoverBlock> blocks = cover_blocks(voxels.grid, states.at, order);
+  const double slack = 1e-6 * limits.widest().safe_spread + 0x1p-40 * states.largest;
+  const NearCubes near(states.at, voxels, limits.widest().safe_spread + slack);
   std::vector<BlockFindings> found(blocks.size());
   std::exception_ptr failed;
   std::size_t done = 0;
 #pragma omp parallel
   {
-    BlockCover cover({states, blocks, order, limits, voxels});
+    BlockCover cover({states, blocks, order, limits, near, voxels});
 #pragma omp for schedule(dynamic, 1)
     for (std::size_t b = 0; b < blocks.size(); ++b) {
       guarded(failed, [&] { found[b] = cover.run(b); });

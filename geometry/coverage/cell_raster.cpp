@@ -42,11 +42,40 @@ const Thresholds* VoxelLimits::over(const VoxelLabels& voxels, const Voxel& low,
   return &all_[first];
 }
 
+NearCubes::NearCubes(std::span<const Vec3> states, const VoxelLabels& voxels, double reach) {
+  const VoxelGrid& grid = voxels.grid;
+  Level level;
+  for (std::size_t a = 0; a < 3; ++a) level.count[a] = ((voxels.count[a] - 1) >> finest) + 1;
+  level.near.assign(static_cast<std::size_t>(level.count[0] * level.count[1] * level.count[2]), 0);
+  const Vec3 around = Vec3::Constant(reach);
+  for (const Vec3& at : states) {
+    if ((at + around - grid.box.low).minCoeff() < 0 || (grid.box.high - at + around).minCoeff() < 0) continue;
+    const Voxel low = grid.voxel_of(at - around), high = grid.voxel_of(at + around);
+    for (std::int32_t k = low[2] >> finest; k <= high[2] >> finest; ++k)
+      for (std::int32_t j = low[1] >> finest; j <= high[1] >> finest; ++j)
+        for (std::int32_t i = low[0] >> finest; i <= high[0] >> finest; ++i)
+          level.near[level.index({i, j, k})] = 1;
+  }
+  levels_.push_back(std::move(level));
+  while (levels_.back().near.size() > 1) {
+    const Level& fine = levels_.back();
+    Level coarse;
+    for (std::size_t a = 0; a < 3; ++a) coarse.count[a] = (fine.count[a] + 1) / 2;
+    coarse.near.assign(static_cast<std::size_t>(coarse.count[0] * coarse.count[1] * coarse.count[2]), 0);
+    for (std::int32_t k = 0; k < fine.count[2]; ++k)
+      for (std::int32_t j = 0; j < fine.count[1]; ++j)
+        for (std::int32_t i = 0; i < fine.count[0]; ++i)
+          coarse.near[coarse.index({i / 2, j / 2, k / 2})] |= fine.near[fine.index({i, j, k})];
+    levels_.push_back(std::move(coarse));
+  }
+}
+
 namespace {
 
-constexpr double in_cell = 1e-10;  // a weight above minus this may belong to a place in the cell
-constexpr double thin = 1e-5;      // relative height of cells whose weights rounding may change by more
-constexpr double unsure = 1e-7;    // relative doubt of pi^2 and of distances
+constexpr std::int64_t large_cell = 4096;  // voxels in the box of its corners
+constexpr double in_cell = 1e-10;          // a weight above minus this may belong to a place in the cell
+constexpr double thin = 1e-5;    // relative height of cells whose weights rounding may change by more
+constexpr double unsure = 1e-7;  // relative doubt of pi^2 and of distances
 
 double squared_longest(const std::array<Vec3, 4>& c) {
   double longest = 0;
@@ -87,6 +116,26 @@ void CellRaster::set(std::size_t index, std::uint8_t value) {
   here = value;
 }
 
+bool CellRaster::is_large() const {
+  std::int64_t all = 1;
+  for (std::size_t a = 0; a < 3; ++a) all *= end_[a] - first_[a];
+  return all > large_cell;
+}
+
+// Adds the voxels from first_ to end_; of a large cell only those in near cubes.
+template <class Keep, class Add>
+void CellRaster::add_parts(Keep&& keep, Add&& add) {
+  if (!is_large()) return add();
+  const Voxel first = first_, end = end_;
+  near_.for_each(first, end, keep, [&](const Voxel& low, std::int32_t width) {
+    for (std::size_t a = 0; a < 3; ++a) {
+      first_[a] = std::max(first[a], low[a]);
+      end_[a] = std::min(end[a], low[a] + width);
+    }
+    add();
+  });
+}
+
 // All voxels within the rounding of a cell that is (nearly) flat.
 void CellRaster::add_flat(const std::array<Vec3, 4>& corners) {
   Vec3 normal = Vec3::Zero();
@@ -102,12 +151,20 @@ void CellRaster::add_flat(const std::array<Vec3, 4>& corners) {
     to = std::max(to, normal.dot(c - corners[0]));
   }
   const double slack = 1e-6 * std::sqrt(squared_longest(corners)) + 8 * grain_;
-  for (std::int32_t k = first_[2]; k < end_[2]; ++k)
-    for (std::int32_t j = first_[1]; j < end_[1]; ++j)
-      for (std::int32_t i = first_[0]; i < end_[0]; ++i) {
-        const double height = normal.dot(voxels_.centre_of(i, j, k) - corners[0]);
-        if (height >= from - slack && height <= to + slack) set(voxels_.index(i, j, k), mark::ask);
-      }
+  const VoxelGrid& grid = voxels_.grid;
+  const auto keep = [&](const Voxel& low, std::int32_t width) {
+    const double height = normal.dot(grid.middle(low, width) - corners[0]),
+                 around = grid.reach(low, width) + grid.side;
+    return height + around >= from - slack && height - around <= to + slack;
+  };
+  add_parts(keep, [&] {
+    for (std::int32_t k = first_[2]; k < end_[2]; ++k)
+      for (std::int32_t j = first_[1]; j < end_[1]; ++j)
+        for (std::int32_t i = first_[0]; i < end_[0]; ++i) {
+          const double height = normal.dot(voxels_.centre_of(i, j, k) - corners[0]);
+          if (height >= from - slack && height <= to + slack) set(voxels_.index(i, j, k), mark::ask);
+        }
+  });
 }
 
 std::uint8_t CellRaster::mark_at(const Vec3& q, const Thresholds& limits) const {
@@ -160,7 +217,20 @@ void CellRaster::add(const std::array<Vec3, 4>& corners, bool exact) {
   cell_.slope[0] = -cell_.slope[1] - cell_.slope[2] - cell_.slope[3];
   std::array<double, 4> inverse{};
   for (std::size_t i = 0; i < 4; ++i) inverse[i] = cell_.slope[i].x() != 0 ? 1 / cell_.slope[i].x() : 0;
-  const double slack = grain_ + 1e-9 * longest;
+  // A cube is beyond a face if the weight of its opposite corner is negative in all of it.
+  const VoxelGrid& grid = voxels_.grid;
+  const auto keep = [&](const Voxel& low, std::int32_t width) {
+    const Vec3 d = grid.middle(low, width) - corners[0];
+    const double around = grid.reach(low, width) + grid.side + 1e-6 * longest;
+    for (std::size_t i = 0; i < 4; ++i)
+      if ((i == 0 ? 1.0 : 0.0) + cell_.slope[i].dot(d) + cell_.slope[i].norm() * around < 0) return false;
+    return true;
+  };
+  add_parts(keep, [&] { add_rows(inverse, grain_ + 1e-9 * longest); });
+}
+
+void CellRaster::add_rows(const std::array<double, 4>& inverse, double slack) {
+  const std::array<Vec3, 4>& corners = cell_.corner;
   for (std::int32_t k = first_[2]; k < end_[2]; ++k)
     for (std::int32_t j = first_[1]; j < end_[1]; ++j) {
       const double dy = voxels_.centre[1][static_cast<std::size_t>(j)] - corners[0].y(),

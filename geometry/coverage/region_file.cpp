@@ -7,6 +7,7 @@
 #include <map>
 #include <utility>
 
+#include "geometry/common/field.hpp"
 #include "geometry/common/output_file.hpp"
 #include "geometry/common/union_find.hpp"
 #include "geometry/index/delaunay_index.hpp"
@@ -275,11 +276,12 @@ void write_regions_csv(const std::filesystem::path& file, std::span<const Region
                        const Mat3& back) {
   OutputFile out(file);
   out.write("x,y,z,dx,dy,dz,label,component\n");
-  for (const RegionLeaf& leaf : leaves) {
+  write_lines(out, leaves.size(), [&](std::size_t i) {
+    const RegionLeaf& leaf = leaves[i];
     const Vec3 c = back * leaf.box.centre(), d = leaf.box.size();
-    out.write(fmt::format("{},{},{},{},{},{},{},{}\n", c.x(), c.y(), c.z(), d.x(), d.y(), d.z(),
-                          name(leaf.label), leaf.component));
-  }
+    return fmt::format("{},{},{},{},{},{},{},{}\n", c.x(), c.y(), c.z(), d.x(), d.y(), d.z(),
+                       name(leaf.label), leaf.component);
+  });
   out.commit();
 }
 

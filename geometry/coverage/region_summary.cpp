@@ -2,14 +2,12 @@
 
 #include <algorithm>
 #include <cmath>
-#include <map>
-#include <numbers>
+#include <cstring>
 #include <numeric>
 #include <utility>
 
 #include "geometry/common/error.hpp"
 #include "geometry/common/signed_vector.hpp"
-#include "geometry/common/union_find.hpp"
 #include "geometry/coverage/voxel_runs.hpp"
 
 namespace forefeel {
@@ -168,11 +166,24 @@ class Leaves {
   bool outside(const Voxel& v) const {
     return v[0] >= voxels_.count[0] || v[1] >= voxels_.count[1] || v[2] >= voxels_.count[2];
   }
+  // Whether a cube that lies in the box holds one label.
+  bool is_whole(const Voxel& low, std::int32_t width) const {
+    if (outside({low[0] + width - 1, low[1] + width - 1, low[2] + width - 1})) return false;
+    const auto bytes = static_cast<std::size_t>(width);
+    const std::uint8_t* const first = voxels_.label.data() + voxels_.index(low[0], low[1], low[2]);
+    if (std::memcmp(first, first + 1, bytes - 1) != 0) return false;
+    for (std::int32_t k = 0; k < width; ++k)
+      for (std::int32_t j = 0; j < width; ++j)
+        if (std::memcmp(first, voxels_.label.data() + voxels_.index(low[0], low[1] + j, low[2] + k), bytes) !=
+            0)
+          return false;
+    return true;
+  }
   // False if the cube holds more than one label.
   bool collect(const Voxel& low, std::int32_t width) {
     if (outside(low)) return true;
-    if (width == 1) {
-      cubes.push_back({low, 1});
+    if (width == 1 || (width >= 4 && is_whole(low, width))) {
+      cubes.push_back({low, width});
       return true;
     }
     const std::size_t start = cubes.size();
@@ -261,37 +272,6 @@ std::vector<RegionLeaf> find_leaves(const VoxelLabels& voxels, const VoxelRuns& 
   return all;
 }
 
-// ---- sides of gaps
-
-constexpr double degrees = 180 / std::numbers::pi;
-constexpr std::size_t most_bridges = 1000;  // gaps whose sides are found, largest first
-
-// Directions in one cell of this side are merged, because clustering up to 2000 single directions would be slow.
-constexpr double grain = 0.04;
-
-struct Ray {
-  Vec3 unit;        // mean of the cell
-  double distance;  // of its nearest state [m]
-  std::size_t states;
-};
-
-std::vector<Ray> gather_rays(std::span<const Vec3> offsets) {
-  std::map<std::array<int, 3>, Ray> cells;
-  for (const Vec3& d : offsets) {
-    const double length = d.norm();
-    if (!(length > 0)) continue;
-    const Vec3 u = d / length;
-    const auto cell = [&](int axis) { return static_cast<int>(std::floor(u[axis] / grain)); };
-    auto [entry, fresh] = cells.try_emplace({cell(0), cell(1), cell(2)}, Ray{Vec3::Zero(), length, 0});
-    entry->second.unit += u;
-    entry->second.distance = std::min(entry->second.distance, length);
-    ++entry->second.states;
-  }
-  std::vector<Ray> rays;
-  for (auto& [cell, ray] : cells) rays.push_back({ray.unit.normalized(), ray.distance, ray.states});
-  return rays;
-}
-
 }  // namespace
 
 RegionSummary summarise(const VoxelLabels& voxels, const RimReach& rim, bool with_leaves) {
@@ -340,60 +320,6 @@ RegionSummary sample_regions(const Box& box, double spacing, double rim,
         voxels.label[voxels.index(i, j, k)] = static_cast<std::uint8_t>(label(voxels.centre_of(i, j, k)));
   return summarise(
       voxels, [rim](const Vec3&) { return rim; }, true);
-}
-
-double bridge_link_deg(double sparse_distance) {
-  return 2 * std::asin(std::min(1.0, 0.5 / sparse_distance)) * degrees;
-}
-
-std::vector<BridgeSide> bridge_sides(std::span<const Vec3> offsets, double link_deg) {
-  const std::vector<Ray> rays = gather_rays(offsets);
-  // The mean of a cell may be a cell's diagonal away from its directions.
-  const double link =
-      std::cos(std::min(std::numbers::pi, link_deg / degrees + std::numbers::sqrt3 * grain / 2));
-  UnionFind sets(rays.size());
-  for (std::size_t i = 0; i < rays.size(); ++i)
-    for (std::size_t j = i + 1; j < rays.size(); ++j)
-      if (rays[i].unit.dot(rays[j].unit) >= link)
-        sets.join(static_cast<std::uint32_t>(i), static_cast<std::uint32_t>(j));
-  std::map<std::uint32_t, BridgeSide> sides;
-  for (std::size_t i = 0; i < rays.size(); ++i) {
-    BridgeSide& side =
-        sides.try_emplace(sets.find(static_cast<std::uint32_t>(i)), BridgeSide{.distance = rays[i].distance})
-            .first->second;
-    side.direction += static_cast<double>(rays[i].states) * rays[i].unit;
-    side.states += rays[i].states;
-    side.distance = std::min(side.distance, rays[i].distance);
-  }
-  std::vector<BridgeSide> result;
-  for (auto& [root, side] : sides) {
-    // A side that surrounds the place has no mean direction.
-    const double length = side.direction.norm();
-    side.direction = length > 1e-9 ? Vec3(side.direction / length) : Vec3(Vec3::UnitX());
-    double least = 1;
-    for (std::size_t i = 0; i < rays.size(); ++i)
-      if (sets.find(static_cast<std::uint32_t>(i)) == root)
-        least = std::min(least, side.direction.dot(rays[i].unit));
-    side.half_angle_deg = std::acos(std::clamp(least, -1.0, 1.0)) * degrees;
-    result.push_back(side);
-  }
-  std::ranges::stable_sort(result, {}, &BridgeSide::distance);
-  return result;
-}
-
-double rim_reach(double sparse_distance, double spacing) {
-  return (sparse_distance + 0.5) * spacing;
-}
-
-void find_sides(std::vector<RegionComponent>& components, double sparse_distance, const StatesNear& near) {
-  std::size_t done = 0;
-  std::vector<Vec3> offsets;
-  for (RegionComponent& c : components) {
-    if (c.label != Label::gap || done++ >= most_bridges) continue;
-    offsets.clear();
-    near(c.inner, offsets);
-    c.sides = bridge_sides(offsets, bridge_link_deg(sparse_distance));
-  }
 }
 
 }  // namespace forefeel

@@ -1,5 +1,6 @@
 #include "geometry/coverage/voxel_runs.hpp"
 
+#include <cstring>
 #include <numeric>
 
 namespace forefeel {
@@ -19,8 +20,10 @@ void VoxelRuns::find_runs(const VoxelLabels& voxels) {
   row_.assign(rows + 1, 0);
   const auto for_each_start = [&](std::size_t row, auto&& visit) {
     const std::uint8_t* const label = voxels.label.data() + row * width;
-    for (std::size_t i = 0; i < width; ++i)
-      if (i == 0 || label[i] != label[i - 1]) visit(static_cast<std::int32_t>(i));
+    for (std::size_t i = 0; i < width; ++i) {
+      while (i > 0 && i + 8 <= width && std::memcmp(label + i, label + i - 1, 8) == 0) i += 8;
+      if (i < width && (i == 0 || label[i] != label[i - 1])) visit(static_cast<std::int32_t>(i));
+    }
   };
 #pragma omp parallel for schedule(static)
   for (std::size_t row = 0; row < rows; ++row) for_each_start(row, [&](std::int32_t) { ++row_[row + 1]; });

@@ -4,7 +4,7 @@
 #include <array>
 #include <cmath>
 #include <cstdint>
-#include <map>
+#include <unordered_map>
 #include <utility>
 
 namespace forefeel {
@@ -19,27 +19,79 @@ struct HeapPlace {
   std::vector<std::size_t> rows;  // their numbers
 };
 
-std::vector<HeapPlace> places_of(std::span<const State> rows, double reach) {
+// Cells of side `reach` over the rows and one cell about them, each with the places that begin there: a chain. Few rows
+// of an extent of 1 / place_share cells do not fill them, so only their occupied cells are kept.
+class PlaceCells {
+ public:
   using Cell = std::array<std::int64_t, 3>;
-  std::map<Cell, std::vector<std::size_t>> cells;  // places that begin there
+
+  PlaceCells(std::span<const State> rows, double reach) : reach_(reach) {
+    Box box{rows[0].at, rows[0].at};
+    for (const State& row : rows) box = {box.low.cwiseMin(row.at), box.high.cwiseMax(row.at)};
+    low_ = cell_of(box.low);
+    const Cell high = cell_of(box.high);
+    std::size_t all = 1;
+    for (std::size_t a = 0; a < 3; ++a) {
+      --low_[a];
+      count_[a] = high[a] - low_[a] + 2;
+      all *= static_cast<std::size_t>(count_[a]);
+    }
+    if (all <= most_empty * rows.size()) last_.assign(all, none);
+  }
+  Cell cell_of(const Vec3& x) const {
+    Cell cell;
+    for (int a = 0; a < 3; ++a) cell[static_cast<std::size_t>(a)] = std::llround(std::floor(x[a] / reach_));
+    return cell;
+  }
+  // The last place that begins in this cell; before() gives the others.
+  std::uint32_t last(const Cell& cell) const {
+    const std::size_t at = index(cell);
+    if (!last_.empty()) return last_[at];
+    const auto found = sparse_.find(at);
+    return found == sparse_.end() ? none : found->second;
+  }
+  std::uint32_t before(std::uint32_t place) const { return before_[place]; }
+  // The next place begins here.
+  void begin(const Cell& cell) {
+    std::uint32_t& last =
+        last_.empty() ? sparse_.try_emplace(index(cell), none).first->second : last_[index(cell)];
+    before_.push_back(last);
+    last = static_cast<std::uint32_t>(before_.size() - 1);
+  }
+  static constexpr std::uint32_t none = 0xffffffffu;
+
+ private:
+  static constexpr std::size_t most_empty = 100;  // cells to a row
+  std::size_t index(const Cell& cell) const {
+    return static_cast<std::size_t>(((cell[2] - low_[2]) * count_[1] + cell[1] - low_[1]) * count_[0] +
+                                    cell[0] - low_[0]);
+  }
+  double reach_;
+  Cell low_{}, count_{};
+  std::vector<std::uint32_t> last_, before_;
+  std::unordered_map<std::size_t, std::uint32_t> sparse_;
+};
+
+std::vector<HeapPlace> places_of(std::span<const State> rows, double reach) {
   std::vector<HeapPlace> places;
+  if (rows.empty()) return places;
+  PlaceCells cells(rows, reach);
   for (std::size_t i = 0; i < rows.size(); ++i) {
     const Vec3& x = rows[i].at;
-    Cell cell;
-    for (int a = 0; a < 3; ++a) cell[static_cast<std::size_t>(a)] = std::llround(std::floor(x[a] / reach));
-    HeapPlace* mine = nullptr;
-    for (int k = 0; k < 27 && !mine; ++k) {
-      const auto found = cells.find({cell[0] + k % 3 - 1, cell[1] + k / 3 % 3 - 1, cell[2] + k / 9 - 1});
-      if (found == cells.end()) continue;
-      for (const std::size_t p : found->second)
-        if ((places[p].first - x).squaredNorm() <= reach * reach) mine = &places[p];
+    const PlaceCells::Cell cell = cells.cell_of(x);
+    std::uint32_t mine = PlaceCells::none;
+    for (int k = 0; k < 27 && mine == PlaceCells::none; ++k) {
+      std::uint32_t p = cells.last({cell[0] + k % 3 - 1, cell[1] + k / 3 % 3 - 1, cell[2] + k / 9 - 1});
+      while (p != PlaceCells::none && (places[p].first - x).squaredNorm() > reach * reach)
+        p = cells.before(p);
+      mine = p;
     }
-    if (!mine) {
-      cells[cell].push_back(places.size());
+    if (mine == PlaceCells::none) {
+      cells.begin(cell);
+      mine = static_cast<std::uint32_t>(places.size());
       places.push_back({.first = x, .rows = {}});
-      mine = &places.back();
     }
-    mine->rows.push_back(i);
+    places[mine].rows.push_back(i);
   }
   return places;
 }

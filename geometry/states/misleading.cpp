@@ -93,33 +93,59 @@ std::string unlikely_unit(std::span<const State> states, double spacing) {
       side, apart, of);
 }
 
-// How far the force of `one` is from the nearest of those about it, if that is far beyond their differences; else 0.
-double alone_by(std::span<const State* const> states, const State& one) {
-  std::vector<std::pair<double, const State*>> near;
-  near.reserve(states.size());
-  for (const State* other : states)
-    if (const double d = (other->at - one.at).squaredNorm(); d > 0) near.emplace_back(d, other);
-  // Many rows about one place, a dwell, are one neighbour.
-  if (near.size() > most_near) {
-    std::ranges::nth_element(near, near.begin() + most_near - 1);
-    near.resize(most_near);
+using Near = std::pair<double, const State*>;  // squared distance
+
+// The n rows nearest to that of place i, at other places, from near to far; equally near ones in their order.
+std::vector<Near> nearest_rows(std::span<const State* const> along_x, std::size_t i, std::size_t n) {
+  const State& one = *along_x[i];
+  std::vector<Near> heap;
+  const auto beyond = [&](std::size_t k) {
+    const double away = along_x[k]->at.x() - one.at.x();
+    return heap.size() == n && away * away > heap.front().first;
+  };
+  const auto take = [&](std::size_t k) {
+    const Near row((along_x[k]->at - one.at).squaredNorm(), along_x[k]);
+    if (row.first == 0 || (heap.size() == n && !(row < heap.front()))) return;
+    if (heap.size() == n) {
+      std::ranges::pop_heap(heap);
+      heap.pop_back();
+    }
+    heap.push_back(row);
+    std::ranges::push_heap(heap);
+  };
+  for (std::size_t k = i; k-- > 0 && !beyond(k);) take(k);
+  for (std::size_t k = i + 1; k < along_x.size() && !beyond(k); ++k) take(k);
+  std::ranges::sort_heap(heap);
+  return heap;
+}
+
+// The first row of each place beside that of place i, by distance, sought among the nearest `most_near` rows: many rows
+// about one place, a dwell, are one neighbour. Empty: there are fewer than `beside` places.
+std::vector<const State*> places_beside(std::span<const State* const> along_x, std::size_t i) {
+  std::vector<const State*> places;
+  for (std::size_t n = 4 * beside;; n = std::min(4 * n, most_near)) {
+    const std::vector<Near> near = nearest_rows(along_x, i, n);
+    places.clear();
+    for (const auto& [squared, row] : near) {
+      const auto same = [&, squared = squared, row = row](const State* place) {
+        return (place->at - row->at).squaredNorm() < one_place * one_place * squared;
+      };
+      if (std::ranges::none_of(places, same)) places.push_back(row);
+      if (places.size() == beside) return places;
+    }
+    if (near.size() < n || n == most_near) return {};
   }
-  std::ranges::sort(near);
-  std::vector<std::pair<double, const State*>> places;
-  for (const auto& row : near) {
-    const auto same = [&](const auto& place) {
-      return (place.second->at - row.second->at).squaredNorm() < one_place * one_place * row.first;
-    };
-    if (std::ranges::none_of(places, same)) places.push_back(row);
-    if (places.size() == beside) break;
-  }
-  if (places.size() < beside) return 0;
-  near = std::move(places);
-  double range = 0, off = (near.front().second->force - one.force).norm();
+}
+
+// How far the force of a row is from the nearest of those about it, if that is far beyond their differences; else 0.
+double alone_by(std::span<const State* const> along_x, std::size_t row) {
+  const State& one = *along_x[row];
+  const std::vector<const State*> near = places_beside(along_x, row);
+  if (near.empty()) return 0;
+  double range = 0, off = (near.front()->force - one.force).norm();
   for (std::size_t i = 0; i < near.size(); ++i) {
-    off = std::min(off, (near[i].second->force - one.force).norm());
-    for (std::size_t j = 0; j < i; ++j)
-      range = std::max(range, (near[i].second->force - near[j].second->force).norm());
+    off = std::min(off, (near[i]->force - one.force).norm());
+    for (std::size_t j = 0; j < i; ++j) range = std::max(range, (near[i]->force - near[j]->force).norm());
   }
   return range > 0 && off > far_off * range ? off : 0;
 }
@@ -129,9 +155,10 @@ std::string lone_forces(std::span<const State> states) {
   for (const State& s : states)
     if (s.usable() && s.force.allFinite() && !s.has_site()) usable.push_back(&s);
   if (usable.size() > most_compared) return {};
+  std::ranges::sort(usable, {}, [](const State* s) { return std::pair(s->at.x(), s); });
   std::vector<double> by(usable.size());
 #pragma omp parallel for schedule(dynamic, 64)
-  for (std::size_t i = 0; i < usable.size(); ++i) by[i] = alone_by(usable, *usable[i]);
+  for (std::size_t i = 0; i < usable.size(); ++i) by[i] = alone_by(usable, i);
   const auto count = static_cast<std::size_t>(std::ranges::count_if(by, [](double off) { return off > 0; }));
   if (count == 0 || count * most_lone_share > usable.size()) return {};
   const auto farthest = static_cast<std::size_t>(std::ranges::max_element(by) - by.begin());

@@ -76,8 +76,11 @@ StiffnessAgreement stiffness_agreement(std::span<const State> states) {
   StiffnessAgreement found;
   std::vector<double> scales;
   const std::size_t count = std::min(with.size(), most_pairs);
+  std::vector<std::optional<Fit>> fits(count);
+#pragma omp parallel for schedule(dynamic, 4)
+  for (std::size_t k = 0; k < count; ++k) fits[k] = fit_around(states, *with[k * with.size() / count]);
   for (std::size_t k = 0; k < count; ++k) {
-    const std::optional<Fit> fit = fit_around(states, *with[k * with.size() / count]);
+    const std::optional<Fit>& fit = fits[k];
     if (!fit) continue;
     ++found.tried;
     if (!(std::abs(fit->correlation) > like)) {
