@@ -99,7 +99,24 @@ TEST_CASE("the estimated spacing is that of the density, not of the closest pair
   std::vector<Vec3> clusters = full;
   for (const Vec3& at : full) clusters.push_back(at + Vec3(5, 0, 0));
   CHECK(estimate_spacing(states_at(clusters)) == Approx(h).epsilon(1e-6));
-  // A stroke and a plane have no cells: the distance to the nearest state.
+  // On a surface, flat or curved, the spacing is that along it: the side of a square lattice, and at random, of n places
+  // an area, Gamma(9/2) / Gamma(4) / sqrt(pi n) = 1.094 n^(-1/2), the mean distance to the fourth nearest.
+  std::vector<Vec3> square, plane = random_places(2000, 7), sphere = random_places(3000, 8);
+  for (int i = 0; i < 20; ++i)
+    for (int j = 0; j < 20; ++j) square.push_back(h * Vec3(i, 0.6 * j, 0.8 * j));
+  CHECK(estimate_spacing(states_at(square)) == Approx(h).epsilon(1e-9));
+  for (Vec3& at : plane) at.z() = 0.2 * at.x();
+  CHECK(estimate_spacing(states_at(plane)) ==
+        Approx(1.094 * std::sqrt(std::sqrt(1.04) / 2000)).epsilon(0.06));
+  for (Vec3& at : sphere) {
+    const double z = 2 * at.z() - 1, turn = 2 * M_PI * at.x(), across = std::sqrt(1 - z * z);
+    at = {across * std::cos(turn), across * std::sin(turn), z};
+  }
+  CHECK(estimated_spacing(states_at(sphere)).dimension == 2);
+  CHECK(estimate_spacing(states_at(sphere)) == Approx(1.094 * std::sqrt(4 * M_PI / 3000)).epsilon(0.06));
+  CHECK(estimated_spacing(states_at(full)).dimension == 3);
+  CHECK(estimated_spacing(states_at(random_places(100, 9))).dimension == 3);
+  // Along a stroke: its step.
   std::vector<Vec3> stroke;
   for (int i = 0; i < 100; ++i) stroke.push_back(Vec3(1, 2, 3) * (h * i / std::sqrt(14.0)));
   CHECK(estimate_spacing(states_at(stroke)) == Approx(h).epsilon(1e-6));
