@@ -3,10 +3,14 @@
 #include <fmt/format.h>
 
 #include <algorithm>
+#include <nlohmann/json.hpp>
+#include <string>
 #include <utility>
+#include <vector>
 
 #include "apps/scene/scene_fine.hpp"
 #include "apps/scene/scene_nodes.hpp"
+#include "geometry/common/error.hpp"
 #include "scheduling/touch/surface_models.hpp"
 #include "solver/body/pad.hpp"
 #include "solver/jet/surface_map.hpp"
@@ -129,6 +133,64 @@ std::optional<std::string> SitedBody::beyond(const Vec3& x) const {
   if (!(depth > thickness)) return {};
   return fmt::format("({:.6g}, {:.6g}, {:.6g}) presses {:.3g} mm deep where the body is {:.3g} mm thick",
                      x[0], x[1], x[2], 1e3 * depth, 1e3 * thickness);
+}
+
+namespace {
+
+// The words of a command as it was quoted for a shell.
+std::vector<std::string> words_of(const std::string& command) {
+  std::vector<std::string> words;
+  bool quoted = false, open = false;
+  for (std::size_t i = 0; i < command.size(); ++i) {
+    const char c = command[i];
+    if (!quoted && c == ' ') {
+      open = false;
+      continue;
+    }
+    if (!open) words.emplace_back();
+    open = true;
+    if (c == '\'')
+      quoted = !quoted;
+    else
+      words.back() += !quoted && c == '\\' && i + 1 < command.size() ? command[++i] : c;
+  }
+  return words;
+}
+
+}  // namespace
+
+MadeBy made_by(const std::string& provenance) {
+  const nlohmann::json document = nlohmann::json::parse(provenance, nullptr, false);
+  const auto text = [&](const char* key) {
+    return document.is_object() && document.contains(key) && document[key].is_string()
+               ? document[key].get<std::string>()
+               : std::string();
+  };
+  return {.command = text("command"), .scene_hash = text("scene_hash")};
+}
+
+std::optional<Scene> scene_of(const MadeBy& made_by) {
+  if (made_by.scene_hash.empty()) return {};
+  const std::vector<std::string> words = words_of(made_by.command);
+  std::vector<std::string> overrides, files;
+  for (std::size_t i = 1; i < words.size(); ++i) {
+    if (words[i] == "--set" && i + 1 < words.size())
+      overrides.push_back(words[++i]);
+    else if (words[i].starts_with("--set="))
+      overrides.push_back(words[i].substr(6));
+    else if (words[i].ends_with(".toml") && !words[i].starts_with("-"))
+      files.push_back(words[i]);
+  }
+  for (const std::string& file : files) {
+    std::error_code error;
+    if (!std::filesystem::is_regular_file(file, error)) continue;
+    try {
+      Scene scene = load_scene_with_sites(file, overrides, {.spacing = false, .quiet = true});
+      if (scene.source.hash == made_by.scene_hash) return scene;
+    } catch (const InputError&) {  // no longer the scene that it was
+    }
+  }
+  return {};
 }
 
 }  // namespace forefeel

@@ -42,4 +42,12 @@ struct SitedBody {
 // progress line.
 SitedBody put_at(const Scene& scene, const Vec3& wanted, bool quiet = true);
 
+// The command that made a run or states, and the hash of its scene; empty if not known.
+struct MadeBy {
+  std::string command, scene_hash;
+};
+MadeBy made_by(const std::string& provenance);  // JSON, as console/provenance.hpp makes it
+// The scene of that command, anywhere or grasped, if its file is still there and unchanged.
+std::optional<Scene> scene_of(const MadeBy& made_by);
+
 }  // namespace forefeel

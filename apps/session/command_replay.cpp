@@ -15,6 +15,7 @@
 #include "apps/scene/scene_session.hpp"
 #include "geometry/common/counted.hpp"
 #include "geometry/common/error.hpp"
+#include "geometry/common/scanner.hpp"
 #include "scheduling/render/frame_table.hpp"
 #include "scheduling/session/input_replay.hpp"
 
@@ -76,19 +77,35 @@ void tell(const Globals& globals, const ReplayReport& report, std::size_t rows) 
   if (report.first) answer(globals, in_words(*report.first));
 }
 
+// The scene that the run's own summary names.
+Scene recorded_scene(const fs::path& inputs) {
+  const fs::path summary = inputs.parent_path() / "summary.json";
+  if (std::error_code error; fs::is_regular_file(summary, error)) {
+    const nlohmann::json document = nlohmann::json::parse(read_text_file(summary), nullptr, false);
+    if (document.is_object() && document.contains("provenance"))
+      if (std::optional<Scene> scene = scene_of(made_by(document["provenance"].dump())))
+        return *std::move(scene);
+  }
+  throw InputError(
+      {.file = inputs.string()},
+      "is of a body that may be touched anywhere, and its scene was not found or has changed, expected "
+      "--scene SCENE, with the --set of the run");
+}
+
 int run_replay(const Globals& globals, const std::string& run, const std::string& scene_file) {
   const fs::path file = inputs_of(run);
   Progress progress(globals, "replay");
   const auto touched = [&] {
     const Scene scene =
-        load_scene_with_sites(scene_file, globals.set, {.spacing = false, .quiet = globals.quiet});
+        scene_file.empty()
+            ? recorded_scene(file)
+            : load_scene_with_sites(scene_file, globals.set, {.spacing = false, .quiet = globals.quiet});
     SessionInput input = session_input(scene);
     touch_anywhere(scene, globals, input);
     return input.touched;
   };
   const ReplayReport report = replay_inputs(
-      file, program_text(), [&](double t) { progress.show(fmt::format("{:.1f} s", t)); },
-      scene_file.empty() ? std::function<TouchedBody()>() : touched);
+      file, program_text(), [&](double t) { progress.show(fmt::format("{:.1f} s", t)); }, touched);
   // A record that does not replay says so itself.
   const std::size_t rows = report.first ? 0 : compare_frame_table(file.parent_path() / "frames.csv", file);
   if (!report.whole)
@@ -118,7 +135,9 @@ void add_replay(CommandLine& line) {
       "differs, or the record ends early");
   sub.runs([run, scene](const Globals& globals) { return run_replay(globals, *run, *scene); });
   sub.option("RUN", *run, "Folder of a session, whose session.inputs is read").required();
-  sub.option("--scene", *scene, "Scene of the run, where its body may be touched anywhere").shows("SCENE");
+  sub.option("--scene", *scene,
+             "Scene of the run, where its body may be touched anywhere; default: that of its summary.json")
+      .shows("SCENE");
 }
 
 }  // namespace forefeel

@@ -105,26 +105,6 @@ void take_summary(const fs::path& file, RunFolder& run) {
   if (summary.contains("provenance")) run.made_by = made_by(summary["provenance"].dump());
 }
 
-// The words of a command as it was quoted for a shell.
-std::vector<std::string> words_of(const std::string& command) {
-  std::vector<std::string> words;
-  bool quoted = false, open = false;
-  for (std::size_t i = 0; i < command.size(); ++i) {
-    const char c = command[i];
-    if (!quoted && c == ' ') {
-      open = false;
-      continue;
-    }
-    if (!open) words.emplace_back();
-    open = true;
-    if (c == '\'')
-      quoted = !quoted;
-    else
-      words.back() += !quoted && c == '\\' && i + 1 < command.size() ? command[++i] : c;
-  }
-  return words;
-}
-
 }  // namespace
 
 bool is_run_folder(const fs::path& folder) {
@@ -145,40 +125,6 @@ RunFolder read_run(const fs::path& folder) {
   if (fs::exists(folder / "dispatch.csv")) take_dispatch(folder / "dispatch.csv", run.states);
   take_summary(folder / "summary.json", run);
   return run;
-}
-
-MadeBy made_by(const std::string& provenance) {
-  const nlohmann::json document = nlohmann::json::parse(provenance, nullptr, false);
-  const auto text = [&](const char* key) {
-    return document.is_object() && document.contains(key) && document[key].is_string()
-               ? document[key].get<std::string>()
-               : std::string();
-  };
-  return {.command = text("command"), .scene_hash = text("scene_hash")};
-}
-
-std::optional<Scene> scene_of(const MadeBy& made_by) {
-  if (made_by.scene_hash.empty()) return {};
-  const std::vector<std::string> words = words_of(made_by.command);
-  std::vector<std::string> overrides, files;
-  for (std::size_t i = 1; i < words.size(); ++i) {
-    if (words[i] == "--set" && i + 1 < words.size())
-      overrides.push_back(words[++i]);
-    else if (words[i].starts_with("--set="))
-      overrides.push_back(words[i].substr(6));
-    else if (words[i].ends_with(".toml") && !words[i].starts_with("-"))
-      files.push_back(words[i]);
-  }
-  for (const std::string& file : files) {
-    std::error_code error;
-    if (!fs::is_regular_file(file, error)) continue;
-    try {
-      Scene scene = load_scene_with_sites(file, overrides, {.spacing = false, .quiet = true});
-      if (scene.source.hash == made_by.scene_hash) return scene;
-    } catch (const InputError&) {  // no longer the scene that it was
-    }
-  }
-  return {};
 }
 
 }  // namespace forefeel

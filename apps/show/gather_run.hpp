@@ -6,17 +6,11 @@
 #include <string>
 #include <vector>
 
-#include "apps/scene/scene.hpp"
+#include "apps/scene/scene_anywhere.hpp"
 #include "apps/show/show_content.hpp"
 #include "geometry/states/state_header.hpp"
 
 namespace forefeel {
-
-// The command that made a run or states, and the hash of its scene; empty if not known.
-struct MadeBy {
-  std::string command, scene_hash;
-};
-MadeBy made_by(const std::string& provenance);  // JSON, as console/provenance.hpp makes it
 
 struct RunFolder {
   std::filesystem::path folder;
@@ -31,9 +25,6 @@ struct RunFolder {
 bool is_run_folder(const std::filesystem::path& folder);  // holds frames.csv
 // InputError for a missing or damaged frames.csv, dispatch.csv or states.csv.
 RunFolder read_run(const std::filesystem::path& folder);
-
-// The scene of that command, if its file is still there and unchanged.
-std::optional<Scene> scene_of(const MadeBy& made_by);
 
 // Shapes at times of the run: those that it recorded (session.shape_rate); InputError if they are damaged or of another
 // body. If it recorded none, shapes are fitted to the displacements of the states known at each time: a weighted

@@ -159,7 +159,10 @@ TEST_CASE(
   for (const double far : {0.2, 0.3, 0.4}) points.emplace_back(far, 0, 0);
   std::vector<double> shares;
   const Evaluation found =
-      evaluate(given.known, points, {.choosing = [&](double share) { shares.push_back(share); }});
+      evaluate(given.known, points, {.show = [&](std::string_view what, double share) {
+                 if (what.find("model") != std::string_view::npos && std::isfinite(share))
+                   shares.push_back(share);
+               }});
   REQUIRE(found.chosen);
   CHECK(found.chosen->beyond == 3);
   REQUIRE(!shares.empty());
