@@ -85,8 +85,9 @@ std::string progress_line(const std::string& title, double share, const std::str
   if (!(share >= 0))
     return fmt::format("{}  {}{}{} so far", title, text, text.empty() ? "" : ", ", clock_text(elapsed));
   const double left = seconds_left(share, before, elapsed);
-  return fmt::format("{} {:3.0f} %  {}{}", title, 100 * share, text,
-                     std::isfinite(left) ? fmt::format(", {} left", clock_text(left)) : "");
+  return fmt::format(
+      "{} {:3.0f} %  {}{}", title, 100 * share, text,
+      std::isfinite(left) ? fmt::format("{}{} left", text.empty() ? "" : ", ", clock_text(left)) : "");
 }
 
 bool line_is_due(double left, double elapsed, double silent, bool first) {

@@ -128,6 +128,9 @@ std::string expectation_in_words(const AutoModel& chosen, const SharedError& sha
       counted(chosen.groups, "group"),
       chosen.alike ? "as far from the rest as the points are from the states"
                    : "that lie nearer to the rest than the points to the states");
+  if (chosen.field && chosen.field->law.noise > 0.1 * chosen.p50)
+    text += fmt::format("; measuring noise of {:.2g}{} in one component is part of it",
+                        chosen.field->law.noise, told.unit);
   if (chosen.across)
     text +=
         "; at points across the states, whose direction they do not know, it is the stiffness along the "
