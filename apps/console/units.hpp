@@ -30,4 +30,11 @@ class Units {
   bool large_;
 };
 
+// "96.6 ms", "12 us", "850 ns"
+inline std::string short_time(double seconds) {
+  return seconds >= 1e-3   ? fmt::format("{:.3g} ms", 1e3 * seconds)
+         : seconds >= 1e-6 ? fmt::format("{:.3g} us", 1e6 * seconds)
+                           : fmt::format("{:.0f} ns", 1e9 * seconds);
+}
+
 }  // namespace forefeel

@@ -17,6 +17,7 @@
 #include "apps/console/console.hpp"
 #include "apps/console/json.hpp"
 #include "apps/console/spacing_check.hpp"
+#include "apps/console/units.hpp"
 #include "apps/console/values.hpp"
 #include "apps/offline/evaluate_json.hpp"
 #include "apps/offline/evaluate_sites.hpp"
@@ -249,13 +250,6 @@ std::string result_in_words(const Evaluation& result, const Told& told) {
         ", at {} stepped down, the first to {}", counted(made.stepped_down, "point"),
         *std::ranges::find_if(made.kernels, [&](std::string_view k) { return k != name(model.kernel); }));
   return how;
-}
-
-// "96.6 ms", "12 us", "850 ns"
-std::string short_time(double seconds) {
-  return seconds >= 1e-3   ? fmt::format("{:.3g} ms", 1e3 * seconds)
-         : seconds >= 1e-6 ? fmt::format("{:.3g} us", 1e6 * seconds)
-                           : fmt::format("{:.0f} ns", 1e9 * seconds);
 }
 
 void tell(const Globals& globals, const EvaluateResult& evaluated, bool with_forces) {

@@ -105,12 +105,9 @@ const SceneRows<BodyKeys>& rows_of_body() {
               "relative error of the force, mesh and contact included, for which elements, element and fine "
               "are chosen where they are not given; of a volume mesh fine alone",
               &B::accuracy)
-          .row({"uniform", "", "",
-                "a surface or phantom with a pad is meshed with elements of one size, not smaller ones under "
-                "the pad"},
-               [](const SceneTable& table, const std::string& key, B& keys) {
-                 keys.uniform = table.boolean(key);
-               })
+          .flag("uniform",
+                "true: elements of one size; false: smaller ones under a pad, of a surface or phantom",
+                &B::uniform)
           .standard("false; true for linear elements that a fine body corrects");
   return rows;
 }

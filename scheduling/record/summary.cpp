@@ -268,7 +268,6 @@ std::string device_that_ran(const SessionInput& input, const SessionOptions& opt
   if (options.motion.replay) return "replay:" + options.motion.replay->string();
   return input.parts.device ? "object" : to_text(options.motion.device);
 }
-
 SessionSummary::Settings settings_of(const SessionInput& input, const SessionOptions& options) {
   return {.clock = options.clock.kind,
           .workers = options.workers.count,
@@ -281,9 +280,9 @@ SessionSummary::Settings settings_of(const SessionInput& input, const SessionOpt
 }
 
 SessionSummary::Run run_of(const SessionResult& result, const SessionOptions& options) {
-  // Rounding may leave the last frame out of a run that went to its end.
+  // In frames. Rounding may leave the last one out of a run that went to its end.
   const double passed =
-      result.frames.empty() ? 0 : std::round(result.frames.back().t / options.clock.frame) + 1;  // frames
+      result.frames.empty() ? 0 : std::round(result.frames.back().t / options.clock.frame) + 1;
   const bool whole = passed > options.clock.seconds / options.clock.frame - 0.75;
   return {.seconds = whole ? options.clock.seconds : passed * options.clock.frame,
           .frames = result.frames.size(),

@@ -138,7 +138,7 @@ std::string winner(const StudyAxis& axis, std::span<const Observation> seen, con
                      beaten_by_best(axis, seen, metric, all));
 }
 
-// Where first visits within the JND do not separate the two best, their error may: ". By …, …".
+// Where first visits do not separate the two best, their error may: ". By …, …".
 std::string by_second_metric(const Study& study, const std::vector<StudyCellResult>& cells,
                              std::size_t chosen, const StudyMetric& first) {
   const StudyMetric metric = second_metric(study);

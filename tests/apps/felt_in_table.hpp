@@ -4,6 +4,8 @@
 
 #include <algorithm>
 #include <cmath>
+#include <regex>
+#include <string>
 
 #include "geometry/common/csv_rows.hpp"
 #include "geometry/common/types.hpp"
@@ -35,6 +37,19 @@ inline FeltInTable felt_in(const CsvText& frames) {
     before = now;
   }
   return felt;
+}
+
+// Of the sentence of a session: those within a touch and those that begin or end one are all that the table holds.
+inline std::size_t felt_said(const std::string& out) {
+  static const std::regex sentence(
+      R"(felt +(\d+)  steps? of the force that a hand feels([^;\n]*)(; apart from these ([^;\n]*))?;)"),
+      by(R"((\d+) by)");
+  std::smatch line, part;
+  REQUIRE(std::regex_search(out, line, sentence));
+  std::size_t all = std::stoul(line[1]);
+  for (std::string rest = line[4]; std::regex_search(rest, part, by); rest = part.suffix())
+    all += std::stoul(part[1]);
+  return all;
 }
 
 }  // namespace forefeel::test

@@ -3,8 +3,6 @@
 
 #include <fmt/format.h>
 
-#include <regex>
-
 #include "geometry/common/csv_rows.hpp"
 #include "scheduling/motion/halton.hpp"
 #include "tests/apps/felt_in_table.hpp"
@@ -137,17 +135,7 @@ void check_session(const Workshop& shop, const std::string& out, double limit) {
                    in("safe"), in("sparse"), in("gap"), in("blank"), percent(outside)),
        fmt::format("of {} changes of model {} moved it by more", switches.csv.rows(), over),
        fmt::format("clamped {}", percent(clamped))});
-  // Those within a touch and those that begin or end one are all that the table holds.
-  std::smatch line, part;
-  REQUIRE(std::regex_search(
-      out, line,
-      std::regex(
-          R"(felt +(\d+)  steps? of the force that a hand feels([^;\n]*)(; apart from these ([^;\n]*))?;)")));
-  std::size_t all_felt = std::stoul(line[1]);
-  for (std::string rest = line[4]; std::regex_search(rest, part, std::regex(R"((\d+) by)"));
-       rest = part.suffix())
-    all_felt += std::stoul(part[1]);
-  CHECK(all_felt == felt.count);
+  CHECK(test::felt_said(out) == felt.count);
   const auto tile = [](const std::string& value, const std::string& what) {
     return fmt::format("<b>{}</b><span>{}", value, what);
   };
