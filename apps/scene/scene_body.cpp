@@ -112,8 +112,7 @@ const SceneRows<BodyKeys>& rows_of_body() {
   return rows;
 }
 
-// A fine body corrects linear elements of one size as well as graded ones, and their states cost a quarter: small
-// elements under a pad crease long before large ones do.
+// Small elements crease long before large ones do: under a fine body they cost four times as much, for the same error.
 bool is_uniform(const BodyKeys& keys) {
   return keys.uniform.value_or(keys.fine && keys.element == Element::linear);
 }
@@ -299,10 +298,8 @@ Body complete(const BodyInput& in, bool quiet, std::vector<std::string>& warning
 BodyKeys of_trial(BodyKeys keys, const AccuracyTrial& trial) {
   keys.element = trial.element;
   if (trial.elements > 0) keys.elements = trial.elements;
-  if (trial.fine == 0)
-    keys.fine.reset();
-  else if (!keys.fine)
-    keys.fine = FineKeys{.elements = trial.fine};
+  if (trial.fine == 0) keys.fine.reset();
+  if (trial.fine != 0 && !keys.fine) keys.fine = FineKeys{.elements = trial.fine};
   return keys;
 }
 
@@ -337,8 +334,7 @@ BodyRead make_body(const BodySections& sections, const fs::path& folder, const s
                    std::vector<std::string>& warnings) {
   BodyInput in{sections, folder, file, false, {}, {}};
   in.is_phantom = sections.body.exactly_one_of(body_rows().alternatives()) == "phantom";
-  in.materials =
-      read_materials(sections.materials, in.is_phantom);  // cheap checks first, before the mesh is made
+  in.materials = read_materials(sections.materials, in.is_phantom);  // cheap checks before the mesh is made
   rows_of_body().read(sections.body, in.keys);
   const bool anywhere = is_anywhere(sections.contact);
   if (anywhere && in.keys.accuracy)
@@ -365,7 +361,6 @@ BodyRead make_body(const BodySections& sections, const fs::path& folder, const s
 const SceneRowList& body_rows() {
   return rows_of_body();
 }
-
 BodyRead read_body(const BodySections& sections, const fs::path& folder, const std::string& file, bool quiet,
                    std::vector<std::string>& warnings) {
   try {
