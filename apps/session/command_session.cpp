@@ -294,8 +294,8 @@ void add_session(CommandLine& line) {
   sub.option(
       "--policy", given->solving.policy,
       "What is solved next: " + listed(policy_names()) +
-          ". clairvoyant is an upper bound: it simulates all eight schedules, then runs the best; it takes "
-          "about eight times as long");
+          ". clairvoyant is an upper bound: it simulates all eleven schedules, then runs the best; it takes "
+          "about eleven times as long");
   sub.option("--predictor", given->motion.predictor, "Where the hand will be: " + listed(predictor_names()));
   sub.option(
       "--shape-rate", given->shape_rate,

@@ -1,4 +1,5 @@
 #include "scheduling/study/study_ranking.hpp"
+#include "scheduling/policy/policy.hpp"
 
 #include <algorithm>
 #include <cmath>
@@ -47,7 +48,7 @@ void drop_interval_of_few(Comparison& c) {
 Standing standing_of(const StudyAxis& axis, std::size_t level) {
   if (axis.column != "policy" && axis.column != "session.policy") return Standing::contender;
   const std::string& policy = axis.values[level].text;
-  if (policy == "shuffled" || policy.ends_with("-shuffled")) return Standing::placebo;
+  if (is_placebo(policy)) return Standing::placebo;
   return policy.starts_with("clairvoyant") ? Standing::bound : Standing::contender;
 }
 

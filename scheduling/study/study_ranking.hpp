@@ -41,8 +41,8 @@ std::vector<Observation> observations(const Study& study, const std::vector<Stud
 // Below this number of motions no interval is given and nothing is significant: how much motions differ is not known.
 inline constexpr std::size_t fewest_motions = 4;
 
-// bound: a policy that knows the motion (clairvoyant …), which no real policy reaches. placebo: a policy whose labels or
-// estimates are permuted (… shuffled). Neither competes.
+// bound: a policy that knows the motion (clairvoyant …), which no real policy reaches. placebo: is_placebo().
+// Neither competes.
 enum class Standing : std::uint8_t { contender, placebo, bound };
 Standing standing_of(const StudyAxis& axis, std::size_t level);
 
