@@ -22,7 +22,7 @@ enum class PathName { press, line, circle, lissajous, reach, palpation, tour, mo
 enum class HandName { touch, premium, omega, falcon };
 const char* name(PathName path);
 const char* name(HandName hand);
-std::vector<std::string> path_names();           // in the order of the enumeration
+std::vector<std::string> path_names();          // in the order of the enumeration
 std::string_view path_in_words(PathName path);  // "straight in …, and out"
 std::vector<std::string> hand_names();
 

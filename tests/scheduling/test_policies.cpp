@@ -332,6 +332,7 @@ TEST_CASE("candidates are the unknown lattice points, each once") {
 
 TEST_CASE("predictors: exact on uniform motion, honest about their deviation") {
   for (const std::string& name : predictor_names()) {
+    if (name == "network") continue;  // has no weights of its own
     CAPTURE(name);
     const auto predictor = make_predictor(name);
     const Vec3 velocity(0.03, -0.02, 0.01);
