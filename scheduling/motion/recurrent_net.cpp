@@ -81,8 +81,10 @@ void RecurrentNet::advance(const Eigen::VectorXd& input, Eigen::VectorXd& state)
 
 RecurrentNet read_recurrent_net(const std::filesystem::path& file) {
   const NetFile weights(file);
-  RecurrentNet net{
-      .step = weights.row("step")[0], .unit = weights.row("unit")[0], .horizons = weights.row("horizons")};
+  RecurrentNet net;
+  net.step = weights.row("step")[0];
+  net.unit = weights.row("unit")[0];
+  net.horizons = weights.row("horizons");
   const auto size = static_cast<Eigen::Index>(weights.row("bz").size());
   const auto outputs = static_cast<Eigen::Index>(2 * net.horizons.size());
   const auto gate = [&](const std::string& name) {

@@ -76,7 +76,7 @@ void UtilityNeed::look(const PlannerView& view) {
     const double from = k > 0 ? middle(k) : path[k].horizon,
                  until = k + 1 < path.size() ? middle(k + 1) : path[k].horizon;
     const double time = until - std::max(from, solve_);
-    if (!(time > 0)) continue;
+    if (!(time > 1e-9)) continue;  // [s]: rounding
     const std::size_t count = path[k].deviation > 0 ? normal.size() : 1;
     for (std::size_t j = 0; j < count; ++j) {
       const Vec3 at = count > 1 ? Vec3(path[k].at + path[k].deviation * normal[j]) : path[k].at;

@@ -52,7 +52,9 @@ TEST_CASE("minimum-jerk: a movement past its peak speed is completed") {
     int seen = -1;
     for (const double share : {0.7, 0.8, 0.95}) {
       const double now = 0.3 + share * duration;
-      watch(*predictor, motion, seen + 1, seen = static_cast<int>(std::lround(1e3 * now)));
+      const int until = static_cast<int>(std::lround(1e3 * now));
+      watch(*predictor, motion, seen + 1, until);
+      seen = until;
       for (const double horizon : {0.02, 0.1, 0.3, 1.0}) {
         CAPTURE(duration, share, horizon);
         CHECK((predictor->predict(horizon).at - motion(1e-3 * seen + horizon)).norm() < 1e-6);
@@ -86,7 +88,9 @@ TEST_CASE("past: the second period of a motion is like the first") {
   const auto predictor = make_predictor("past");
   int seen = -1;
   for (const double now : {2.0, 2.4, 3.0}) {
-    watch(*predictor, motion, seen + 1, seen = static_cast<int>(std::lround(1e3 * now)));
+    const int until = static_cast<int>(std::lround(1e3 * now));
+    watch(*predictor, motion, seen + 1, until);
+    seen = until;
     for (const double horizon : {0.05, 0.3, 1.0, 3.0}) {  // also beyond what is past
       CAPTURE(now, horizon);
       CHECK((predictor->predict(horizon).at - motion(now + horizon)).norm() < 1e-5);
