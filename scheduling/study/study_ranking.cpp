@@ -1,10 +1,11 @@
 #include "scheduling/study/study_ranking.hpp"
-#include "scheduling/policy/policy.hpp"
 
 #include <algorithm>
 #include <cmath>
 #include <map>
 #include <span>
+
+#include "scheduling/policy/policy.hpp"
 
 namespace forefeel {
 namespace {
@@ -147,8 +148,8 @@ LevelRanking ranking_of(const Study& study, const std::vector<StudyCellResult>& 
   for (Ranked& row : ranking.ranked) {
     drop_interval_of_few(row.value);
     drop_interval_of_few(row.to_best);
-    row.tied = row.to_best.verdict() == 0;
   }
+  adjust(ranking, beside_contenders(study.axes[axis]));
   return ranking;
 }
 
@@ -160,6 +161,14 @@ std::vector<std::size_t> ranked_levels(const Study& study, const std::vector<Stu
   for (std::size_t level = 0; level < study.axes[axis].values.size(); ++level)
     if (std::ranges::find(order, level) == order.end()) order.push_back(level);
   return order;
+}
+
+double critical_difference(const AxisRanking& ranking) {
+  const std::vector<Ranked>& ranked = ranking.ranking.ranked;
+  if (ranked.empty()) return std::nan("");
+  const auto compete =
+      std::ranges::count_if(ranked, [](const Ranked& row) { return std::isfinite(row.mean_rank); });
+  return critical_difference(static_cast<std::size_t>(compete), ranked.front().value.groups);
 }
 
 std::vector<AxisRanking> rankings(const Study& study, const std::vector<StudyCellResult>& cells) {

@@ -73,6 +73,21 @@ bool is_shown(const Comparison& d, const StudyMetric& metric) {
   return d.groups >= fewest_motions && (metric.larger_is_better ? d.verdict() : -d.verdict()) > 0;
 }
 
+// For each contender whether the first beats it, after Holm over all of them.
+std::vector<bool> beaten_after_holm(std::span<const Observation> seen, const StudyMetric& metric,
+                                    const std::vector<Contender>& all) {
+  std::vector<double> p_values;
+  std::vector<bool> beaten;
+  for (const Contender& other : all) {
+    const Comparison d = compare_levels(seen, all[0].level, other.level);
+    beaten.push_back(is_shown(d, metric));
+    p_values.push_back(other.level == all[0].level ? std::nan("") : d.p_value());
+  }
+  const std::vector<double> adjusted = holm(p_values);
+  for (std::size_t i = 0; i < all.size(); ++i) beaten[i] = beaten[i] && adjusted[i] <= significant;
+  return beaten;
+}
+
 // "95 %", "52.1 mm/s"; and what that is of: " of first visits within the JND".
 struct MetricWords {
   std::string unit, what;
@@ -97,9 +112,9 @@ std::string two_best(const StudyAxis& axis, const StudyMetric& metric, const std
 std::string beaten_by_best(const StudyAxis& axis, std::span<const Observation> seen,
                            const StudyMetric& metric, const std::vector<Contender>& all) {
   std::string beaten;
+  const std::vector<bool> is_beaten = beaten_after_holm(seen, metric, all);
   for (std::size_t i = 2; i < all.size(); ++i)
-    if (is_shown(compare_levels(seen, all[0].level, all[i].level), metric))
-      beaten += (beaten.empty() ? "" : ", ") + axis.values[all[i].level].text;
+    if (is_beaten[i]) beaten += (beaten.empty() ? "" : ", ") + axis.values[all[i].level].text;
   return beaten.empty() ? "" : fmt::format("; that to {} is significant", beaten);
 }
 
@@ -138,8 +153,8 @@ std::string winner(const StudyAxis& axis, std::span<const Observation> seen, con
 }
 
 // Where first visits within the JND do not separate the two best, their error may: ". By …, …".
-std::string by_second_metric(const Study& study, const std::vector<StudyCellResult>& cells, std::size_t chosen,
-                             const StudyMetric& first) {
+std::string by_second_metric(const Study& study, const std::vector<StudyCellResult>& cells,
+                             std::size_t chosen, const StudyMetric& first) {
   const StudyMetric metric = second_metric(study);
   if (metric.key == first.key) return "";
   const StudyAxis& axis = study.axes[chosen];
@@ -155,10 +170,11 @@ std::string by_second_metric(const Study& study, const std::vector<StudyCellResu
 std::string beside_in_words(const StudyAxis& axis) {
   std::string text;
   for (const auto& [standing, why] : {std::pair{Standing::bound, "because it knows the motion"},
-                                  std::pair{Standing::placebo, "because it is a placebo"}}) {
+                                      std::pair{Standing::placebo, "because it is a placebo"}}) {
     std::string names;
     for (std::size_t level = 0; level < axis.values.size(); ++level)
-      if (standing_of(axis, level) == standing) names += (names.empty() ? "" : ", ") + axis.values[level].text;
+      if (standing_of(axis, level) == standing)
+        names += (names.empty() ? "" : ", ") + axis.values[level].text;
     if (!names.empty()) text += fmt::format(" Not compared, {}: {}.", why, names);
   }
   return text;
@@ -181,9 +197,9 @@ std::optional<std::string> study_verdict(const Study& study, const std::vector<S
     text = fmt::format("Only {} competes: {}", axis.values[all[0].level].text, two_best(axis, metric, all));
   } else {
     const Comparison next = compare_levels(seen, all[0].level, all[1].level);
-    text = is_shown(next, metric) ? winner(axis, seen, metric, all, next)
-                                  : no_winner(axis, seen, metric, all, next) +
-                                        by_second_metric(study, cells, *chosen, metric);
+    text = beaten_after_holm(seen, metric, all)[1]
+               ? winner(axis, seen, metric, all, next)
+               : no_winner(axis, seen, metric, all, next) + by_second_metric(study, cells, *chosen, metric);
   }
   return text + "." + beside_in_words(axis);
 }
@@ -268,15 +284,16 @@ std::string best_load(const Study& study, const std::vector<StudyCellResult>& ce
 
 }  // namespace
 
-std::optional<std::size_t> motions_needed(const Comparison& difference) {
+std::optional<std::size_t> motions_needed(const Comparison& difference, std::optional<double> size) {
   const ConfidenceInterval& d = difference.student;
-  if (difference.groups < 2 || !std::isfinite(d.low) || d.mean == 0) return {};
+  const double mean = size.value_or(d.mean);
+  if (difference.groups < 2 || !std::isfinite(d.low) || mean == 0) return {};
   const auto groups = static_cast<double>(difference.groups);
   const double spread = 0.5 * (d.high - d.low) * std::sqrt(groups) / student_quantile(0.975, groups - 1);
   for (std::size_t n = 2; n <= 1000; ++n) {
     const auto freedom = static_cast<double>(n - 1);
     const double quantiles = student_quantile(0.975, freedom) + student_quantile(0.8, freedom);
-    if (std::abs(d.mean) >= quantiles * spread / std::sqrt(static_cast<double>(n))) return n;
+    if (std::abs(mean) >= quantiles * spread / std::sqrt(static_cast<double>(n))) return n;
   }
   return {};
 }
