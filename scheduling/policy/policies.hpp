@@ -1,6 +1,6 @@
 #pragma once
-// The built-in policies (built_in_policies.cpp, deadline_policies.cpp, utility_need.cpp). clairvoyant and the shuffled policies are variants of
-// coverage and error.
+// The built-in policies (built_in_policies.cpp, deadline_policies.cpp, utility_need.cpp). clairvoyant and the shuffled
+// policies are variants of coverage and error.
 
 #include <memory>
 

@@ -278,4 +278,18 @@ Comparison compare_levels(std::span<const Observation> observations, std::size_t
       options);
 }
 
+std::optional<std::size_t> motions_needed(const Comparison& difference, std::optional<double> size) {
+  const ConfidenceInterval& d = difference.student;
+  const double mean = size.value_or(d.mean);
+  if (difference.groups < 2 || !std::isfinite(d.low) || mean == 0) return {};
+  const auto groups = static_cast<double>(difference.groups);
+  const double spread = 0.5 * (d.high - d.low) * std::sqrt(groups) / student_quantile(0.975, groups - 1);
+  for (std::size_t n = 2; n <= 1000; ++n) {
+    const auto freedom = static_cast<double>(n - 1);
+    const double quantiles = student_quantile(0.975, freedom) + student_quantile(0.8, freedom);
+    if (std::abs(mean) >= quantiles * spread / std::sqrt(static_cast<double>(n))) return n;
+  }
+  return {};
+}
+
 }  // namespace forefeel

@@ -19,13 +19,14 @@
 // 2010). The bootstrap interval of shares needs no transformation. Differences of shares may be negative;
 // they are not treated as shares.
 //
-// Several levels against the best: the p values of Student's paired test are adjusted by Holm (1979), so that the chance
-// of any false difference stays below 5 %. Mean ranks of levels differ (Nemenyi; Demsar 2006) by at least
+// Several levels against the best: the p values of Student's paired test are adjusted by Holm (1979), so that
+// the chance of any false difference stays below 5 %. Mean ranks of levels differ (Nemenyi; Demsar 2006) by at least
 //   q_k sqrt(k (k + 1) / (6 G))   for k levels that compete, q_k: Studentised range over sqrt 2
 //
 // A comparison pairs the same trace, seed and remaining settings: y = y_a - y_b.
 
 #include <cstdint>
+#include <optional>
 #include <span>
 #include <string>
 #include <vector>
@@ -100,5 +101,11 @@ void adjust(LevelRanking& ranking, std::span<const std::size_t> beside = {});
 // Compares a - b over the blocks that hold both.
 Comparison compare_levels(std::span<const Observation> observations, std::size_t a, std::size_t b,
                           const BootstrapOptions& options = {});
+
+// Number of motions (groups) with which Student's 95 % interval of this difference excludes zero with a probability of
+// 80 % (power), if mean and standard deviation stay the same. nullopt if there is only one group, if the mean is zero,
+// or if a thousand motions are not enough.
+// size: another mean to show, as 0.02 for 2 points.
+std::optional<std::size_t> motions_needed(const Comparison& difference, std::optional<double> size = {});
 
 }  // namespace forefeel

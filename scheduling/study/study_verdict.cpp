@@ -284,20 +284,6 @@ std::string best_load(const Study& study, const std::vector<StudyCellResult>& ce
 
 }  // namespace
 
-std::optional<std::size_t> motions_needed(const Comparison& difference, std::optional<double> size) {
-  const ConfidenceInterval& d = difference.student;
-  const double mean = size.value_or(d.mean);
-  if (difference.groups < 2 || !std::isfinite(d.low) || mean == 0) return {};
-  const auto groups = static_cast<double>(difference.groups);
-  const double spread = 0.5 * (d.high - d.low) * std::sqrt(groups) / student_quantile(0.975, groups - 1);
-  for (std::size_t n = 2; n <= 1000; ++n) {
-    const auto freedom = static_cast<double>(n - 1);
-    const double quantiles = student_quantile(0.975, freedom) + student_quantile(0.8, freedom);
-    if (std::abs(mean) >= quantiles * spread / std::sqrt(static_cast<double>(n))) return n;
-  }
-  return {};
-}
-
 std::vector<std::string> study_advice(const Study& study, const std::vector<StudyCellResult>& cells) {
   const std::optional<std::size_t> chosen = axis_of_verdict(study);
   if (!chosen) return {};
