@@ -296,7 +296,7 @@ void add_session(CommandLine& line) {
   sub.option(
       "--policy", given->solving.policy,
       "What is solved next: " + listed(policy_names()) +
-          ". clairvoyant is an upper bound: it simulates all eleven schedules, then runs the best; it takes "
+          ". clairvoyant is an upper bound: it simulates all ten schedules, then runs the best; it takes "
           "about eleven times as long");
   sub.option("--predictor", given->motion.predictor, "Where the hand will be: " + listed(predictor_names()));
   sub.option(

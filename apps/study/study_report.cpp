@@ -107,6 +107,7 @@ struct Beside {
   double scale;
 };
 constexpr Beside beside[] = {{"error.first_visit.p95", "error p95 [%]", 100},
+                             {"error.first_visit.p95_N", "error p95 [mN]", 1e3},
                              {"safety.clamped_share", "clamped [%]", 100},
                              {"energy.generated_J", "energy given back [mJ]", 1e3}};
 
@@ -361,7 +362,7 @@ std::string study_page(const PlannedStudy& planned, const StudyResult& result,
   for (std::size_t i = 0; i < ranked.size(); ++i) {
     html += ranking_section(results, ranked[i], palette);
     if (ranked[i].axis == 0) {
-      for (const StudyMetric& metric : {primary_metric(study), second_metric(study)}) {
+      for (const StudyMetric& metric : compared_metrics(study)) {
         std::vector<Contrast> some;
         std::ranges::copy_if(compared, std::back_inserter(some),
                              [&](const Contrast& c) { return c.metric.key == metric.key; });
@@ -376,7 +377,9 @@ std::string study_page(const PlannedStudy& planned, const StudyResult& result,
     html += fmt::format("<p class=\"muted\">{}</p>\n", html_escaped(share_intervals));
   html +=
       "<p class=\"muted\">An observation is one trace with one seed; all other keys are averaged within it. "
-      "Intervals are not corrected for multiple comparisons: one in twenty may exclude zero by chance.</p>\n";
+      "Intervals and pairwise comparisons are not corrected for their number: one in twenty may exclude zero "
+      "by chance. "
+      "The p values of rankings are.</p>\n";
   return html_page("Forefeel study: " + planned.file.file.stem().string(),
                    html + plan_section(planned) + provenance_section(planned));
 }

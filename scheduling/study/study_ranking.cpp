@@ -62,6 +62,12 @@ StudyMetric second_metric(const Study& study) {
   return *std::ranges::find(all, std::string("error.first_visit.p95"), &StudyMetric::key);
 }
 
+std::vector<StudyMetric> compared_metrics(const Study& study) {
+  const std::vector<StudyMetric> all = study_metrics(study);
+  return {primary_metric(study), second_metric(study),
+          *std::ranges::find(all, std::string("error.first_visit.p95_N"), &StudyMetric::key)};
+}
+
 std::vector<StudyMetric> study_metrics(const Study& study) {
   std::vector<StudyMetric> metrics;
   if (study.sustained) metrics.push_back({"sustained.speed", "sustained HIP speed [mm/s]", true, 1e3, true});
@@ -69,6 +75,7 @@ std::vector<StudyMetric> study_metrics(const Study& study) {
       {"error.first_visit.within_jnd", "first visits within the JND [%]", true, 100, false, true},
       {"error.within_jnd", "all samples within the JND [%]", true, 100, false, true},
       {"error.first_visit.p95", "error of first visits, p95 [%]", false, 100, true},
+      {"error.first_visit.p95_N", "error of first visits, p95 [mN]", false, 1e3},
       {"error.p95", "error, p95 [%]", false, 100},
       {"error.first_visit.parts.approximation", "approximation at first visits, p95 [%]", false, 100},
       {"error.first_visit.parts.switch", "switch at first visits, p95 [%]", false, 100},

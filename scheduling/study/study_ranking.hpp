@@ -27,7 +27,8 @@ StudyMetric primary_metric(const Study& study);  // first visits within the JND,
 // Error of first visits, compared by factors. It still distinguishes values when nearly all first visits are
 // within the JND.
 StudyMetric second_metric(const Study& study);
-std::vector<StudyMetric> study_metrics(const Study& study);  // the primary first
+std::vector<StudyMetric> compared_metrics(const Study& study);  // these two, and the error in newtons
+std::vector<StudyMetric> study_metrics(const Study& study);     // the primary first
 
 // Restricts an evaluation to the cells with this value of another axis.
 struct StudySlice {
