@@ -154,7 +154,7 @@ std::optional<Figure> ranking_figure(const Study& study, const AxisRanking& entr
 
 std::optional<Figure> ranks_figure(const Study& study, const AxisRanking& entry, const Palette& palette) {
   const double critical = critical_difference(entry);
-  if (!std::isfinite(critical) || entry.ranking.ranked.front().value.groups < fewest_motions) return {};
+  if (!std::isfinite(critical)) return {};
   std::vector<const Ranked*> compete;
   for (const Ranked& r : entry.ranking.ranked)
     if (std::isfinite(r.mean_rank)) compete.push_back(&r);

@@ -172,7 +172,7 @@ std::vector<std::size_t> ranked_levels(const Study& study, const std::vector<Stu
 
 double critical_difference(const AxisRanking& ranking) {
   const std::vector<Ranked>& ranked = ranking.ranking.ranked;
-  if (ranked.empty()) return std::nan("");
+  if (ranked.empty() || ranked.front().value.groups < fewest_motions) return std::nan("");
   const auto compete =
       std::ranges::count_if(ranked, [](const Ranked& row) { return std::isfinite(row.mean_rank); });
   return critical_difference(static_cast<std::size_t>(compete), ranked.front().value.groups);

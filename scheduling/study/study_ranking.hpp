@@ -59,7 +59,7 @@ struct AxisRanking {
   StudyMetric metric;
   LevelRanking ranking;
 };
-// Nemenyi's, of the values that compete over all motions.
+// Nemenyi's, of the values that compete over all motions; NaN below fewest_motions.
 double critical_difference(const AxisRanking& ranking);
 // The ranking of each axis with at least two values.
 std::vector<AxisRanking> rankings(const Study& study, const std::vector<StudyCellResult>& cells);
