@@ -11,20 +11,21 @@ import sys
 
 import numpy as np
 
-STEP, UNIT, HORIZONS, SIZE = 0.02, 0.1, [0.04, 0.1, 0.2, 0.4, 0.8, 1.6], 16
+STEP, FINE, UNIT, HORIZONS, SIZE = 0.02, 5, 0.1, [0.04, 0.1, 0.2, 0.4, 0.8, 1.6], 16  # FINE: samples a step
 AHEAD = [round(h / STEP) for h in HORIZONS]
 LENGTH, BATCH, WARM = 150, 96, 10
 rng = np.random.default_rng(1)
 
 
 def hand(count):
-    """count positions of one hand, [m], a row per step."""
-    t, way, at = np.arange(count) * STEP, np.zeros((count, 3)), np.zeros(3)
+    """Positions of one hand in count steps, [m], a row per sample."""
+    count, dt = FINE * count, STEP / FINE
+    t, way, at = np.arange(count) * dt, np.zeros((count, 3)), np.zeros(3)
     if rng.random() < 0.6:  # reaches and pauses
         k = 0
         while k < count:
-            last = int(rng.uniform(0.25, 1.2) / STEP)
-            u = np.minimum(np.arange(1, last + 1 + int(rng.exponential(0.15) / STEP)) / last, 1)
+            last = int(rng.uniform(0.25, 1.2) / dt)
+            u = np.minimum(np.arange(1, last + 1 + int(rng.exponential(0.15) / dt)) / last, 1)
             goal = rng.uniform(-0.04, 0.04, 3)
             moved = at + (10 * u**3 - 15 * u**4 + 6 * u**5)[:, None] * (goal - at)
             way[k : k + len(u)] = moved[: count - k]
@@ -32,14 +33,17 @@ def hand(count):
     else:  # circles and curves of Lissajous
         turn = 2 * np.pi * rng.uniform(0.15, 1.5) * rng.choice([1, 1, 2, 3], 3)
         way = rng.uniform(0.003, 0.04, 3) * np.sin(turn * t[:, None] + rng.uniform(0, 6.3, 3))
-    tremor = rng.choice([0, 5e-5, 1e-4, 2e-4])
-    return way + tremor * np.sqrt(2) * np.sin(2 * np.pi * rng.uniform(8, 12, 3) * t[:, None] + rng.uniform(0, 6.3, 3))
+    tremor = rng.choice([0, 1e-4, 2e-4, 3e-4]) * np.sqrt(2 / 3)
+    for _ in range(3):
+        way = way + tremor * np.sin(2 * np.pi * rng.uniform(8, 12, 3) * t[:, None] + rng.uniform(0, 6.3, 3))
+    return way
 
 
 def batch():
     """Inputs T x (3 BATCH) x 2, and the true ways beyond v s, T x (3 BATCH) x horizons, in units."""
-    xs = np.stack([hand(LENGTH + 1 + max(AHEAD)) for _ in range(BATCH)], 1)
-    v = np.diff(xs, axis=0)[:LENGTH] / STEP
+    xs = np.stack([hand(LENGTH + 2 + max(AHEAD)) for _ in range(BATCH)], 1)
+    v = np.diff(xs[::FINE], axis=0)[:LENGTH] / STEP
+    xs = xs[rng.integers(FINE) :][::FINE]  # the newest sample comes after the newest step
     speed = np.repeat(np.linalg.norm(v, axis=2, keepdims=True), 3, 2)
     inputs = np.stack([v, speed], 3).reshape(LENGTH, -1, 2) / UNIT
     now = xs[1 : LENGTH + 1]
