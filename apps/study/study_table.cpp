@@ -58,7 +58,7 @@ Json comparison_json(const Comparison& comparison, const StudyMetric& metric) {
 }
 
 Json motions_for_2_points(const Comparison& difference, const StudyMetric& metric) {
-  if (!metric.share) return nullptr;
+  if (!metric.share || difference.won + difference.lost == 0) return nullptr;
   const auto needed = motions_needed(difference, 0.02);
   return needed ? Json(*needed) : Json(nullptr);
 }
