@@ -129,7 +129,10 @@ const JsonKeys<PredictionError>& prediction_keys() {
       {"p95", "m", "95th percentile of that", [](const P& p) { return p.p95 > 0 ? p.p95 : unknown; }},
       {"within_two_deviations", "1",
        "share of the true coordinates within two standard deviations of the predicted one",
-       &P::within_deviation}};
+       &P::within_deviation},
+      {"within_50", "1", "share of the true positions within the ball that should hold 50 % of them",
+       &P::within_50},
+      {"within_90", "1", "the same for 90 %", &P::within_90}};
   return keys;
 }
 

@@ -90,7 +90,8 @@ void KeptSolves::remove() {
   if (!writer_) return;
   writer_.reset();
   std::error_code ignored;
-  for (const char* log : {"", "-wal", "-shm", "-lock"}) std::filesystem::remove(file_.string() + log, ignored);
+  for (const char* log : {"", "-wal", "-shm", "-lock"})
+    std::filesystem::remove(file_.string() + log, ignored);
 }
 
 // The share of all solves that is done. Half of a state's share is its straight path, half the second path,
@@ -158,6 +159,7 @@ std::vector<SolveOutcome> solve_all(const Scene& scene, const std::vector<Vec3>&
         tally.second(i, leg, share);
         leg += share >= 1;
       });
+      state.force.array() += 0.0;  // no -0, which a file of states does not keep
       state.solve.multivalued = second_way_differs(solver, state, scene.space.spacing);
       if (state.solve.multivalued)
         outcomes[i].warnings.push_back("another path ends in another stable equilibrium here");

@@ -27,6 +27,7 @@
 #include "scheduling/record/run_files.hpp"
 #include "scheduling/record/summary.hpp"
 #include "scheduling/session/session.hpp"
+#include "scheduling/session/session_setup.hpp"
 
 namespace forefeel::python {
 namespace {
@@ -238,7 +239,8 @@ std::unique_ptr<Run> run(const PyScene& scene, const std::function<void(double)>
         failure->keep(std::current_exception());
       }
     };
-    PredictorScores predictions(plan.options.clock.frame);
+    PredictorScores predictions(plan.options.clock.frame, plan.options.motion.predictor,
+                                factory_context(plan.input, plan.options.seed));
     made->result =
         run_session(plan, {.progress = show, .each_position = [&](const Vec3& at) { predictions.add(at); }});
     const SessionSummary::AwayFromStates away = away_from_states(made->result, plan, [] {});

@@ -338,9 +338,10 @@ std::vector<DeclaredTable> device_tables() {
             trace_settings())},
       {"hand", "hand:PROFILE,key=value,… A hand that holds a device and yields to its force.",
        with("PROFILE", any_of(hand_names()), hand_settings())}};
+  DeclaredTable curves{"curves", "The NAMEs of path, in the box of states.", {}};
   for (std::size_t i = 0; i < path_names().size(); ++i)
-    tables.front().rows.push_back(
-        {"path:" + path_names()[i], "", "", std::string(path_in_words(static_cast<PathName>(i)))});
+    curves.rows.push_back({path_names()[i], "", "", std::string(path_in_words(static_cast<PathName>(i)))});
+  tables.insert(tables.begin() + 1, std::move(curves));
   for (const std::string& name : registered_devices())
     tables.push_back({name, name + ":key=value,… Registered by this program.", {}});
   return tables;

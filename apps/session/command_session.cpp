@@ -47,6 +47,7 @@
 #include "scheduling/record/notes.hpp"
 #include "scheduling/record/run_files.hpp"
 #include "scheduling/session/input_replay.hpp"
+#include "scheduling/session/session_setup.hpp"
 #include "scheduling/touch/surface_models.hpp"
 #include "scheduling/workers/rank_workers.hpp"
 
@@ -205,7 +206,8 @@ int run_session_command(const Globals& globals, const SessionArguments& given,
   Meanwhile meanwhile;
   const bool beside = options.clock.kind == Clock::real && !plan.input.foreign && !field;
   MeshErrorTask mesh(scene, beside ? MeshErrorTask::When::meanwhile : MeshErrorTask::When::at_the_end);
-  PredictorScores predictions(options.clock.frame);
+  PredictorScores predictions(options.clock.frame, options.motion.predictor,
+                              factory_context(plan.input, options.seed));
   SessionResult result = run_session(
       plan,
       {.progress =
@@ -298,8 +300,8 @@ void add_session(CommandLine& line) {
   sub.option(
       "--policy", given->solving.policy,
       "What is solved next: " + listed(policy_names()) +
-          ". clairvoyant is an upper bound: it simulates all eight schedules, then runs the best; it takes "
-          "about eight times as long");
+          ". clairvoyant is an upper bound: it simulates all ten schedules, then runs the best; it takes "
+          "about eleven times as long");
   sub.option("--predictor", given->motion.predictor, "Where the hand will be: " + listed(predictor_names()));
   sub.option(
       "--shape-rate", given->shape_rate,

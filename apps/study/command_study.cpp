@@ -312,9 +312,9 @@ int run_command(const Globals& globals, const StudyArguments& arguments) {
   add_regret(plan.study, result.cells);
   const MeshFindings meshes = measure_meshes(globals, planned, result.cells);
   const std::vector<AxisRanking> ranked = rankings(plan.study, result.cells);
-  std::vector<Contrast> compared = contrasts(plan.study, result.cells, primary_metric(plan.study));
-  for (Contrast& c : contrasts(plan.study, result.cells, second_metric(plan.study)))
-    compared.push_back(std::move(c));
+  std::vector<Contrast> compared;
+  for (const StudyMetric& metric : compared_metrics(plan.study))
+    std::ranges::move(contrasts(plan.study, result.cells, metric), std::back_inserter(compared));
   const Findings found{.meshes = meshes,
                        .devices = study_devices(plan, result.cells),
                        .verdict = study_verdict(plan.study, result.cells),

@@ -152,6 +152,37 @@ std::optional<Figure> ranking_figure(const Study& study, const AxisRanking& entr
       .script = script};
 }
 
+std::optional<Figure> ranks_figure(const Study& study, const AxisRanking& entry, const Palette& palette) {
+  const double critical = critical_difference(entry);
+  if (!std::isfinite(critical)) return {};
+  std::vector<const Ranked*> compete;
+  for (const Ranked& r : entry.ranking.ranked)
+    if (std::isfinite(r.mean_rank)) compete.push_back(&r);
+  std::ranges::stable_sort(compete, {}, &Ranked::mean_rank);
+  std::string ranks, tics;
+  for (std::size_t i = 0; i < compete.size(); ++i) {
+    const double y = static_cast<double>(compete.size() - i), x = compete[i]->mean_rank;
+    ranks += fmt::format("{} {} {} {}\n", x, y, x - critical / 2, x + critical / 2);
+    tics += fmt::format("{}'{}' {}", i > 0 ? ", " : "",
+                        plain_text(name_of(study.axes[entry.axis], compete[i]->level)), y);
+  }
+  std::string script = data_block("ranks", ranks);
+  script += fmt::format(
+      "set yrange [0.4:{}]\nset ytics ({}) noenhanced nomirror\nset xtics nomirror out\nset border 3 lc rgb "
+      "'#8a8a8a'\nset grid x lc rgb '#e4e1da'\nset xlabel 'mean rank over motions'\nunset key\nplot $ranks "
+      "using "
+      "1:2:3:4 with xerrorbars pt 7 ps 0.9 lw 2.5 lc rgb '{}'\n",
+      static_cast<double>(compete.size()) + 0.6, tics, colour_of(palette, 0));
+  return Figure{.name = fmt::format("ranks-{}-{}", as_name(study.axes[entry.axis].column), entry.axis),
+                .caption = fmt::format(
+                    "Mean rank by {} over the motions, 1: best. Bars: half the critical difference of "
+                    "Nemenyi, {:.3g} ranks; two values whose bars do not overlap differ (5 %).",
+                    entry.metric.title, critical),
+                .width = 960,
+                .height = std::clamp(110 + 34 * static_cast<int>(compete.size()), 170, 900),
+                .script = script};
+}
+
 std::optional<Figure> curves_figure(const Study& study, const std::vector<StudyCellResult>& cells,
                                     std::size_t axis, const Palette& palette) {
   const std::optional<std::vector<double>> x = numeric(study.axes[axis]);
@@ -204,7 +235,10 @@ std::vector<Figure> study_figures(const Study& study, const std::vector<StudyCel
   const auto take = [&](std::optional<Figure> figure) {
     if (figure) figures.push_back(*std::move(figure));
   };
-  for (const AxisRanking& entry : ranked) take(ranking_figure(study, entry, palette));
+  for (const AxisRanking& entry : ranked) {
+    take(ranking_figure(study, entry, palette));
+    take(ranks_figure(study, entry, palette));
+  }
   for (std::size_t axis = 1; axis < study.axes.size(); ++axis)
     take(curves_figure(study, cells, axis, palette));
   return figures;

@@ -22,6 +22,8 @@ bool says_something(const StudyMetric& metric, const ConfidenceInterval& interva
 // The ranking of one axis of the study. The plotted range fits the means and the bootstrap intervals. nullopt if there
 // is no value.
 std::optional<Figure> ranking_figure(const Study& study, const AxisRanking& entry, const Palette& palette);
+// Mean ranks over the motions with the critical difference (Demsar, JMLR 7, 2006). nullopt below four motions.
+std::optional<Figure> ranks_figure(const Study& study, const AxisRanking& entry, const Palette& palette);
 // One curve for each value of the first axis, over an axis of numbers. nullopt if that axis has fewer than two numbers.
 std::optional<Figure> curves_figure(const Study& study, const std::vector<StudyCellResult>& cells,
                                     std::size_t axis, const Palette& palette);

@@ -107,6 +107,7 @@ struct Beside {
   double scale;
 };
 constexpr Beside beside[] = {{"error.first_visit.p95", "error p95 [%]", 100},
+                             {"error.first_visit.p95_N", "error p95 [mN]", 1e3},
                              {"safety.clamped_share", "clamped [%]", 100},
                              {"energy.generated_J", "energy given back [mJ]", 1e3}};
 
@@ -142,9 +143,9 @@ std::string ranking_table(const StudyResults& results, const AxisRanking& entry)
   const std::vector<Ranked>& ranked = entry.ranking.ranked;
   const StudyMetric& metric = entry.metric;
   std::string html = "<div class=\"scroll\"><table class=\"ranking\"><tr>";
-  for (const std::string& title :
-       {std::string(), axis.column, std::string("mean [bootstrap]"), std::string("[Student]"),
-        std::string("against the first [bootstrap]"), std::string("[Student]"), std::string()})
+  for (const std::string& title : {std::string(), axis.column, std::string("mean [bootstrap]"),
+                                   std::string("[Student]"), std::string("against the first [bootstrap]"),
+                                   std::string("[Student]"), std::string("p, Holm"), std::string()})
     html += (title == axis.column ? "<th class=\"name\">" : "<th>") + html_escaped(title) + "</th>";
   for (const Beside& column : beside) html += "<th>" + html_escaped(column.title) + "</th>";
   html += "</tr>\n";
@@ -156,9 +157,11 @@ std::string ranking_table(const StudyResults& results, const AxisRanking& entry)
             cell(shown(metric, r.value.student, false)) +
             cell(first ? "" : shown_difference(metric, r.to_best.bootstrap, true)) +
             cell(first ? "" : shown_difference(metric, r.to_best.student, false)) +
-            cell(first ? ""
-                 : standing_of(axis, r.level) == Standing::bound
-                     ? "reached by no real policy"
+            cell(std::isfinite(r.holm) ? fmt::format("{:.2g}", r.holm) : "") +
+            cell(first                                           ? ""
+                 : standing_of(axis, r.level) == Standing::bound ? "reached by no real policy"
+                 : r.holm > significant
+                     ? "not significant"
                      : verdict(metric, r.to_best) +
                            (standing_of(axis, r.level) == Standing::placebo ? " (placebo)" : ""));
     for (const Beside& column : beside)
@@ -168,6 +171,21 @@ std::string ranking_table(const StudyResults& results, const AxisRanking& entry)
   return html + "</table></div>\n";
 }
 
+// "Floor (random): 61 …; ceiling (clairvoyant): 93 …", and what a study of this spread can show.
+std::string floor_and_ceiling(const StudyAxis& axis, const AxisRanking& entry) {
+  std::string text;
+  for (const auto& [standing, title] : {std::pair{Standing::placebo, "Floor"}, {Standing::bound, "Ceiling"}})
+    for (const Ranked& r : entry.ranking.ranked)
+      if (standing_of(axis, r.level) == standing)
+        text += fmt::format("{} ({}): {:.3g}. ", title, axis.values[r.level].text,
+                            in_unit(entry.metric, r.value.student.mean));
+  if (entry.metric.share && entry.ranking.ranked.size() > 1)
+    if (const auto needed = motions_needed(entry.ranking.ranked[1].to_best, 0.02))
+      text += fmt::format("A difference of 2 points between the first two needs {} (power 80 %).",
+                          counted(*needed, "motion"));
+  return text.empty() ? "" : "<p>" + html_escaped(text) + "</p>\n";
+}
+
 std::string ranking_section(const StudyResults& results, const AxisRanking& entry, const Palette& palette) {
   const StudyAxis& axis = results.study.axes[entry.axis];
   std::string html = fmt::format(
@@ -175,7 +193,8 @@ std::string ranking_section(const StudyResults& results, const AxisRanking& entr
       counted(entry.ranking.blocks, "pair of motion and seed", "pairs of motion and seed"));
   if (entry.ranking.ranked.empty())
     return html + "<p class=\"note\">No motion and seed has a result for every value.</p>\n";
-  html += picture(ranking_figure(results.study, entry, palette)) + ranking_table(results, entry);
+  html += picture(ranking_figure(results.study, entry, palette)) + ranking_table(results, entry) +
+          floor_and_ceiling(axis, entry) + picture(ranks_figure(results.study, entry, palette));
   if (few_motions(entry))
     html += fmt::format("<p class=\"note\">{} too few to compare: no interval is given.</p>\n",
                         counted(entry.ranking.ranked.front().value.groups, "motion is", "motions are"));
@@ -188,7 +207,8 @@ std::string ranking_section(const StudyResults& results, const AxisRanking& entr
   return html +
          fmt::format(
              "<p class=\"muted\">\"1=\": not significantly different from the first. Against the first: the "
-             "row minus the first. A difference counts where both intervals exclude zero: Student's is wide "
+             "row minus the first. A difference counts where both intervals exclude zero and p, "
+             "adjusted by Holm over the values that compete, is at most 0.05: Student's is wide "
              "with few motions, the bootstrap's too narrow below about five. Error, clamping and energy are "
              "means over all cells.{}</p>\n",
              entry.ranking.dropped > 0
@@ -342,7 +362,7 @@ std::string study_page(const PlannedStudy& planned, const StudyResult& result,
   for (std::size_t i = 0; i < ranked.size(); ++i) {
     html += ranking_section(results, ranked[i], palette);
     if (ranked[i].axis == 0) {
-      for (const StudyMetric& metric : {primary_metric(study), second_metric(study)}) {
+      for (const StudyMetric& metric : compared_metrics(study)) {
         std::vector<Contrast> some;
         std::ranges::copy_if(compared, std::back_inserter(some),
                              [&](const Contrast& c) { return c.metric.key == metric.key; });
@@ -357,7 +377,9 @@ std::string study_page(const PlannedStudy& planned, const StudyResult& result,
     html += fmt::format("<p class=\"muted\">{}</p>\n", html_escaped(share_intervals));
   html +=
       "<p class=\"muted\">An observation is one trace with one seed; all other keys are averaged within it. "
-      "Intervals are not corrected for multiple comparisons: one in twenty may exclude zero by chance.</p>\n";
+      "Intervals and pairwise comparisons are not corrected for their number: one in twenty may exclude zero "
+      "by chance. "
+      "The p values of rankings are.</p>\n";
   return html_page("Forefeel study: " + planned.file.file.stem().string(),
                    html + plan_section(planned) + provenance_section(planned));
 }

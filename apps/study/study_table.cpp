@@ -9,6 +9,7 @@
 #include "apps/console/json.hpp"
 #include "apps/console/summary_json.hpp"
 #include "scheduling/record/attention.hpp"
+#include "scheduling/study/study_verdict.hpp"
 
 namespace forefeel {
 namespace {
@@ -50,9 +51,16 @@ Json comparison_json(const Comparison& comparison, const StudyMetric& metric) {
           {"bootstrap", interval_json(comparison.bootstrap)},
           {"pairs", comparison.pairs},
           {"traces", comparison.groups},
+          {"p", number(comparison.p_value())},
           {"won", larger ? comparison.won : comparison.lost},
           {"lost", larger ? comparison.lost : comparison.won},
           {"verdict", larger ? comparison.verdict() : -comparison.verdict()}};
+}
+
+Json motions_for_2_points(const Comparison& difference, const StudyMetric& metric) {
+  if (!metric.share || difference.won + difference.lost == 0) return nullptr;
+  const auto needed = motions_needed(difference, 0.02);
+  return needed ? Json(*needed) : Json(nullptr);
 }
 
 }  // namespace
@@ -94,11 +102,15 @@ Json ranking_json(const Study& study, const std::vector<AxisRanking>& ranked,
                       {"result", comparison_json(row.value, metric)},
                       {"to_best", comparison_json(row.to_best, metric)},
                       {"tied", row.tied},
+                      {"p_holm", number(row.holm)},
+                      {"mean_rank", number(row.mean_rank)},
+                      {"motions_for_2_points", motions_for_2_points(row.to_best, metric)},
                       {"bound", standing_of(study.axes[entry.axis], row.level) == Standing::bound},
                       {"placebo", standing_of(study.axes[entry.axis], row.level) == Standing::placebo}});
     document["rankings"].push_back({{"axis", study.axes[entry.axis].column},
                                     {"units", entry.ranking.blocks},
                                     {"units_dropped", entry.ranking.dropped},
+                                    {"critical_difference", number(critical_difference(entry))},
                                     {"ranked", rows}});
   }
   document["contrasts"] = Json::array();

@@ -68,11 +68,12 @@ std::vector<Vec3> lattice(const Box& box, double spacing);
 // circumradius R = sqrt(3)/2 h, so
 //   h = 2/sqrt(3) times the third quartile of R over the cells next to the states,
 // of one cell each, in a random direction. It is h for a full lattice, about h for one that is jittered or has gaps,
-// and for random places of density n about 1.2 n^(-1/3): about nine tenths of their hull are safe then. Where
-// most states lie on a surface or a stroke as seen by their 24 nearest (the least, or the middle, variance of these is
-// below 2 % of the largest), it is the median distance to the fourth, or second, nearest: the side of a square lattice,
-// the step of even strokes, and 1.1 times n^(-1/2), or 1/n, at random. `unknown` with fewer than two positions. With more than 20 000 states only every k-th is
-// measured, at most 20 000 of them; all states count as neighbours. States at one position count once. O(n log n).
+// and for random places of density n about 1.2 n^(-1/3): about nine tenths of their hull are safe then. Where most
+// states lie on a surface or a stroke as seen by their 24 nearest (the least, or the middle, variance of these is below
+// 2 % of the largest), it is the median distance to the fourth, or second, nearest: the side of a square lattice, the
+// step of even strokes, and 1.1 times n^(-1/2), or 1/n, at random. `unknown` with fewer than two positions. With more
+// than 20 000 states only every k-th is measured, at most 20 000 of them; all states count as neighbours. States at one
+// position count once. O(n log n).
 double estimate_spacing(std::span<const State> states);
 // The same, and whether most states fill a volume (3), lie on a surface (2) or on strokes (1) in this sense.
 struct EstimatedSpacing {

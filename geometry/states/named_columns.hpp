@@ -18,8 +18,8 @@ using NamedColumns = std::vector<std::string>;
 inline constexpr std::array<const char*, 9> stiffness_columns{"k11", "k12", "k13", "k21", "k22",
                                                               "k23", "k31", "k32", "k33"};
 
-// "current_x,current_y,current_z,-force_x,-force_y,-force_z"; InputError("--columns", …) unless there are three, four or
-// six different names.
+// "current_x,current_y,current_z,-force_x,-force_y,-force_z"; InputError("--columns", …) unless there are three, four
+// or six different names.
 NamedColumns named_columns(std::string_view text);
 
 // What these columns tell; the others are ignored. InputError names file and line.

@@ -4,7 +4,8 @@ namespace forefeel {
 
 void check(const MotionOptions& options) {
   if (!options.replay) check(options.device);
-  make_predictor(options.predictor);  // unknown names are refused
+  // Unknown names are refused; settings may name files that only a session finds.
+  if (options.predictor.settings.empty()) make_predictor(options.predictor);
 }
 
 }  // namespace forefeel

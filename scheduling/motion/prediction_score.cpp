@@ -24,6 +24,11 @@ void PredictionScore::add(const Vec3& at) {
     const Prediction& p = ahead.made.front();
     ahead.errors.push_back((p.at - at).norm());
     ahead.within += ((p.at - at).cwiseAbs().array() <= 2 * p.deviation).all();
+    // Quantiles of the chi-square distribution with three degrees of freedom.
+    constexpr double half = 2.365973884375338, most = 6.251388631170325;
+    const double distance2 = (p.at - at).squaredNorm(), deviation2 = p.deviation * p.deviation;
+    ahead.within_50 += distance2 <= half * deviation2;
+    ahead.within_90 += distance2 <= most * deviation2;
     ahead.made.pop_front();
   }
   ++seen_;
@@ -38,17 +43,23 @@ std::vector<PredictionError> PredictionScore::report() const {
       std::sort(errors.begin(), errors.end());
       e.p50 = errors[errors.size() / 2];
       e.p95 = errors[errors.size() * 95 / 100];
-      e.within_deviation = static_cast<double>(ahead.within) / static_cast<double>(errors.size());
+      const auto count = static_cast<double>(errors.size());
+      e.within_deviation = static_cast<double>(ahead.within) / count;
+      e.within_50 = static_cast<double>(ahead.within_50) / count;
+      e.within_90 = static_cast<double>(ahead.within_90) / count;
     }
     report.push_back(e);
   }
   return report;
 }
 
-PredictorScores::PredictorScores(double step) : names_(predictor_names()) {
+PredictorScores::PredictorScores(double step, const PredictorSpec& own, const FactoryContext& context)
+    : names_(predictor_names()) {
   constexpr double horizons[] = {0.02, 0.05, 0.1, 0.2, 0.5};  // [s]
+  std::erase(names_, "network");                              // has no weights of its own
+  if (own.name == "network") names_.push_back(to_text(own));
   for (const std::string& name : names_) {
-    predictors_.push_back(make_predictor(name));
+    predictors_.push_back(name.starts_with("network") ? make_predictor(own, context) : make_predictor(name));
     scores_.emplace_back(*predictors_.back(), step, horizons);
   }
 }

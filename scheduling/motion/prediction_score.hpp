@@ -9,16 +9,17 @@
 #include <vector>
 
 #include "scheduling/motion/hip_sample.hpp"
+#include "scheduling/motion/predictor.hpp"
 
 namespace forefeel {
-
-class Predictor;
 
 // Error at one horizon, over a motion sampled every `step` seconds.
 struct PredictionError {
   double horizon = 0;           // [s]
   double p50 = 0, p95 = 0;      // quantiles of |predicted - true| [m]
   double within_deviation = 0;  // share of true positions within 2 deviations, per axis
+  // Calibration: shares of true positions within the balls that hold 50 and 90 % of the predicted normal distribution.
+  double within_50 = 0, within_90 = 0;
 };
 // Accumulates the errors over a motion, one position at a time.
 class PredictionScore {
@@ -34,7 +35,7 @@ class PredictionScore {
     std::size_t steps;
     std::deque<Prediction> made;  // not yet compared with a position
     std::vector<double> errors;
-    std::size_t within = 0;
+    std::size_t within = 0, within_50 = 0, within_90 = 0;
   };
   Predictor& predictor_;
   double step_;
@@ -48,13 +49,14 @@ struct PredictorErrors {
   std::vector<PredictionError> by_horizon;
 };
 // The error that each of predictor_names() would have made on one motion, at the horizons 0.02, 0.05, 0.1,
-// 0.2 and 0.5 s.
+// 0.2 and 0.5 s; `network` only with the file of the session's own.
 class PredictorScores {
  public:
-  explicit PredictorScores(double step);  // of the motion [s]
+  // step: of the motion [s]; own: the session's predictor, as it is made in its context.
+  explicit PredictorScores(double step, const PredictorSpec& own = {}, const FactoryContext& context = {});
   ~PredictorScores();
   void add(const Vec3& at);                     // the next position [m]
-  std::vector<PredictorErrors> report() const;  // in the order of predictor_names()
+  std::vector<PredictorErrors> report() const;  // sorted by name
 
  private:
   std::vector<std::string> names_;

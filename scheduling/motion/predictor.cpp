@@ -11,7 +11,13 @@ Registry<PredictorFactory>& predictors_known() {
       "predictor",
       {{"kalman", make_kalman,
         "position, velocity and a fading acceleration; learns how long the hand keeps its direction"},
-       {"constant-velocity", make_constant_velocity, "the hand keeps its velocity"}});
+       {"constant-velocity", make_constant_velocity, "the hand keeps its velocity"},
+       {"minimum-jerk", make_minimum_jerk, "past its peak speed, a movement ends as it began"},
+       {"autoregressive", make_autoregressive,
+        "each displacement from the last four, fitted to the motion so far"},
+       {"past", make_past, "as the hand moved when it last came the same way"},
+       {"network", make_network,
+        "network:FILE, a recurrent net with these weights (train_network.py makes them)"}});
   return predictors;
 }
 

@@ -20,6 +20,12 @@ Registry<PolicyFactory>& policies() {
         "coarse lattice points far around the predicted path, fine ones near it"},
        {"error", make_error,
         "chance of an error above the JND on the path ahead that a solve removes per second"},
+       {"utility", make_utility,
+        "largest gain in expected error per solve, over the predicted distribution of places"},
+       {"deadline", make_deadline, "the place first that the predicted hand enters first"},
+       {"slack", make_slack,
+        "least time to spare until the hand enters the place; what would come too late last"},
+       {"random", make_random, "placebo of all: a random order of all places"},
        {"clairvoyant", make_clairvoyant,
         "upper bound: knows the motion, simulates every policy, runs the best"},
        {"clairvoyant-greedy", make_clairvoyant, "coverage with the motion known"},
@@ -54,6 +60,10 @@ void register_policy(const std::string& name, PolicyFactory factory) {
 
 std::vector<std::string> policy_names() {
   return policies().names();
+}
+
+bool is_placebo(std::string_view policy) {
+  return policy == "random" || policy == "shuffled" || policy.ends_with("-shuffled");
 }
 
 std::vector<Declared> declared_policies() {

@@ -120,7 +120,9 @@ using PolicyFactory = std::function<std::unique_ptr<Policy>(FactoryContext&)>;
 // The factory is called several times for a session, to check it and to run it, from the threads of make_plan() and
 // run_session(). What it throws becomes an InputError that names the policy.
 void register_policy(const std::string& name, PolicyFactory factory);
-std::vector<std::string> policy_names();    // sorted
+std::vector<std::string> policy_names();  // sorted
+// A policy without information, as a floor: "random", or one whose labels or estimates are permuted ("shuffled" …).
+bool is_placebo(std::string_view policy);
 std::vector<Declared> declared_policies();  // with their meanings, for `forefeel help`
 // Throws InputError for an unknown name; the error lists the known ones.
 std::unique_ptr<Policy> make_policy(const PolicySpec& policy, const FactoryContext& context = {});

@@ -16,7 +16,7 @@ namespace {
 // and only half the force would be rendered at the far end of a box.
 constexpr std::size_t few = 3;
 constexpr double apart_at_first = 2;  // spacings
-constexpr double around = 4;          // [spacings] radius around the HIP of the states in a lattice model
+constexpr double model_radius = 4;    // [spacings] radius around the HIP of the states in a lattice model
 }  // namespace
 
 void check(const SessionModelOptions& options) {
@@ -65,7 +65,7 @@ bool SessionModel::update_guess(const Vec3& hip, Model& out, UpdateReport* repor
 
 bool SessionModel::update_lattice(const Vec3& hip, Model& out, UpdateReport* report) {
   const double spacing = space_.options().spacing;
-  space_.within(hip, around * spacing, near_.ids);
+  space_.within(hip, model_radius * spacing, near_.ids);
   if (near_.ids.empty()) space_.nearest(hip, 1, near_.ids);
   near_.states.clear();
   for (const StateId id : near_.ids) near_.states.push_back(space_[id]);

@@ -241,14 +241,12 @@ SessionResult run_once(const SessionPlan& plan, const SessionHooks& hooks, Shape
 // An upper bound of what a policy can reach. The motion and the cost of every solve are known, so the session can be
 // simulated in advance (rehearsed). It is simulated under every policy except the placebos, with and without knowledge
 // of the motion. Then the schedule with the largest share of first visits within the JND (just noticeable difference)
-// is run. All this takes up to eight times as long as one run.
+// is run. All this takes up to eleven times as long as one run.
 
 // The policies that are rehearsed, clairvoyant-greedy first: it is usually the best.
 std::vector<std::string> schedules_to_rehearse() {
   std::vector<std::string> names = policy_names();
-  std::erase_if(names, [](const std::string& name) {
-    return name == "clairvoyant" || name.find("shuffled") != std::string::npos;
-  });
+  std::erase_if(names, [](const std::string& name) { return name == "clairvoyant" || is_placebo(name); });
   std::stable_partition(names.begin(), names.end(),
                         [](const std::string& name) { return name == "clairvoyant-greedy"; });
   return names;

@@ -25,6 +25,15 @@ ColumnValue part_of_error(const SessionResult& result, double Judgement::*part) 
   return column_value(quantile_of(std::move(values), 0.95, QuantileRule::inverted_cdf));
 }
 
+// 95th percentile of the error of the force over first visits [N].
+ColumnValue force_error(const SessionResult& result) {
+  std::vector<double> errors;
+  for (const FrameRecord& frame : result.frames)
+    if (frame.judged.first_visit && frame.judged.reference.allFinite())
+      errors.push_back((compared_force(frame) - frame.judged.reference).norm());
+  return column_value(quantile_of(std::move(errors), 0.95, QuantileRule::inverted_cdf));
+}
+
 // Time of the workers [s]. Solves still running at the end count as busy, not as wasted.
 struct SolverTime {
   double busy = 0, preempted = 0, wasted = 0;
@@ -69,7 +78,9 @@ std::vector<Column> columns_of_session(const SessionResult& result, const Sessio
 std::vector<Column> last_columns(const SessionResult& result, const SessionOptions& options) {
   const double capacity = options.clock.seconds * options.workers.count;
   return {{"solver.busy_share", column_value(SolverTime(result, options.clock.seconds).busy / capacity), "1",
-           "busy, as a share of the workers' time: 1 where they are saturated"}};
+           "busy, as a share of the workers' time: 1 where they are saturated"},
+          {"error.first_visit.p95_N", force_error(result), "N",
+           "95th percentile of |rendered - reference| over first visits"}};
 }
 
 }  // namespace

@@ -144,6 +144,38 @@ int Comparison::verdict() const {
   return 0;
 }
 
+double Comparison::p_value() const {
+  const std::size_t units = groups > 1 ? groups : pairs;
+  const double half = 0.5 * (student.high - student.low);
+  if (units < 2 || !std::isfinite(half)) return none;
+  if (!(half > 0)) return student.mean == 0 ? 1 : 0;
+  const auto freedom = static_cast<double>(units - 1);
+  const double t = std::abs(student.mean) * student_quantile(0.975, freedom) / half;
+  return 2 * boost::math::cdf(boost::math::complement(boost::math::students_t(freedom), t));
+}
+
+std::vector<double> holm(std::span<const double> p_values) {
+  std::vector<std::size_t> order;
+  for (std::size_t i = 0; i < p_values.size(); ++i)
+    if (std::isfinite(p_values[i])) order.push_back(i);
+  std::ranges::stable_sort(order, {}, [&](std::size_t i) { return p_values[i]; });
+  std::vector<double> adjusted(p_values.begin(), p_values.end());
+  double least = 0;
+  for (std::size_t k = 0; k < order.size(); ++k) {
+    least = std::max(least, static_cast<double>(order.size() - k) * p_values[order[k]]);
+    adjusted[order[k]] = std::min(least, 1.0);
+  }
+  return adjusted;
+}
+
+double critical_difference(std::size_t levels, std::size_t groups) {
+  constexpr double q[] = {1.960, 2.344, 2.569, 2.728, 2.850, 2.948, 3.031, 3.102, 3.164, 3.219,
+                          3.268, 3.313, 3.354, 3.391, 3.426, 3.458, 3.489, 3.517, 3.544};  // Demsar, table 5
+  if (levels < 2 || levels - 2 >= std::size(q) || groups < 1) return none;
+  const auto k = static_cast<double>(levels);
+  return q[levels - 2] * std::sqrt(k * (k + 1) / (6 * static_cast<double>(groups)));
+}
+
 Comparison compare(const GroupedValues& differences, const BootstrapOptions& options) {
   const GroupedValues groups = finite_groups(differences);
   Comparison result{options.shares ? share_interval(groups, options.confidence)
@@ -155,6 +187,46 @@ Comparison compare(const GroupedValues& differences, const BootstrapOptions& opt
       result.lost += difference < 0 ? 1 : 0;
     }
   return result;
+}
+
+namespace {
+
+// Mean over the groups of the rank of each competing level by its mean in the group; ties share their mean rank.
+void set_mean_ranks(const std::map<std::size_t, Block>& blocks, bool larger_is_better,
+                    std::span<const std::size_t> beside, std::vector<Ranked>& ranked) {
+  std::map<std::size_t, std::map<std::size_t, double>> sums;  // group -> level -> sum
+  for (const auto& [id, block] : blocks)
+    for (const auto& [level, value] : block.values)
+      sums[block.group][level] += larger_is_better ? -value : value;
+  const auto competes = [&](std::size_t level) { return std::ranges::find(beside, level) == beside.end(); };
+  for (Ranked& entry : ranked) {
+    double total = 0;
+    for (const auto& [group, of_level] : sums) {
+      const double own = of_level.at(entry.level);
+      double place = 1;
+      for (const auto& [level, value] : of_level)
+        if (level != entry.level && competes(level))
+          place += beyond_rounding(value, own) == 0 ? 0.5 : value < own ? 1 : 0;
+      total += place;
+    }
+    entry.mean_rank = competes(entry.level) ? total / static_cast<double>(sums.size()) : none;
+  }
+}
+
+}  // namespace
+
+void adjust(LevelRanking& ranking, std::span<const std::size_t> beside) {
+  std::vector<double> p_values;
+  for (std::size_t i = 0; i < ranking.ranked.size(); ++i) {
+    const bool competes = std::ranges::find(beside, ranking.ranked[i].level) == beside.end();
+    p_values.push_back(competes && i > 0 ? ranking.ranked[i].to_best.p_value() : none);
+  }
+  const std::vector<double> adjusted = holm(p_values);
+  for (std::size_t i = 0; i < ranking.ranked.size(); ++i) {
+    Ranked& entry = ranking.ranked[i];
+    entry.holm = adjusted[i];
+    entry.tied = entry.to_best.verdict() == 0 || entry.holm > significant;
+  }
 }
 
 LevelRanking rank(std::span<const Observation> observations, std::size_t levels, bool larger_is_better,
@@ -170,7 +242,9 @@ LevelRanking rank(std::span<const Observation> observations, std::size_t levels,
         {.level = level,
          .value = compare(grouped(blocks, [&](const Block& b) { return b.values.at(level); }), options),
          .to_best = {},
-         .tied = false});
+         .tied = false,
+         .holm = none,
+         .mean_rank = none});
   std::ranges::stable_sort(ranking.ranked, [&](const Ranked& a, const Ranked& b) {
     return larger_is_better ? a.value.student.mean > b.value.student.mean
                             : a.value.student.mean < b.value.student.mean;
@@ -186,8 +260,9 @@ LevelRanking rank(std::span<const Observation> observations, std::size_t levels,
         grouped(blocks,
                 [&](const Block& b) { return beyond_rounding(b.values.at(entry.level), b.values.at(best)); }),
         of_differences);
-    entry.tied = entry.to_best.verdict() == 0;
   }
+  set_mean_ranks(blocks, larger_is_better, beside, ranking.ranked);
+  adjust(ranking, beside);
   return ranking;
 }
 
@@ -201,6 +276,20 @@ Comparison compare_levels(std::span<const Observation> observations, std::size_t
       grouped(blocks,
               [&](const Block& block) { return beyond_rounding(block.values.at(a), block.values.at(b)); }),
       options);
+}
+
+std::optional<std::size_t> motions_needed(const Comparison& difference, std::optional<double> size) {
+  const ConfidenceInterval& d = difference.student;
+  const double mean = size.value_or(d.mean);
+  if (difference.groups < 2 || !std::isfinite(d.low) || mean == 0) return {};
+  const auto groups = static_cast<double>(difference.groups);
+  const double spread = 0.5 * (d.high - d.low) * std::sqrt(groups) / student_quantile(0.975, groups - 1);
+  for (std::size_t n = 2; n <= 1000; ++n) {
+    const auto freedom = static_cast<double>(n - 1);
+    const double quantiles = student_quantile(0.975, freedom) + student_quantile(0.8, freedom);
+    if (std::abs(mean) >= quantiles * spread / std::sqrt(static_cast<double>(n))) return n;
+  }
+  return {};
 }
 
 }  // namespace forefeel

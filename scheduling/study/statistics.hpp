@@ -19,9 +19,14 @@
 // 2010). The bootstrap interval of shares needs no transformation. Differences of shares may be negative;
 // they are not treated as shares.
 //
+// Several levels against the best: the p values of Student's paired test are adjusted by Holm (1979), so that
+// the chance of any false difference stays below 5 %. Mean ranks of levels differ (Nemenyi; Demsar 2006) by at least
+//   q_k sqrt(k (k + 1) / (6 G))   for k levels that compete, q_k: Studentised range over sqrt 2
+//
 // A comparison pairs the same trace, seed and remaining settings: y = y_a - y_b.
 
 #include <cstdint>
+#include <optional>
 #include <span>
 #include <string>
 #include <vector>
@@ -53,6 +58,8 @@ struct Comparison {
   ConfidenceInterval student, bootstrap;
   std::size_t pairs = 0, groups = 0;
   std::size_t won = 0, lost = 0;  // pairs where y > 0, y < 0
+  // Two-sided, of Student's test that the mean is 0; NaN without an interval of 95 %.
+  double p_value() const;
   // +1 or -1 if both intervals lie on that side of zero, else 0.
   int verdict() const;
 };
@@ -68,10 +75,17 @@ struct Observation {
 
 struct Ranked {
   std::size_t level = 0;
-  Comparison value;    // of the level's own mean; its verdict is meaningless
-  Comparison to_best;  // level - best, paired; zero for the best itself
-  bool tied = false;   // its difference to the best is not significant
+  Comparison value;      // of the level's own mean; its verdict is meaningless
+  Comparison to_best;    // level - best, paired; zero for the best itself
+  bool tied = false;     // its difference to the best is not significant
+  double holm = 1;       // p value against the best, adjusted over the levels that compete; NaN for others
+  double mean_rank = 0;  // over the groups, 1: best; NaN for those that do not compete
 };
+// Adjusted p values, in the same order: max over the smaller ones of (number of them and those above) p. NaN stays.
+std::vector<double> holm(std::span<const double> p_values);
+// Nemenyi's critical difference of mean ranks, 5 %; NaN beyond 20 levels or below 2, or without groups.
+double critical_difference(std::size_t levels, std::size_t groups);
+inline constexpr double significant = 0.05;
 
 struct LevelRanking {
   std::vector<Ranked> ranked;  // best first; then those that do not compete
@@ -82,8 +96,16 @@ struct LevelRanking {
 // beside: levels that do not compete. They stand last and are not the best.
 LevelRanking rank(std::span<const Observation> observations, std::size_t levels, bool larger_is_better,
                   const BootstrapOptions& options = {}, std::span<const std::size_t> beside = {});
+// Sets `holm` and `tied` from the comparisons with the best.
+void adjust(LevelRanking& ranking, std::span<const std::size_t> beside = {});
 // Compares a - b over the blocks that hold both.
 Comparison compare_levels(std::span<const Observation> observations, std::size_t a, std::size_t b,
                           const BootstrapOptions& options = {});
+
+// Number of motions (groups) with which Student's 95 % interval of this difference excludes zero with a probability of
+// 80 % (power), if mean and standard deviation stay the same. nullopt if there is only one group, if the mean is zero,
+// or if a thousand motions are not enough.
+// size: another mean to show, as 0.02 for 2 points.
+std::optional<std::size_t> motions_needed(const Comparison& difference, std::optional<double> size = {});
 
 }  // namespace forefeel

@@ -5,6 +5,8 @@
 #include <map>
 #include <span>
 
+#include "scheduling/policy/policy.hpp"
+
 namespace forefeel {
 namespace {
 
@@ -47,7 +49,7 @@ void drop_interval_of_few(Comparison& c) {
 Standing standing_of(const StudyAxis& axis, std::size_t level) {
   if (axis.column != "policy" && axis.column != "session.policy") return Standing::contender;
   const std::string& policy = axis.values[level].text;
-  if (policy == "shuffled" || policy.ends_with("-shuffled")) return Standing::placebo;
+  if (is_placebo(policy)) return Standing::placebo;
   return policy.starts_with("clairvoyant") ? Standing::bound : Standing::contender;
 }
 
@@ -60,6 +62,12 @@ StudyMetric second_metric(const Study& study) {
   return *std::ranges::find(all, std::string("error.first_visit.p95"), &StudyMetric::key);
 }
 
+std::vector<StudyMetric> compared_metrics(const Study& study) {
+  const std::vector<StudyMetric> all = study_metrics(study);
+  return {primary_metric(study), second_metric(study),
+          *std::ranges::find(all, std::string("error.first_visit.p95_N"), &StudyMetric::key)};
+}
+
 std::vector<StudyMetric> study_metrics(const Study& study) {
   std::vector<StudyMetric> metrics;
   if (study.sustained) metrics.push_back({"sustained.speed", "sustained HIP speed [mm/s]", true, 1e3, true});
@@ -67,6 +75,7 @@ std::vector<StudyMetric> study_metrics(const Study& study) {
       {"error.first_visit.within_jnd", "first visits within the JND [%]", true, 100, false, true},
       {"error.within_jnd", "all samples within the JND [%]", true, 100, false, true},
       {"error.first_visit.p95", "error of first visits, p95 [%]", false, 100, true},
+      {"error.first_visit.p95_N", "error of first visits, p95 [mN]", false, 1e3},
       {"error.p95", "error, p95 [%]", false, 100},
       {"error.first_visit.parts.approximation", "approximation at first visits, p95 [%]", false, 100},
       {"error.first_visit.parts.switch", "switch at first visits, p95 [%]", false, 100},
@@ -146,8 +155,8 @@ LevelRanking ranking_of(const Study& study, const std::vector<StudyCellResult>& 
   for (Ranked& row : ranking.ranked) {
     drop_interval_of_few(row.value);
     drop_interval_of_few(row.to_best);
-    row.tied = row.to_best.verdict() == 0;
   }
+  adjust(ranking, beside_contenders(study.axes[axis]));
   return ranking;
 }
 
@@ -159,6 +168,14 @@ std::vector<std::size_t> ranked_levels(const Study& study, const std::vector<Stu
   for (std::size_t level = 0; level < study.axes[axis].values.size(); ++level)
     if (std::ranges::find(order, level) == order.end()) order.push_back(level);
   return order;
+}
+
+double critical_difference(const AxisRanking& ranking) {
+  const std::vector<Ranked>& ranked = ranking.ranking.ranked;
+  if (ranked.empty() || ranked.front().value.groups < fewest_motions) return std::nan("");
+  const auto compete =
+      std::ranges::count_if(ranked, [](const Ranked& row) { return std::isfinite(row.mean_rank); });
+  return critical_difference(static_cast<std::size_t>(compete), ranked.front().value.groups);
 }
 
 std::vector<AxisRanking> rankings(const Study& study, const std::vector<StudyCellResult>& cells) {

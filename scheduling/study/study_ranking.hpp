@@ -27,7 +27,8 @@ StudyMetric primary_metric(const Study& study);  // first visits within the JND,
 // Error of first visits, compared by factors. It still distinguishes values when nearly all first visits are
 // within the JND.
 StudyMetric second_metric(const Study& study);
-std::vector<StudyMetric> study_metrics(const Study& study);  // the primary first
+std::vector<StudyMetric> compared_metrics(const Study& study);  // these two, and the error in newtons
+std::vector<StudyMetric> study_metrics(const Study& study);     // the primary first
 
 // Restricts an evaluation to the cells with this value of another axis.
 struct StudySlice {
@@ -41,8 +42,8 @@ std::vector<Observation> observations(const Study& study, const std::vector<Stud
 // Below this number of motions no interval is given and nothing is significant: how much motions differ is not known.
 inline constexpr std::size_t fewest_motions = 4;
 
-// bound: a policy that knows the motion (clairvoyant …), which no real policy reaches. placebo: a policy whose labels or
-// estimates are permuted (… shuffled). Neither competes.
+// bound: a policy that knows the motion (clairvoyant …), which no real policy reaches. placebo: is_placebo().
+// Neither competes.
 enum class Standing : std::uint8_t { contender, placebo, bound };
 Standing standing_of(const StudyAxis& axis, std::size_t level);
 
@@ -58,6 +59,8 @@ struct AxisRanking {
   StudyMetric metric;
   LevelRanking ranking;
 };
+// Nemenyi's, of the values that compete over all motions; NaN below fewest_motions.
+double critical_difference(const AxisRanking& ranking);
 // The ranking of each axis with at least two values; of motions only where nothing else varies, since each has its own
 // load.
 std::vector<AxisRanking> rankings(const Study& study, const std::vector<StudyCellResult>& cells);

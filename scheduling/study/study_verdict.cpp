@@ -73,6 +73,21 @@ bool is_shown(const Comparison& d, const StudyMetric& metric) {
   return d.groups >= fewest_motions && (metric.larger_is_better ? d.verdict() : -d.verdict()) > 0;
 }
 
+// For each contender whether the first beats it, after Holm over all of them.
+std::vector<bool> beaten_after_holm(std::span<const Observation> seen, const StudyMetric& metric,
+                                    const std::vector<Contender>& all) {
+  std::vector<double> p_values;
+  std::vector<bool> beaten;
+  for (const Contender& other : all) {
+    const Comparison d = compare_levels(seen, all[0].level, other.level);
+    beaten.push_back(is_shown(d, metric));
+    p_values.push_back(other.level == all[0].level ? std::nan("") : d.p_value());
+  }
+  const std::vector<double> adjusted = holm(p_values);
+  for (std::size_t i = 0; i < all.size(); ++i) beaten[i] = beaten[i] && adjusted[i] <= significant;
+  return beaten;
+}
+
 // "95 %", "52.1 mm/s"; and what that is of: " of first visits within the JND".
 struct MetricWords {
   std::string unit, what;
@@ -98,9 +113,9 @@ std::string best_first(const StudyAxis& axis, const StudyMetric& metric, const s
 std::string beaten_by_best(const StudyAxis& axis, std::span<const Observation> seen,
                            const StudyMetric& metric, const std::vector<Contender>& all) {
   std::string beaten;
+  const std::vector<bool> is_beaten = beaten_after_holm(seen, metric, all);
   for (std::size_t i = 2; i < all.size(); ++i)
-    if (is_shown(compare_levels(seen, all[0].level, all[i].level), metric))
-      beaten += (beaten.empty() ? "" : ", ") + axis.values[all[i].level].text;
+    if (is_beaten[i]) beaten += (beaten.empty() ? "" : ", ") + axis.values[all[i].level].text;
   return beaten.empty() ? "" : fmt::format("; that to {} is significant", beaten);
 }
 
@@ -112,12 +127,6 @@ std::string too_few(const StudyMetric& metric, const Comparison& d) {
     return text + fmt::format("; about {} more would settle a difference of {}", *needed - d.groups,
                               size_in_words(metric, d));
   return text + fmt::format("; {} is the least", fewest_motions);
-}
-
-// "a factor 2.35 (1.8 to 3.1)", of errors whose logarithms differ by this.
-std::string factor_below(const Comparison& d) {
-  return fmt::format("a factor {:.3g} (95 % interval {:.3g} to {:.3g})", std::exp(-d.student.mean),
-                     std::exp(-d.student.high), std::exp(-d.student.low));
 }
 
 // Why there is no winner: "the difference …".
@@ -149,8 +158,10 @@ std::string by_second_metric(const Study& study, const std::vector<StudyCellResu
   if (all.size() < 2) return "";
   const Comparison next = compare_levels(seen, all[0].level, all.back().level);
   if (!is_shown(next, metric)) return "";
-  return fmt::format(". By {} {} is best, smaller by {} than {}", in_words(metric).what,
-                     axis.values[all[0].level].text, factor_below(next), axis.values[all.back().level].text);
+  return fmt::format(
+      ". By {} {} is best, smaller by a factor {:.3g} (95 % interval {:.3g} to {:.3g}) than {}",
+      in_words(metric).what, axis.values[all[0].level].text, std::exp(-next.student.mean),
+      std::exp(-next.student.high), std::exp(-next.student.low), axis.values[all.back().level].text);
 }
 
 std::string beside_in_words(const StudyAxis& axis) {
@@ -183,7 +194,7 @@ std::optional<std::string> study_verdict(const Study& study, const std::vector<S
     text = fmt::format("Only {} competes: {}", axis.values[all[0].level].text, best_first(axis, metric, all));
   } else {
     const Comparison next = compare_levels(seen, all[0].level, all[1].level);
-    text = is_shown(next, metric)
+    text = beaten_after_holm(seen, metric, all)[1]
                ? winner(axis, seen, metric, all, next)
                : no_winner(axis, seen, metric, all, next) + by_second_metric(study, cells, *chosen, metric);
   }
@@ -272,19 +283,6 @@ std::string best_load(const Study& study, const std::vector<StudyCellResult>& ce
 }
 
 }  // namespace
-
-std::optional<std::size_t> motions_needed(const Comparison& difference) {
-  const ConfidenceInterval& d = difference.student;
-  if (difference.groups < 2 || !std::isfinite(d.low) || d.mean == 0) return {};
-  const auto groups = static_cast<double>(difference.groups);
-  const double spread = 0.5 * (d.high - d.low) * std::sqrt(groups) / student_quantile(0.975, groups - 1);
-  for (std::size_t n = 2; n <= 1000; ++n) {
-    const auto freedom = static_cast<double>(n - 1);
-    const double quantiles = student_quantile(0.975, freedom) + student_quantile(0.8, freedom);
-    if (std::abs(d.mean) >= quantiles * spread / std::sqrt(static_cast<double>(n))) return n;
-  }
-  return {};
-}
 
 std::vector<std::string> study_advice(const Study& study, const std::vector<StudyCellResult>& cells) {
   const std::optional<std::size_t> chosen = axis_of_verdict(study);

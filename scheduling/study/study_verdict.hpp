@@ -14,18 +14,13 @@ namespace forefeel {
 // "Best policy: coverage, with 93.1 % of first visits within the JND …: the difference is significant." It compares the
 // values of the axis of policies, or else of the first axis with two values; nothing if there is none. Policies that
 // know the motion (clairvoyant …) are upper bounds and are not compared. A difference is significant if both 95 %
-// intervals exclude zero.
+// intervals exclude zero and its p value, adjusted by Holm over all compared with the best, is at most 0.05.
 std::optional<std::string> study_verdict(const Study& study, const std::vector<StudyCellResult>& cells);
 
 // Advice for the next study, one line each: how many more motions would make the difference significant; whether the
 // difference is hidden because nearly all values are at their maximum or minimum; and at which load (utilisation of the
 // workers) to repeat the study. Empty if no axis has two values.
 std::vector<std::string> study_advice(const Study& study, const std::vector<StudyCellResult>& cells);
-
-// Number of motions (groups) with which Student's 95 % interval of this difference excludes zero with a probability of
-// 80 % (power), if mean and standard deviation stay the same. nullopt if there is only one group, if the mean is zero,
-// or if a thousand motions are not enough.
-std::optional<std::size_t> motions_needed(const Comparison& difference);
 
 // One device (a value of the axis `device`, or the device of all cells): means over its cells. Shares in [0,
 // 1]; NaN where no cell has a value.

@@ -194,12 +194,14 @@ class Sweep {
   void emit(State state) {
     if (state.solve.status == SolveStatus::cancelled) return;
     const std::lock_guard lock(mutex_);
+    if (std::exchange(in_sink_now_, true)) return;  // it has thrown
     const double start = thread_seconds();
     (state.usable() ? report_.solved : report_.failed) += 1;
     report_.inverted += has_inverted_elements(state);
     sink_(std::move(state));
     if (progress_) progress_(report_.resumed + report_.solved + report_.failed, plan_.positions());
     in_sink_ += thread_seconds() - start;
+    in_sink_now_ = false;
   }
 
   std::chrono::steady_clock::time_point began_;
@@ -218,6 +220,7 @@ class Sweep {
   };
   std::mutex mutex_;    // of all below; it does not spin, unlike OpenMP's
   double in_sink_ = 0;  // [s]
+  bool in_sink_now_ = false;
   GenerateReport report_;
   Failure failure_;
 };

@@ -64,7 +64,7 @@ TEST_CASE("solve of many positions that was killed goes on from what is kept and
              wait_until(is_larger("\"$XDG_CACHE_HOME\"/forefeel/*-solves.states-wal", 100000)) +
              "kill -9 $p; wait $p");
   REQUIRE_FALSE(shop.has("cut.csv"));
-  CHECK_THAT(shop.run(solve + "resumed.csv").err, Contains("of an earlier run, ended early, are kept"));
+  CHECK_THAT(shop.run(solve + "resumed.csv").out, Contains("of an earlier run, ended early, are kept"));
   shop.run(solve + "whole.csv --quiet");
   CHECK(shop.same("resumed.csv", "whole.csv"));
   CHECK(shop.shell("ls \"$XDG_CACHE_HOME\"/forefeel").out.find("solves") == std::string::npos);

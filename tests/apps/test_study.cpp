@@ -53,6 +53,11 @@ TEST_CASE("forefeel study: the terminal shows the intervals of the document, and
   INFO(said.out << contrast.dump());
   CHECK(contrast["metric"] == "error.first_visit.within_jnd");
   CHECK(contrast["traces"] == 4);
+  const auto row = told.json()["rankings"][0]["ranked"][1];
+  CHECK(row["p_holm"] == row["to_best"]["p"]);  // of two values there is one comparison
+  CHECK(row["mean_rank"].get<double>() >= 1);
+  CHECK(told.json()["contrasts"].dump().find("error.first_visit.p95_N") != std::string::npos);
+  CHECK_THAT(shop.read("four/report.html"), Contains("p, Holm", "error p95 [mN]"));
   CHECK(contrast["student"][0].get<double>() < contrast["student"][1].get<double>());
   const auto points = [](const json& value) {
     std::ostringstream text;

@@ -99,8 +99,8 @@ TEST_CASE("the estimated spacing is that of the density, not of the closest pair
   std::vector<Vec3> clusters = full;
   for (const Vec3& at : full) clusters.push_back(at + Vec3(5, 0, 0));
   CHECK(estimate_spacing(states_at(clusters)) == Approx(h).epsilon(1e-6));
-  // On a surface, flat or curved, the spacing is that along it: the side of a square lattice, and at random, of n places
-  // an area, Gamma(9/2) / Gamma(4) / sqrt(pi n) = 1.094 n^(-1/2), the mean distance to the fourth nearest.
+  // On a surface, flat or curved, the spacing is that along it: the side of a square lattice, and at random, of n
+  // places an area, Gamma(9/2) / Gamma(4) / sqrt(pi n) = 1.094 n^(-1/2), the mean distance to the fourth nearest.
   std::vector<Vec3> square, plane = random_places(2000, 7), sphere = random_places(3000, 8);
   for (int i = 0; i < 20; ++i)
     for (int j = 0; j < 20; ++j) square.push_back(h * Vec3(i, 0.6 * j, 0.8 * j));

@@ -152,7 +152,7 @@ TEST_CASE("what nobody registered is refused with the names that are") {
              Contains("unknown policy 'wrapped', expected one of ", "coverage", "wrapped-nearest",
                       "one that a program registers exists in it alone"));
   CHECK_THAT(refused([](SessionOptions& o) { o.motion.predictor = "wrapped"; }),
-             Contains("kalman, wrapped-velocity"));
+             Contains("past, wrapped-velocity"));
   CHECK_THAT(refused([](SessionOptions& o) { o.motion.device = Registered("wrapped"); }),
              Contains("path:NAME, trace:FILE, hand:PROFILE or one of", "wrapped-path"));
   CHECK_THAT(refused([](SessionOptions& o) { o.workers.cost = Registered("wrapped"); }),

@@ -263,3 +263,34 @@ TEST_CASE("Student and bootstrap intervals agree with SciPy where it is installe
   CHECK(bootstrap.low == Approx(b_low).margin(0.003));
   CHECK(bootstrap.high == Approx(b_high).margin(0.003));
 }
+
+TEST_CASE("p values, Holm's adjustment and the critical difference agree with published numbers") {
+  // Student's sleep data (R's help of t.test, paired): t = -4.0621, p = 0.002833.
+  const GroupedValues sleep{{-1.2}, {-2.4}, {-1.3}, {-1.3}, {0}, {-1.0}, {-1.8}, {-0.8}, {-4.6}, {-1.4}};
+  CHECK(compare(sleep).p_value() == Approx(0.002833).epsilon(2e-4));
+  CHECK(std::isnan(compare({{1.0}}).p_value()));
+  // R: p.adjust(c(0.01, 0.04, 0.03, 0.005), "holm")
+  const std::vector<double> adjusted = holm(std::vector{0.01, 0.04, nan_value, 0.03, 0.005});
+  const double expected[] = {0.03, 0.06, 0, 0.06, 0.02};
+  for (const std::size_t i : {0u, 1u, 3u, 4u}) CHECK(adjusted[i] == Approx(expected[i]));
+  CHECK(std::isnan(adjusted[2]));
+  // Demsar 2006, 3.2.2: four classifiers on 14 data sets.
+  CHECK(critical_difference(4, 14) == Approx(1.25).epsilon(0.005));
+}
+
+TEST_CASE("mean ranks share ties; a level that does not compete has none and takes no place") {
+  std::vector<Observation> seen;
+  const double values[3][4] = {{0.9, 0.8, 0.8, 0.99}, {0.7, 0.8, 0.6, 0.99}, {0.9, 0.5, 0.6, 0.99}};
+  for (std::size_t group = 0; group < 3; ++group)
+    for (std::size_t level = 0; level < 4; ++level)
+      seen.push_back({level, group, group, values[group][level]});
+  const std::vector<std::size_t> beside{3};
+  const LevelRanking ranking = rank(seen, 4, true, {}, beside);
+  const double expected[] = {4.0 / 3, (2.5 + 1 + 3) / 3, (2.5 + 3 + 2) / 3};
+  for (const Ranked& row : ranking.ranked) {
+    if (row.level == 3)
+      CHECK(std::isnan(row.mean_rank));
+    else
+      CHECK(row.mean_rank == Approx(expected[row.level]));
+  }
+}
