@@ -44,18 +44,6 @@ struct EvaluateOptions {
   std::function<void(std::string_view, double)> show = {};
 };
 
-struct EvaluatedPoints {
-  std::vector<Vec3> forces;                 // [N]
-  std::vector<Label> labels;                // coverage
-  std::vector<Reach> reach;                 // (force_model.hpp) of the older methods the bound alone
-  std::vector<double> fit_us, evaluate_ns;  // of points whose model was made or changed; of some points
-  std::size_t fitted = 0, updated = 0,
-              reused = 0;                 // number of points whose model was made anew, updated, kept
-  std::vector<std::string_view> kernels;  // by point, after step-down; none for the older methods
-  std::vector<char> trusted;              // by point (Model::at); none if no model is of jets
-  std::size_t stepped_down = 0;
-};
-
 // Error bars of the points and the measurement behind them. Also the number of points that lie farther from the states
 // than any held-out force; inside and outside are compared separately. At these points the bars are extrapolated.
 struct EvaluatedBars {

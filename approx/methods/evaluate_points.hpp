@@ -10,8 +10,10 @@
 #include <vector>
 
 #include "approx/measured/force_field.hpp"
-#include "approx/methods/evaluate.hpp"
 #include "approx/model/force_makers.hpp"
+#include "approx/model/force_model.hpp"
+#include "approx/model/model_options.hpp"
+#include "geometry/coverage/state_space.hpp"
 
 namespace forefeel {
 

@@ -5,6 +5,7 @@
 
 #include <cstddef>
 #include <string_view>
+#include <vector>
 
 #include "geometry/common/types.hpp"
 #include "geometry/coverage/coverage.hpp"
@@ -61,6 +62,19 @@ class ForceMaker {
   virtual ~ForceMaker() = default;
   // The model that serves this place, the same whatever was asked before; valid until the next call.
   virtual const ForceModel& at(const Place& place, UpdateReport* report = nullptr) = 0;
+};
+
+// What models give at many points.
+struct EvaluatedPoints {
+  std::vector<Vec3> forces;                 // [N]
+  std::vector<Label> labels;                // coverage
+  std::vector<Reach> reach;                 // (force_model.hpp) of the older methods the bound alone
+  std::vector<double> fit_us, evaluate_ns;  // of points whose model was made or changed; of some points
+  std::size_t fitted = 0, updated = 0,
+              reused = 0;                 // number of points whose model was made anew, updated, kept
+  std::vector<std::string_view> kernels;  // by point, after step-down; none for the older methods
+  std::vector<char> trusted;              // by point (Model::at); none if no model is of jets
+  std::size_t stepped_down = 0;
 };
 
 }  // namespace forefeel

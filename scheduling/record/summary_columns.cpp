@@ -187,7 +187,7 @@ void add_settings(std::vector<Column>& columns, const SessionSummary::Settings& 
       .text("policy", settings.policy, "rule that chose what was solved next")
       .text("select", name(settings.select), "rule that chose the neighbours")
       .count("seed", settings.seed, "seed of everything random")
-      .text("cost", settings.cost,
+      .text("cost_model", settings.cost,
             "time of a solve under the virtual clock, as written; empty: the real clock")
       .text("device", settings.device, "device as written; replay:RUN for a replay")
       .flag("first_guess", run.first_guess, "true: began with the stiffness at rest, by one factorisation")

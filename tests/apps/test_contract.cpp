@@ -1,5 +1,7 @@
 // The JSON of every command has the documented keys.
 
+#include <fmt/format.h>
+
 #include "tests/apps/contract.hpp"
 
 TEST_CASE("an interrupt before anything began is said, and leaves nothing", "[contract]") {

@@ -28,7 +28,7 @@ TEST_CASE("a progress line gives the time left of a share, and without a share t
 }
 
 TEST_CASE("what an earlier run did does not count in the time left") {
-  CHECK(progress_line("sites", 0.75, "", 10, 0.5) == "sites  75 %  , 0:10 left");
+  CHECK(progress_line("sites", 0.75, "", 10, 0.5) == "sites  75 %  0:10 left");
   CHECK(std::isnan(seconds_left(0.5, 0.5, 10)));
   CHECK(std::isnan(seconds_left(1, 0, 10)));
   CHECK(seconds_left(0.5, 0, 10) == 10);
