@@ -31,6 +31,7 @@
 #include "geometry/common/error.hpp"
 #include "geometry/common/memory.hpp"
 #include "geometry/common/output_file.hpp"
+#include "geometry/coverage/design.hpp"
 #include "geometry/index/lattice_room.hpp"
 #include "geometry/states/energy_jet.hpp"
 #include "geometry/states/state_file.hpp"
@@ -204,6 +205,9 @@ GenerateResult fill_lattice(const Globals& globals, const Scene& scene, StateFil
                                                             farm_options(globals, options.stop, tick));
     result.report = report.states;
     result.ranks = report.farm;
+  } else if (scene.space.design != Design::lattice) {
+    const std::vector<Vec3> places = designed_places(options.box, options.spacing, scene.space.design);
+    result.report = generate_places(scene.body, places, options, keep, show, known);
   } else {
     if (ranks) options.threads = 1;  // three solves give all states of a linear body
     result.report = generate_lattice(scene.body, options, keep, show, known);
@@ -237,7 +241,8 @@ Scene checked_scene(const Globals& globals, const GenerateArguments& arguments) 
   if (is_anywhere(scene)) return scene;
   if (arguments.error)
     check_generate_to_error(scene);
-  else if (!holds_lattice_position(scene.space.box, scene.space.spacing))
+  else if (scene.space.design == Design::lattice &&
+           !holds_lattice_position(scene.space.box, scene.space.spacing))
     throw InputError(
         scene.written.box_place,
         fmt::format("holds no position of the lattice of {:g} m, expected a box that holds one, or a smaller "
@@ -267,6 +272,8 @@ int run_generate(const Globals& globals, const GenerateArguments& arguments, Ran
     throw InputError(
         "--mpi",
         "has no use with --error, where each state is placed by those before it; expected one of the two");
+  if (ranks && scene.space.design != Design::lattice)
+    throw InputError("--mpi", "solves lattices, expected state_space.design = \"lattice\"");
   StateFile file = StateFile::open_or_create(arguments.output, header_of(scene));
   const bool held =
       !scene.spacing.chosen || scene.spacing.chosen->holds;  // otherwise the scene has a warning

@@ -8,7 +8,7 @@
 #include "apps/scene/scene_spacing.hpp"
 #include "geometry/common/counted.hpp"
 #include "geometry/common/error.hpp"
-#include "scheduling/motion/halton.hpp"
+#include "geometry/common/halton.hpp"
 
 namespace forefeel {
 namespace {

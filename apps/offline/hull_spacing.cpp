@@ -7,7 +7,7 @@
 #include "geometry/common/quantiles.hpp"
 #include "geometry/index/local_spread.hpp"
 #include "geometry/index/point_octree.hpp"
-#include "scheduling/motion/halton.hpp"
+#include "geometry/common/halton.hpp"
 
 namespace forefeel {
 namespace {

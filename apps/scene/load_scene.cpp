@@ -88,6 +88,11 @@ const SceneRows<Scene>& rows_of_space() {
                 "[[x0, y0, z0], [x1, y1, z1]] of tip positions, low corner first; rest is [0, 0, 0]"})
           .required("[[x0, y0, z0], [x1, y1, z1]]")
           .standard("required; made of the body with a phantom")
+          .word(
+              "design", design_words,
+              ": how generate, and sessions with placement = \"lattice\", fill the box with a state for each "
+              "spacing^3",
+              path(&Scene::space, &StateSpaceOptions::design))
           .row({"depth", "m", fmt::format("{}", usual_depth),
                 "with contact.anywhere, in place of box: how deep states are placed, and half as far "
                 "sideways"})

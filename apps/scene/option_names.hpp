@@ -6,6 +6,7 @@
 #include <utility>
 #include <vector>
 
+#include "geometry/coverage/design.hpp"
 #include "scheduling/session/session_options.hpp"
 #include "solver/body/body.hpp"
 
@@ -49,6 +50,12 @@ inline const Words<Clock> clock_words{{"real", Clock::real}, {"virtual", Clock::
 inline const Words<SessionMethod> method_words{{"rbf", SessionMethod::rbf},
                                                {"trilinear", SessionMethod::trilinear},
                                                {"tricubic", SessionMethod::tricubic}};
+inline const Words<Design> design_words = [] {
+  Words<Design> words;
+  for (std::size_t i = 0; i < design_names().size(); ++i)
+    words.emplace_back(design_names()[i], static_cast<Design>(i));
+  return words;
+}();
 inline const Words<Placement> placement_words{
     {"lattice", Placement::lattice}, {"adaptive", Placement::adaptive}, {"path", Placement::path}};
 inline const Words<Select> select_words{{"label", Select::label}, {"nearest", Select::nearest}};

@@ -60,10 +60,13 @@ struct Coverage {
   double gamma_deg = std::numeric_limits<double>::quiet_NaN();  // gamma(q, 8 h); NaN if no test needed it
 };
 
+enum class Design : std::uint8_t;  // design.hpp
+
 // Spacing, box and the thresholds of the labels.
 struct StateSpaceOptions {
   double spacing = 0.006;  // h [m]
   Box box{};               // where states are placed [m]; the HIP may leave it
+  Design design{};         // how they are placed there; the lattice
   CoverageOptions coverage{};
   double merge_distance = 1e-9;  // states nearer than this count as one [spacings]
   // If given, labels use its h(q) instead of `spacing`, which then sets only the side of the finest regions

@@ -5,7 +5,7 @@
 #include <vector>
 
 #include "geometry/common/types.hpp"
-#include "scheduling/motion/halton.hpp"
+#include "geometry/common/halton.hpp"
 
 namespace forefeel {
 

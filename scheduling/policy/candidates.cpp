@@ -8,6 +8,7 @@
 #include <utility>
 
 #include "geometry/common/error.hpp"
+#include "geometry/coverage/design.hpp"
 
 namespace forefeel {
 
@@ -29,7 +30,9 @@ LatticeCandidates::LatticeCandidates(const StateSpace& space, std::span<const St
     leaves_ = std::make_unique<AdaptiveLattice>(box, coarsest * h);
     for (const AdaptiveLattice::Point& point : leaves_->points()) add(point.at, false);
   } else {
-    for (const Vec3& x : lattice(box, placement == Placement::path ? 2 * h : h)) add(x, false);
+    for (const Vec3& x :
+         placement == Placement::path ? lattice(box, 2 * h) : designed_places(box, h, space.options().design))
+      add(x, false);
   }
 }
 

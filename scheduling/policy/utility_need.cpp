@@ -3,7 +3,7 @@
 #include <algorithm>
 #include <cmath>
 
-#include "scheduling/motion/halton.hpp"
+#include "geometry/common/halton.hpp"
 #include "scheduling/motion/random.hpp"
 #include "scheduling/policy/candidate_rows.hpp"
 #include "scheduling/policy/need_policy.hpp"

@@ -8,6 +8,7 @@
 #include <cstddef>
 #include <functional>
 #include <memory>
+#include <span>
 #include <stop_token>
 #include <vector>
 
@@ -57,5 +58,12 @@ GenerateReport generate_lattice(std::shared_ptr<const Body> body, const LatticeO
                                 const std::function<void(State)>& sink,
                                 const std::function<void(std::size_t, std::size_t)>& progress = {},
                                 const std::vector<State>& known = {});
+
+// The same at any places [m] in this order, each followed straight from rest by itself: several times the work of a
+// lattice's states, whose neighbours start them.
+GenerateReport generate_places(std::shared_ptr<const Body> body, std::span<const Vec3> places,
+                               const LatticeOptions& options, const std::function<void(State)>& sink,
+                               const std::function<void(std::size_t, std::size_t)>& progress = {},
+                               const std::vector<State>& known = {});
 
 }  // namespace forefeel

@@ -4,7 +4,7 @@
 #include <fmt/format.h>
 
 #include "geometry/common/csv_rows.hpp"
-#include "scheduling/motion/halton.hpp"
+#include "geometry/common/halton.hpp"
 #include "tests/apps/felt_in_table.hpp"
 #include "tests/support/executable.hpp"
 
