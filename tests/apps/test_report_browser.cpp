@@ -51,7 +51,7 @@ TEST_CASE("a study's report in a browser: no table is cut off by its frame, also
   shop.run("study study.toml -o out --quiet");
   const std::string whole =
       "document.documentElement.scrollWidth <= innerWidth && document.querySelectorAll('.ranking').length > "
-      "1 && "
+      "0 && "
       "[...document.querySelectorAll('.scroll')].every(e => e.scrollWidth <= e.clientWidth)";
   for (const int width : {1280, 1000, 800})
     CHECK_THAT(in_browser(shop, "out/report.html", width, whole), Contains("probe true"));
