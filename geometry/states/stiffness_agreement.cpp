@@ -17,20 +17,20 @@ namespace {
 constexpr std::size_t most_pairs = 500, neighbours = 8, fewest = 3, enough_to_fit = 6;
 constexpr double like = 0.7, surely = 0.9, linear = 0.95;  // correlations
 
-struct Near {
+struct NearState {
   double distance2 = std::numeric_limits<double>::infinity();
   const State* state = nullptr;
 };
 
 // The nearest usable states at other positions of the same site, by distance.
-std::array<Near, neighbours> nearest(std::span<const State> states, const State& from) {
-  std::array<Near, neighbours> best{};
+std::array<NearState, neighbours> nearest(std::span<const State> states, const State& from) {
+  std::array<NearState, neighbours> best{};
   for (const State& state : states) {
     if (!state.usable() || !state.force.allFinite()) continue;
     if (from.has_site() && state.site != from.site) continue;
     const double distance2 = (state.at - from.at).squaredNorm();
     if (distance2 == 0 || distance2 >= best.back().distance2) continue;
-    auto at = std::ranges::upper_bound(best, distance2, {}, &Near::distance2);
+    auto at = std::ranges::upper_bound(best, distance2, {}, &NearState::distance2);
     std::move_backward(at, best.end() - 1, best.end());
     *at = {distance2, &state};
   }
@@ -52,7 +52,7 @@ std::optional<Fit> fit_around(std::span<const State> states, const State& a) {
   double both = 0, expected2 = 0, found2 = 0;
   Eigen::Index count = 0;
   Eigen::MatrixXd moves(neighbours, 3), changes(neighbours, 3);
-  for (const Near& near : nearest(states, a)) {
+  for (const NearState& near : nearest(states, a)) {
     if (!near.state) continue;
     const Vec3 move = near.state->at - a.at, expected = -a.stiffness * move;
     const Vec3 found = near.state->force - a.force;

@@ -35,7 +35,8 @@ GenerateReport generate_places(std::shared_ptr<const Body> body, std::span<const
   std::vector<Vec3> missing;
   std::ranges::copy_if(places, std::back_inserter(missing),
                        [&](const Vec3& at) { return there.insert(exact(at)).second; });
-  GenerateReport report{.resumed = places.size() - missing.size()};
+  GenerateReport report;
+  report.resumed = places.size() - missing.size();
   report.threads = options.threads > 0 ? options.threads : omp_get_max_threads();
   std::mutex mutex;  // of report and of what follows
   std::exception_ptr failure;
