@@ -9,6 +9,7 @@
 #include "scheduling/motion/random.hpp"
 #include "scheduling/motion/recurrent_net.hpp"
 #include "tests/support/temporary_folder.hpp"
+#include "tests/support/test.hpp"
 
 namespace {
 
