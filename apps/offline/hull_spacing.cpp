@@ -4,10 +4,10 @@
 #include <cmath>
 #include <vector>
 
+#include "geometry/common/halton.hpp"
 #include "geometry/common/quantiles.hpp"
 #include "geometry/index/local_spread.hpp"
 #include "geometry/index/point_octree.hpp"
-#include "geometry/common/halton.hpp"
 
 namespace forefeel {
 namespace {

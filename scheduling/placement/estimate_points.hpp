@@ -4,8 +4,8 @@
 #include <cstddef>
 #include <vector>
 
-#include "geometry/common/types.hpp"
 #include "geometry/common/halton.hpp"
+#include "geometry/common/types.hpp"
 
 namespace forefeel {
 
