@@ -187,9 +187,12 @@ GenerateResult fill_lattice(const Globals& globals, const Scene& scene, StateFil
     ++fresh;
     kept.keep(std::move(state));
   };
+  double shown = 0;  // [s]
   const auto show = [&](std::size_t done, std::size_t total) {
     if (raised()) stop.request_stop();
     const double seconds = std::chrono::duration<double>(std::chrono::steady_clock::now() - start).count();
+    if (done < total && seconds < shown + 0.02) return;  // threads wait for each other here
+    shown = seconds;
     progress.show(static_cast<double>(done) / static_cast<double>(total),
                   fmt::format("{} of {} states ({} there before), {:.0f} states/s", done, total, known.size(),
                               seconds > 0 ? static_cast<double>(fresh) / seconds : 0.0));

@@ -11,6 +11,7 @@
 #include <mutex>
 #include <optional>
 #include <queue>
+#include <tuple>
 #include <utility>
 
 #include "geometry/coverage/state_space.hpp"
@@ -34,39 +35,70 @@ double thread_seconds() {
   return static_cast<double>(t.tv_sec) + 1e-9 * static_cast<double>(t.tv_nsec);
 }
 
-// Hands each piece to a thread as soon as those that it waits for are solved: coarse nodes first, outward from rest.
-class PieceQueue {
+// What a thread does without a pause. The steps of a cell are those of SweepCell: its hard states do not wait for each
+// other.
+enum class TaskStep {
+  all,
+  correct,
+  find_paths,
+  follow_path
+};  // all: of a coarse node; of a cell the first step
+struct LatticeTask {
+  std::size_t piece = 0;
+  TaskStep step = TaskStep::all;
+  std::size_t place = 0;                      // in SweepCell::open
+  double begins = 0;                          // the earliest time with any number of threads [s]
+  std::shared_ptr<SweepCell> cell = nullptr;  // once begun
+
+  // Those of a cell begun come first, as nothing else may be left to share out at the end; then outward from rest.
+  auto order() const { return std::tuple(step == TaskStep::all, piece, place); }
+};
+
+// What may start once a task is done: so many tasks of that step, side by side.
+struct NextTasks {
+  TaskStep step = TaskStep::all;
+  std::size_t count = 0;
+  std::shared_ptr<SweepCell> cell = nullptr;
+};
+
+// Hands each task to a thread as soon as those that it waits for are done: coarse nodes first, outward from rest.
+class TaskQueue {
  public:
-  explicit PieceQueue(std::vector<SweepPiece> pieces)
-      : pieces_(std::move(pieces)), begins_(pieces_.size(), 0.0), left_(pieces_.size()) {
+  explicit TaskQueue(std::vector<SweepPiece> pieces)
+      : pieces_(std::move(pieces)), at_(pieces_.size()), left_(pieces_.size()) {
     for (std::size_t i = 0; i < pieces_.size(); ++i)
-      if (pieces_[i].waits_for == 0) ready_.push(i);
+      if (pieces_[i].waits_for == 0) ready_.push({.piece = i});
   }
 
-  const std::vector<SweepPiece>& pieces() const { return pieces_; }
+  const SweepPiece& piece(std::size_t id) const { return pieces_[id]; }
 
-  // Waits for a piece. Nothing if all are handed out, or once `stopped` is true.
-  std::optional<std::size_t> take(const std::function<bool()>& stopped) {
+  // Waits for a task. Nothing if all are done, or once `stopped` is true.
+  std::optional<LatticeTask> take(const std::function<bool()>& stopped) {
     std::unique_lock lock(mutex_);
     const auto start = std::chrono::steady_clock::now();
     changed_.wait(lock, [&] { return !ready_.empty() || left_ == 0 || stopped(); });
     idle_ += lattice_seconds_since(start);
     if (ready_.empty() || stopped()) return {};
-    const std::size_t id = ready_.top();
+    const LatticeTask task = ready_.top();
     ready_.pop();
-    --left_;
-    return id;
+    return task;
   }
 
-  void done(std::size_t id, double seconds) {
+  // next: of the same piece, once all tasks beside this one are done too; none: the piece is solved then
+  void done(const LatticeTask& task, double seconds, const NextTasks& next) {
     const std::lock_guard lock(mutex_);
     work_ += seconds;
-    const double end = begins_[id] + seconds;
-    longest_ = std::max(longest_, end);
-    for (const std::size_t other : pieces_[id].before) {
-      begins_[other] = std::max(begins_[other], end);
-      if (--pieces_[other].waits_for == 0) ready_.push(other);
+    Progress& at = at_[task.piece];
+    at.end = std::max(at.end, task.begins + seconds);
+    longest_ = std::max(longest_, at.end);
+    if (at.open > 1) {
+      --at.open;
+      return;
     }
+    at.open = next.count;
+    for (std::size_t place = 0; place < next.count; ++place)
+      ready_.push({task.piece, next.step, place, at.end, next.cell});
+    if (next.count == 0) finish(task.piece, at.end);
     changed_.notify_all();
   }
 
@@ -82,10 +114,26 @@ class PieceQueue {
   }
 
  private:
+  struct Progress {
+    std::size_t open = 1;  // tasks of the step under way that are not done
+    double end = 0;        // of those done, with any number of threads [s]
+  };
+  struct Later {
+    bool operator()(const LatticeTask& a, const LatticeTask& b) const { return b.order() < a.order(); }
+  };
+
+  void finish(std::size_t id, double end) {
+    --left_;
+    for (const std::size_t other : pieces_[id].before) {
+      at_[other].end = std::max(at_[other].end, end);
+      if (--pieces_[other].waits_for == 0) ready_.push({.piece = other, .begins = at_[other].end});
+    }
+  }
+
   std::vector<SweepPiece> pieces_;
-  std::priority_queue<std::size_t, std::vector<std::size_t>, std::greater<>> ready_;
-  std::vector<double> begins_;  // by piece: the earliest time with any number of threads [s]
-  std::size_t left_;            // not handed out
+  std::priority_queue<LatticeTask, std::vector<LatticeTask>, Later> ready_;
+  std::vector<Progress> at_;  // by piece
+  std::size_t left_;          // pieces not solved
   double work_ = 0, longest_ = 0, idle_ = 0;
   std::mutex mutex_;
   std::condition_variable changed_;
@@ -150,16 +198,16 @@ class Sweep {
     sweep.precision = fitting_precision(d_);
     for (const LatticeIndex& c : plan_.coarse()) place_.emplace(c, place_.size());
     coarse_.resize(place_.size());
-    PieceQueue queue(pieces_of(plan_));
+    TaskQueue queue(pieces_of(plan_));
     const double before = thread_seconds() - began_at_;
 #pragma omp parallel num_threads(report_.threads)
     {
       try {
         Worker worker(d_, sweep, *body_, options_);
-        while (const std::optional<std::size_t> id = queue.take([this] { return stopped(); })) {
+        while (const std::optional<LatticeTask> task = queue.take([this] { return stopped(); })) {
           const double start = thread_seconds();
-          solve_piece(worker, queue.pieces()[*id]);
-          queue.done(*id, thread_seconds() - start);
+          const NextTasks next = solve(worker, queue.piece(task->piece), *task);
+          queue.done(*task, thread_seconds() - start, next);
         }
       } catch (...) {
         keep_failure();
@@ -169,14 +217,41 @@ class Sweep {
     report_.parallel = queue.times(before, in_sink_);
   }
 
-  void solve_piece(Worker& worker, const SweepPiece& piece) {
-    if (!piece.is_coarse) {
-      for (const SweepNode& node : solve_fine_nodes(worker.sweep, piece.states))
-        if (plan_.is_wanted(node.index)) emit(worker.states.of(node));
-      return;
+  NextTasks solve(Worker& worker, const SweepPiece& piece, const LatticeTask& task) {
+    if (piece.is_coarse) {
+      SweepNode& node = coarse_[place_.at(piece.states.front())];
+      node = solve_coarse_node(worker.sweep, piece.states.front());
+      if (plan_.is_wanted(node.index)) emit(worker.states.of(node));
+      return {};
     }
-    SweepNode& node = coarse_[place_.at(piece.states.front())];
-    node = solve_coarse_node(worker.sweep, piece.states.front());
+    std::shared_ptr<SweepCell> cell = task.cell;
+    switch (task.step) {
+      case TaskStep::all:
+        cell = std::make_shared<SweepCell>(cell_of(worker.sweep.options(), piece.states));
+        worker.sweep.solve_together(*cell);
+        if (cell->open.size() > 1) return {TaskStep::correct, cell->open.size(), cell};
+        if (cell->open.size() == 1) worker.sweep.correct(*cell, 0);
+        break;
+      case TaskStep::correct:
+        worker.sweep.correct(*cell, task.place);
+        return {TaskStep::find_paths, 1, cell};
+      case TaskStep::find_paths:
+        break;
+      case TaskStep::follow_path:
+        worker.sweep.follow_path(*cell, task.place);
+        emit_fine(worker, cell->nodes[cell->open[task.place]]);
+        return {};
+    }
+    worker.sweep.find_paths(*cell);
+    if (cell->open.size() == 1) worker.sweep.follow_path(*cell, 0);
+    const bool is_last = cell->open.size() <= 1;
+    for (std::size_t i = 0; i < cell->nodes.size(); ++i)
+      if (is_last || !std::ranges::binary_search(cell->open, i)) emit_fine(worker, cell->nodes[i]);
+    if (is_last) return {};
+    return {TaskStep::follow_path, cell->open.size(), cell};
+  }
+
+  void emit_fine(Worker& worker, const SweepNode& node) {
     if (plan_.is_wanted(node.index)) emit(worker.states.of(node));
   }
 

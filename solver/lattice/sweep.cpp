@@ -73,6 +73,10 @@ constexpr int fallback_iterations = 60;
 constexpr int stiffness_rounds = 10;
 constexpr double far_off = 0.15;  // relative residual of a prediction
 
+double seconds_since(SteadyClock::time_point start) {
+  return std::chrono::duration<double>(SteadyClock::now() - start).count();
+}
+
 void scale_into(const std::vector<double>& from, double factor, std::vector<double>& to) {
   for (std::size_t i = 0; i < to.size(); ++i) to[i] += factor * from[i];
 }
@@ -198,43 +202,63 @@ void SweepWorker::solve_coarse(SweepNode& node, const std::vector<const SweepNod
     correct_alone(node);
   }
   if (!node.solved() || doubtful(node, parents, true)) {
-    walk({&node});
+    walk(node, find_anchors({&node}).front());
     if (!node.solved()) fall_back(node, parents);
     if (node.solved() && jumps(node, parents)) node.state.solve.multivalued = true;
   }
-  node.state.solve.seconds = std::chrono::duration<double>(SteadyClock::now() - start).count();
+  node.state.solve.seconds = seconds_since(start);
 }
 
-void SweepWorker::solve_cell(std::vector<SweepNode>& nodes,
-                             const std::vector<std::vector<const SweepNode*>>& corners) {
+void SweepWorker::solve_together(SweepCell& cell) {
   const auto start = SteadyClock::now();
   std::vector<SweepNode*> together;
-  for (std::size_t i = 0; i < nodes.size(); ++i) {
-    nodes[i].state.solve.status = SolveStatus::stalled;
-    if (corners[i].empty()) continue;
-    nodes[i].state.solve.parent = corners[i].front()->state.at;
-    predict_fine(nodes[i], corners[i]);
-    together.push_back(&nodes[i]);
+  for (std::size_t i = 0; i < cell.nodes.size(); ++i) {
+    SweepNode& node = cell.nodes[i];
+    node.state.solve.status = SolveStatus::stalled;
+    if (cell.corners[i].empty()) continue;
+    node.state.solve.parent = cell.corners[i].front()->state.at;
+    predict_fine(node, cell.corners[i]);
+    together.push_back(&node);
   }
   if (!together.empty()) run_lanes(together);
-  for (SweepNode* node : together)
-    if (!node->solved()) correct_alone(*node);
-  const double each = std::chrono::duration<double>(SteadyClock::now() - start).count() /
-                      static_cast<double>(std::max<std::size_t>(1, nodes.size()));
-  const auto later = SteadyClock::now();
-  std::vector<SweepNode*> walking;
-  for (std::size_t i = 0; i < nodes.size(); ++i)
-    if (!nodes[i].solved() || doubtful(nodes[i], corners[i], false)) walking.push_back(&nodes[i]);
-  if (!walking.empty()) walk(walking);
-  for (std::size_t i = 0; i < nodes.size(); ++i) {
-    nodes[i].state.solve.seconds = each;
-    if (std::find(walking.begin(), walking.end(), &nodes[i]) == walking.end()) continue;
-    if (!nodes[i].solved()) fall_back(nodes[i], corners[i]);
-    if (nodes[i].solved() && jumps(nodes[i], corners[i])) nodes[i].state.solve.multivalued = true;
+  cell.open.clear();
+  const double each = seconds_since(start) / static_cast<double>(std::max<std::size_t>(1, cell.nodes.size()));
+  for (std::size_t i = 0; i < cell.nodes.size(); ++i) {
+    cell.nodes[i].state.solve.seconds = each;
+    if (!cell.nodes[i].solved() && !cell.corners[i].empty()) cell.open.push_back(i);
   }
-  for (SweepNode* node : walking)
-    node->state.solve.seconds += std::chrono::duration<double>(SteadyClock::now() - later).count() /
-                                 static_cast<double>(walking.size());
+}
+
+void SweepWorker::correct(SweepCell& cell, std::size_t place) {
+  const auto start = SteadyClock::now();
+  SweepNode& node = cell.nodes[cell.open[place]];
+  correct_alone(node);
+  node.state.solve.seconds += seconds_since(start);
+}
+
+void SweepWorker::find_paths(SweepCell& cell) {
+  const auto start = SteadyClock::now();
+  cell.open.clear();
+  std::vector<SweepNode*> walking;
+  for (std::size_t i = 0; i < cell.nodes.size(); ++i) {
+    if (cell.nodes[i].solved() && !doubtful(cell.nodes[i], cell.corners[i], false)) continue;
+    cell.open.push_back(i);
+    walking.push_back(&cell.nodes[i]);
+  }
+  if (walking.empty()) return;
+  cell.anchors = find_anchors(walking);
+  const double each = seconds_since(start) / static_cast<double>(walking.size());
+  for (SweepNode* node : walking) node->state.solve.seconds += each;
+}
+
+void SweepWorker::follow_path(SweepCell& cell, std::size_t place) {
+  const auto start = SteadyClock::now();
+  const std::size_t i = cell.open[place];
+  SweepNode& node = cell.nodes[i];
+  walk(node, cell.anchors[place]);
+  if (!node.solved()) fall_back(node, cell.corners[i]);
+  if (node.solved() && jumps(node, cell.corners[i])) node.state.solve.multivalued = true;
+  node.state.solve.seconds += seconds_since(start);
 }
 
 }  // namespace forefeel

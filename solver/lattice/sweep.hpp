@@ -63,6 +63,22 @@ struct SweepOptions {
   std::function<const SweepNode*(const LatticeIndex&)> coarse;
 };
 
+// Where a straight path is entered: step number `step` of `steps` equal steps to the node; 0: at rest.
+struct PathAnchor {
+  int step = 0, steps = 1;
+  LocalField field = {};
+};
+
+// The fine states of one cell under way. Four steps solve them: solve_together(), correct() for each of `open`,
+// find_paths(), follow_path() for each of `open`. A worker may take each step and each place of `open`: hard states then
+// do not wait for each other.
+struct SweepCell {
+  std::vector<SweepNode> nodes;
+  std::vector<std::vector<const SweepNode*>> corners;  // by node: the solved coarse nodes around it
+  std::vector<std::size_t> open = {};                  // nodes of the step that follows
+  std::vector<PathAnchor> anchors = {};                // by place in open
+};
+
 // One thread's work space.
 class SweepWorker {
  public:
@@ -73,8 +89,10 @@ class SweepWorker {
   // from rest). beyond: the node opposite to this one across the first parent, or null.
   void solve_coarse(SweepNode& node, const std::vector<const SweepNode*>& parents, const SweepNode* beyond);
 
-  // Solves the fine states of one cell; corners[i]: the solved coarse nodes around nodes[i].
-  void solve_cell(std::vector<SweepNode>& nodes, const std::vector<std::vector<const SweepNode*>>& corners);
+  void solve_together(SweepCell& cell);  // open: those without a solution
+  void correct(SweepCell& cell, std::size_t place);
+  void find_paths(SweepCell& cell);  // open: those that the straight path from rest decides
+  void follow_path(SweepCell& cell, std::size_t place);
 
  private:
   void predict_coarse(SweepNode& node, const std::vector<const SweepNode*>& parents, const SweepNode* beyond);
@@ -93,17 +111,12 @@ class SweepWorker {
 
   void run_lanes(std::vector<SweepNode*> nodes);
 
-  // Where a straight path is entered: step number `step` of `steps` equal steps to the node; 0: at rest.
-  struct Anchor {
-    int step = 0, steps = 1;
-    LocalField field;
-  };
-  void walk(const std::vector<SweepNode*>& nodes);
+  void walk(SweepNode& node, const PathAnchor& anchor);
   void drop_far(std::vector<LocalField*>& fields, std::vector<std::size_t>& candidates);
-  std::vector<Anchor> find_anchors(const std::vector<SweepNode*>& nodes);
-  std::vector<Anchor> candidates_of(const SweepNode& node, int steps) const;
+  std::vector<PathAnchor> find_anchors(const std::vector<SweepNode*>& nodes);
+  std::vector<PathAnchor> candidates_of(const SweepNode& node, int steps) const;
   std::optional<double> predict_between(const SweepNode& node, const Vec3& x, LocalField& field) const;
-  bool linked(const Anchor& anchor, const SweepNode& node) const;
+  bool linked(const PathAnchor& anchor, const SweepNode& node) const;
   void settle(SweepNode& node, const NewtonReport& report);
 
   std::shared_ptr<const Discretisation> d_;

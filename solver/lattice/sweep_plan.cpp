@@ -36,7 +36,7 @@ std::vector<LatticeIndex> corners_of(const CoarsePlanes& planes, const LatticeIn
 }
 
 // The coarse cell that a fine index lies in, named by the numbers of its lower planes.
-LatticeIndex cell_of(const CoarsePlanes& planes, const LatticeIndex& k) {
+LatticeIndex name_of(const CoarsePlanes& planes, const LatticeIndex& k) {
   LatticeIndex cell{};
   for (std::size_t axis = 0; axis < 3; ++axis)
     cell[axis] =
@@ -179,7 +179,7 @@ void SweepPlan::plan_groups(const std::vector<Vec3>& outward, double spacing) {
   for (const Vec3& x : outward) {
     const LatticeIndex k = fine_index(x, spacing);
     if (planes_.holds(k)) continue;
-    const auto [at, added] = group_of.emplace(cell_of(planes_, k), cells.size());
+    const auto [at, added] = group_of.emplace(name_of(planes_, k), cells.size());
     if (added) cells.push_back({{at->first}, {}});
     cells[at->second].fine.push_back(k);
   }
@@ -249,24 +249,30 @@ SweepNode solve_coarse_node(SweepWorker& worker, const LatticeIndex& coarse) {
   return node;
 }
 
-std::vector<SweepNode> solve_fine_nodes(SweepWorker& worker, std::span<const LatticeIndex> fine) {
-  const SweepOptions& options = worker.options();
-  std::vector<SweepNode> nodes;
-  std::vector<std::vector<const SweepNode*>> corners;
+SweepCell cell_of(const SweepOptions& options, std::span<const LatticeIndex> fine) {
+  SweepCell cell;
   for (const LatticeIndex& k : fine) {
     SweepNode node;
     node.index = k;
     node.state.at = position_of(k, options.spacing);
-    corners.emplace_back();
+    cell.corners.emplace_back();
     for (const LatticeIndex& c : corners_of(options.planes, k))
-      if (const SweepNode* corner = options.coarse(c)) corners.back().push_back(corner);
+      if (const SweepNode* corner = options.coarse(c)) cell.corners.back().push_back(corner);
     std::stable_sort(
-        corners.back().begin(), corners.back().end(),
+        cell.corners.back().begin(), cell.corners.back().end(),
         [](const SweepNode* a, const SweepNode* b) { return level(a->index) < level(b->index); });
-    nodes.push_back(std::move(node));
+    cell.nodes.push_back(std::move(node));
   }
-  worker.solve_cell(nodes, corners);
-  return nodes;
+  return cell;
+}
+
+std::vector<SweepNode> solve_fine_nodes(SweepWorker& worker, std::span<const LatticeIndex> fine) {
+  SweepCell cell = cell_of(worker.options(), fine);
+  worker.solve_together(cell);
+  for (std::size_t place = 0; place < cell.open.size(); ++place) worker.correct(cell, place);
+  worker.find_paths(cell);
+  for (std::size_t place = 0; place < cell.open.size(); ++place) worker.follow_path(cell, place);
+  return std::move(cell.nodes);
 }
 
 std::vector<LatticeIndex> nodes_looked_at(const CoarsePlanes& planes, std::span<const LatticeIndex> fine) {

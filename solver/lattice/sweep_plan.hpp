@@ -65,6 +65,7 @@ using SolvedNodes = std::function<const SweepNode*(const LatticeIndex&)>;
 SweepOptions sweep_options(const Body& body, const LatticeOptions& options, const std::stop_token& stop,
                            SolvedNodes solved);
 SweepNode solve_coarse_node(SweepWorker& worker, const LatticeIndex& coarse);
+SweepCell cell_of(const SweepOptions& options, std::span<const LatticeIndex> fine);  // nothing solved
 std::vector<SweepNode> solve_fine_nodes(SweepWorker& worker, std::span<const LatticeIndex> fine);
 // The coarse nodes that solving these fine positions may need, and possibly some more. The positions themselves are
 // not included. Sorted.

@@ -78,10 +78,10 @@ std::optional<double> SweepWorker::predict_between(const SweepNode& node, const 
 // The steps of a path at which an anchor is looked for: the last four, and further in until four have been found or no
 // corner around one has an inverted element. Where elements are small, the last cells are often too large for a
 // prediction.
-std::vector<SweepWorker::Anchor> SweepWorker::candidates_of(const SweepNode& node, int steps) const {
-  std::vector<Anchor> candidates;
+std::vector<PathAnchor> SweepWorker::candidates_of(const SweepNode& node, int steps) const {
+  std::vector<PathAnchor> candidates;
   for (int step = steps - 1; step > 0; --step) {
-    Anchor candidate{step, steps, {}};
+    PathAnchor candidate{step, steps, {}};
     const std::optional<double> least = predict_between(node, node.state.at * step / steps, candidate.field);
     const bool easy = least && *least > 0;
     if (least && (easy || step >= steps - last_steps)) candidates.push_back(std::move(candidate));
@@ -104,14 +104,14 @@ void SweepWorker::drop_far(std::vector<LocalField*>& fields, std::vector<std::si
   candidates.resize(kept);
 }
 
-std::vector<SweepWorker::Anchor> SweepWorker::find_anchors(const std::vector<SweepNode*>& nodes) {
+std::vector<PathAnchor> SweepWorker::find_anchors(const std::vector<SweepNode*>& nodes) {
   const std::size_t rows = static_cast<std::size_t>(3 * d_->free_nodes);
-  std::vector<Anchor> anchors(nodes.size());
-  std::vector<std::pair<std::size_t, Anchor>> candidates;  // with the node's place in nodes
+  std::vector<PathAnchor> anchors(nodes.size());
+  std::vector<std::pair<std::size_t, PathAnchor>> candidates;  // with the node's place in nodes
   for (std::size_t i = 0; i < nodes.size(); ++i) {
     anchors[i].steps =
         std::max(1, static_cast<int>(std::ceil(nodes[i]->state.at.norm() / options_.spacing * (1 - 1e-12))));
-    for (Anchor& candidate : candidates_of(*nodes[i], anchors[i].steps))
+    for (PathAnchor& candidate : candidates_of(*nodes[i], anchors[i].steps))
       candidates.emplace_back(i, std::move(candidate));
   }
   // those that share a factor are at the same step
@@ -162,26 +162,22 @@ double SweepWorker::misfit(const LocalField& from, const LocalField& to, const V
 }
 
 // True if no jump lies between the anchor and the node's equilibrium.
-bool SweepWorker::linked(const Anchor& anchor, const SweepNode& node) const {
+bool SweepWorker::linked(const PathAnchor& anchor, const SweepNode& node) const {
   const Vec3 move = (1 - static_cast<double>(anchor.step) / anchor.steps) * node.state.at;
   return misfit(anchor.field, node.field, move) <= smooth_move * options_.spacing;
 }
 
-void SweepWorker::walk(const std::vector<SweepNode*>& nodes) {
-  const std::vector<Anchor> anchors = find_anchors(nodes);
-  for (std::size_t i = 0; i < nodes.size(); ++i) {
-    const Anchor& anchor = anchors[i];
-    const Vec3& x = nodes[i]->state.at;
-    if (anchor.step > 0 && nodes[i]->solved() && linked(anchor, *nodes[i])) continue;
-    if (anchor.step > 0)
-      path_.begin_at(x * anchor.step / anchor.steps, anchor.field);
-    else
-      path_.begin_at_rest();
-    const double step = x.norm() / anchor.steps;
-    settle(*nodes[i],
-           path_.advance(x, step, arrival_tolerance, most_ray_iterations, options_.stop, between_tolerance));
-    if (path_.kink() > snap) nodes[i]->state.solve.multivalued = true;
-  }
+void SweepWorker::walk(SweepNode& node, const PathAnchor& anchor) {
+  if (anchor.step > 0 && node.solved() && linked(anchor, node)) return;
+  const Vec3& x = node.state.at;
+  if (anchor.step > 0)
+    path_.begin_at(x * anchor.step / anchor.steps, anchor.field);
+  else
+    path_.begin_at_rest();
+  const double step = x.norm() / anchor.steps;
+  settle(node,
+         path_.advance(x, step, arrival_tolerance, most_ray_iterations, options_.stop, between_tolerance));
+  if (path_.kink() > snap) node.state.solve.multivalued = true;
 }
 
 // report: of path_, at the node on the reference branch. Without it a solved node keeps its values and is
