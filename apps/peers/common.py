@@ -44,7 +44,7 @@ def rows(scene, ff, samplers, args):
     def solve(x):
         states = body.solve(x, spacing=scene.spacing)
         if np.any(states["status"] != converged):
-            sys.exit(f"{scene.file}: a state of its box did not converge, expected a smaller box")
+            sys.exit(f"{scene.file}: a state of its box did not converge, expected a smaller state_space.box")
         return states
 
     places = np.random.default_rng(0).uniform(low, high, (400, 3))
@@ -80,10 +80,12 @@ def main(samplers, check):
             print(f"{'holds ' if held[-1] else 'FAILED'} {what}: {value:.4g}, expected {relation} {bound:.4g}")
         sys.exit(not all(held))
     ff = designs.need("forefeel")
+    if not args.alone:
+        if any(round(n ** (1 / 3)) ** 3 != n for n in args.states):
+            parser.error("--states: expected cubes for the lattice, such as 64, or --alone")
+        samplers = designs.baselines() | samplers
     out = csv.writer(sys.stdout)
     out.writerow(["sampler", "body", "model", "states", "p95_percent", "planning_s", "solving_s", "seed"])
-    if not args.alone:
-        samplers = designs.baselines() | samplers
     try:
         for scene in args.scenes:
             out.writerows(rows(ff.Scene(scene, args.set), ff, samplers, args))
