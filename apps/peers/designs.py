@@ -53,7 +53,7 @@ def baselines():
     return {"lattice": lambda low, high, seed, n: Design(lattice(low, high, n)),
             "halton": lambda low, high, seed, n: Design(halton(low, high, n, seed), random=True),
             "farthest": lambda low, high, seed, n: Design(farthest(low, high, n)),
-            "forefeel": lambda low, high, seed, n: ff.Placement(low, high, max(high - low) / 16)}
+            "forefeel": lambda low, high, seed, n: ff.Placement(low, high, max(high - low) / 12)}
 
 
 class Rule:
@@ -72,7 +72,7 @@ class Rule:
     @classmethod
     def placed(cls, low, high, seed, n):
         rule = cls()
-        sampler = need("forefeel").Placement(low, high, max(high - low) / 16, rule=rule)
+        sampler = need("forefeel").Placement(low, high, max(high - low) / 12, rule=rule)
         if hasattr(cls, "predict"):    # of all states, the last included
             sampler.predict = lambda points: [rule.doubt(sampler.states, sampler.candidates), rule.predict(points)][1]
         return sampler
