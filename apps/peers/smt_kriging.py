@@ -34,7 +34,7 @@ class Variance(Rule):
 
     def worth(self, at, force, candidates):
         if not self.models or len(at) % 25 == 0:
-            self.theta = [trained(at, value).optimal_theta for value in force.T]
+            self.theta = [np.clip(trained(at, value).optimal_theta, 1e-6, 20) for value in force.T]    # its bounds
         self.models = [trained(at, value, theta) for value, theta in zip(force.T, self.theta)]
         return sum(model.predict_variances(candidates)[:, 0] for model in self.models)
 
