@@ -86,14 +86,14 @@ endif()
 install(FILES ${manual_folder}/forefeel.1 DESTINATION ${CMAKE_INSTALL_MANDIR}/man1)
 install(FILES ${manual_folder}/forefeel.bash DESTINATION ${CMAKE_INSTALL_DATADIR}/bash-completion/completions
         RENAME forefeel)
-install(DIRECTORY apps/scenes apps/studies apps/examples apps/paper DESTINATION ${CMAKE_INSTALL_DATADIR}/forefeel
-        PATTERN "__pycache__" EXCLUDE)
+install(DIRECTORY apps/scenes apps/studies apps/examples apps/paper apps/peers
+        DESTINATION ${CMAKE_INSTALL_DATADIR}/forefeel PATTERN "__pycache__" EXCLUDE)
 # The README with the files that it links to. Its other paths are those of the source tree.
 set_property(DIRECTORY APPEND PROPERTY CMAKE_CONFIGURE_DEPENDS README.md)
 file(READ README.md readme)
 file(CONFIGURE OUTPUT ${PROJECT_BINARY_DIR}/installed/README.md @ONLY CONTENT
-"> Installed: `apps/scenes`, `apps/studies`, `apps/examples` and `apps/paper` are in `share/forefeel`, the headers in
-> `include/forefeel`. Other scripts and tests are in the source tree alone.
+"> Installed: `apps/scenes`, `apps/studies`, `apps/examples`, `apps/paper` and `apps/peers` are in `share/forefeel`,
+> the headers in `include/forefeel`. Other scripts and tests are in the source tree alone.
 
 @readme@")
 install(FILES ${package_folder}/copyright ${PROJECT_BINARY_DIR}/installed/README.md LICENSE
