@@ -66,6 +66,7 @@ double hausdorff_distance(const Surface& a, const Surface& b, double step = 0);
 struct Toward {
   Vec3 site = Vec3::Zero();  // [m]; taken to the nearest point of the surface
   double radius = 0;         // [m]
+  double far = 1.144714;     // edge far from it, over that of a mesh of one size: 1.5^(1/3), see size_field.hpp
 };
 
 // The part of a body at the low end of an axis, as nodes_below() chooses its nodes (tet_mesh.hpp). Its rim is the

@@ -2,6 +2,8 @@
 
 #include <algorithm>
 #include <cmath>
+#include <map>
+#include <set>
 
 #include "geometry/coverage/state_space.hpp"
 #include "solver/body/law.hpp"
@@ -21,13 +23,20 @@ std::optional<CellAround> cell_around(const CoarsePlanes& planes, const Vec3& q)
   return cell;
 }
 
+std::vector<LatticeIndex> sorted_once(std::vector<LatticeIndex> some) {
+  std::ranges::sort(some);
+  const auto rest = std::ranges::unique(some);
+  some.erase(rest.begin(), rest.end());
+  return some;
+}
+
 std::vector<LatticeIndex> corners_of(const CellAround& cell) {
-  std::set<LatticeIndex> corners;
+  std::vector<LatticeIndex> corners;
   for (unsigned i = 0; i < 8; ++i)
-    corners.insert({(i & 1) != 0 ? cell[0].second : cell[0].first,
-                    (i & 2) != 0 ? cell[1].second : cell[1].first,
-                    (i & 4) != 0 ? cell[2].second : cell[2].first});
-  return {corners.begin(), corners.end()};
+    corners.push_back({(i & 1) != 0 ? cell[0].second : cell[0].first,
+                       (i & 2) != 0 ? cell[1].second : cell[1].first,
+                       (i & 4) != 0 ? cell[2].second : cell[2].first});
+  return sorted_once(std::move(corners));
 }
 
 std::vector<LatticeIndex> corners_of(const CoarsePlanes& planes, const LatticeIndex& k) {
@@ -145,12 +154,12 @@ SweepPlan::SweepPlan(const LatticeOptions& options, const std::vector<State>& kn
     if ((state.at - position_of(k, options.spacing)).norm() < 1e-6 * options.spacing) there.insert(k);
   }
   const std::vector<Vec3> outward = lattice(options.box, options.spacing);
+  positions_ = outward.size();
   for (const Vec3& x : outward) {
     const LatticeIndex k = fine_index(x, options.spacing);
-    all_.insert(k);
     if (!there.contains(k)) missing_.push_back(k);
   }
-  wanted_.insert(missing_.begin(), missing_.end());
+  wanted_ = sorted_once(missing_);
   plan_groups(outward, options.spacing);
   plan_coarse();
 }
@@ -185,15 +194,15 @@ void SweepPlan::plan_groups(const std::vector<Vec3>& outward, double spacing) {
   }
   join_small(cells, group_of);
   for (CellGroup& group : cells)
-    if (std::ranges::any_of(group.fine, [&](const LatticeIndex& k) { return wanted_.contains(k); }))
+    if (std::ranges::any_of(group.fine, [&](const LatticeIndex& k) { return is_wanted(k); }))
       groups_.push_back(std::move(group.fine));
 }
 
 std::vector<LatticeIndex> corners_of(const CoarsePlanes& planes, std::span<const LatticeIndex> fine) {
-  std::set<LatticeIndex> corners;
+  std::vector<LatticeIndex> corners;
   for (const LatticeIndex& k : fine)
-    for (const LatticeIndex& c : corners_of(planes, k)) corners.insert(c);
-  return {corners.begin(), corners.end()};
+    for (const LatticeIndex& c : corners_of(planes, k)) corners.push_back(c);
+  return sorted_once(std::move(corners));
 }
 
 std::vector<SweepPiece> pieces_of(const SweepPlan& plan) {

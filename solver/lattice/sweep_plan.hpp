@@ -2,9 +2,8 @@
 // Plans a sweep (sweep.hpp): which pieces must be solved, and which solved nodes each piece needs. A coarse node needs
 // only coarse nodes nearer to rest; a group of fine states may also need the corners of its cells.
 
+#include <algorithm>
 #include <functional>
-#include <map>
-#include <set>
 #include <span>
 #include <vector>
 
@@ -24,10 +23,10 @@ class SweepPlan {
   // Plans all lattice positions in the box that `known` does not hold.
   SweepPlan(const LatticeOptions& options, const std::vector<State>& known);
 
-  std::size_t positions() const { return all_.size(); }  // of the lattice in the box
+  std::size_t positions() const { return positions_; }  // of the lattice in the box
   std::size_t resumed() const { return positions() - missing_.size(); }
   const std::vector<LatticeIndex>& missing() const { return missing_; }  // fine indices, outward from rest
-  bool is_wanted(const LatticeIndex& fine) const { return wanted_.contains(fine); }
+  bool is_wanted(const LatticeIndex& fine) const { return std::ranges::binary_search(wanted_, fine); }
   // The coarse nodes that missing states depend on, with all on the paths from rest to them; sorted by index.
   const std::vector<LatticeIndex>& coarse() const { return coarse_; }
   const CoarsePlanes& planes() const { return planes_; }
@@ -40,8 +39,8 @@ class SweepPlan {
   void plan_coarse();
   void plan_groups(const std::vector<Vec3>& outward, double spacing);
   CoarsePlanes planes_;
-  std::set<LatticeIndex> all_, wanted_;
-  std::vector<LatticeIndex> missing_, coarse_;
+  std::size_t positions_ = 0;
+  std::vector<LatticeIndex> missing_, wanted_, coarse_;  // wanted_: those missing, sorted
   std::vector<std::vector<LatticeIndex>> groups_;
 };
 

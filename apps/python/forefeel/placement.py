@@ -41,7 +41,7 @@ class Placement:
             raise _core.InputError("Placement: expected corners (3,) with low < high, and spacing > 0")
         if not np.prod((self.high - self.low) / self.spacing + 1) <= 1e6:
             raise _core.InputError("Placement: the box holds more than 1e6 candidates, expected a larger spacing")
-        axes = [np.arange(np.ceil(l / spacing), np.floor(h / spacing) + 1) * spacing
+        axes = [np.arange(np.ceil(l / spacing - 1e-9), np.floor(h / spacing + 1e-9) + 1) * spacing
                 for l, h in zip(self.low, self.high)]
         self.candidates = np.stack(np.meshgrid(*axes, indexing="ij"), axis=-1).reshape(-1, 3)
         if len(self.candidates) == 0:
