@@ -36,7 +36,8 @@ double farthest_place(const Body& body) {
 // of them fit into the volume of one lattice state.
 std::size_t most_states(const SessionPlan& plan) {
   const StateSpaceOptions& space = plan.input.touched.space;
-  const double positions = ((space.box.size() / space.spacing).array().floor() + 2).prod();
+  const double listed = space.listed ? static_cast<double>(space.listed->size()) : 0;
+  const double positions = std::max(((space.box.size() / space.spacing).array().floor() + 2).prod(), listed);
   const double placed =
       plan.arrivals.given ? 0 : positions * (plan.options.planning.placement == Placement::path ? 12 : 1);
   return plan.input.known.size() + plan.arrivals.list.size() + 1 +
