@@ -165,29 +165,32 @@ class PythonPolicy final : public Policy {
 
 class PythonPredictor final : public Predictor {
  public:
+  // Without a failure, exceptions are thrown on.
   PythonPredictor(py::object object, std::shared_ptr<Failure> failure)
       : object_(std::move(object)), failure_(std::move(failure)) {}
 
   void observe(const HipSample& sample) override {
     last_ = sample;
-    if (failure_->raised()) return;
+    if (failure_ && failure_->raised()) return;
     try {
       const py::gil_scoped_acquire locked;
       (*object_).attr("observe")(sample.t, array_of(sample.at), array_of(sample.velocity));
-    } catch (...) {
+    } catch (const std::exception& error) {
+      if (!failure_) throw std::runtime_error(fmt::format("predictor: {}", error.what()));
       failure_->keep(std::current_exception());
     }
   }
   Prediction predict(double horizon) const override {
     Prediction out{.horizon = horizon, .at = last_.at, .deviation = 0};
-    if (failure_->raised()) return out;
+    if (failure_ && failure_->raised()) return out;
     try {
       const py::gil_scoped_acquire locked;
       const auto given = py::cast<py::tuple>((*object_).attr("predict")(horizon));
       if (given.size() != 2) throw InputError("predictor", "predict() must return (at, deviation)");
       out.at = vector_of(given[0], "predictor.predict()");
       out.deviation = py::cast<double>(given[1]);
-    } catch (...) {
+    } catch (const std::exception& error) {
+      if (!failure_) throw std::runtime_error(fmt::format("predictor: {}", error.what()));
       failure_->keep(std::current_exception());
     }
     return out;
@@ -273,6 +276,9 @@ std::unique_ptr<Policy> unique_policy_of(py::object policy) {
 }
 std::shared_ptr<Predictor> predictor_of(py::object predictor, std::shared_ptr<Failure> failure) {
   return std::make_shared<PythonPredictor>(std::move(predictor), std::move(failure));
+}
+std::unique_ptr<Predictor> unique_predictor_of(py::object predictor) {
+  return std::make_unique<PythonPredictor>(std::move(predictor), nullptr);
 }
 std::shared_ptr<Device> device_of(py::object device, std::shared_ptr<Failure> failure) {
   return std::make_shared<PythonDevice>(std::move(device), std::move(failure));
