@@ -56,11 +56,14 @@ std::vector<PredictionError> PredictionScore::report() const {
 
 PredictorScores::PredictorScores(double step, const PredictorSpec& own, const FactoryContext& context)
     : names_(predictor_names()) {
-  std::erase(names_, "network");  // has no weights of its own
-  if (own.name == "network") names_.push_back(to_text(own));
-  for (const std::string& name : names_) {
-    predictors_.push_back(name.starts_with("network") ? make_predictor(own, context) : make_predictor(name));
+  std::erase_if(names_, [&](const std::string& name) {  // network has no weights of its own
+    return name != own.name && (name == "network" || !is_built_in_predictor(name));
+  });
+  for (std::string& name : names_) {
+    const bool is_own = name == own.name;
+    predictors_.push_back(is_own ? make_predictor(own, context) : make_predictor(name));
     scores_.emplace_back(*predictors_.back(), step);
+    if (is_own) name = to_text(own);
   }
 }
 

@@ -52,8 +52,8 @@ struct PredictorErrors {
   std::string predictor;
   std::vector<PredictionError> by_horizon;
 };
-// The error that each of predictor_names() would have made on one motion, at score_horizons; `network` only with the
-// file of the session's own.
+// The error that each built-in predictor and the session's own would have made on one motion, at score_horizons;
+// `network` only with the file of the session's own.
 class PredictorScores {
  public:
   // step: of the motion [s]; own: the session's predictor, as it is made in its context.
