@@ -17,19 +17,27 @@ namespace fs = std::filesystem;
 constexpr std::string_view trace_prefix = "trace:";
 constexpr std::array<std::string_view, 3> halves{"all", "tuning", "table"};
 
-// Relative to the folder where the pattern is; sorted.
+// A text that a pattern matches literally.
+std::string literal(const std::string& text) {
+  std::string pattern;
+  for (const char c : text) {
+    if (std::string_view("*?[\\").find(c) != std::string_view::npos) pattern += '\\';
+    pattern += c;
+  }
+  return pattern;
+}
+
+// Relative to the folder, as the pattern is; sorted.
 std::vector<fs::path> files_like(const fs::path& folder, const std::string& pattern) {
-  std::string whole;
-  for (const char c : fs::path(pattern).is_absolute() ? std::string() : fs::absolute(folder).string() + "/")
-    whole +=
-        std::string_view("*?[\\").find(c) == std::string_view::npos ? std::string{c} : std::string{'\\', c};
-  whole += pattern;
+  const bool absolute = fs::path(pattern).is_absolute();
+  const fs::path base = fs::absolute(folder.empty() ? fs::path(".") : folder);
+  const std::string whole = absolute ? pattern : literal(base.string()) + "/" + pattern;
   glob_t found{};
   std::vector<fs::path> files;
   if (glob(whole.c_str(), GLOB_NOSORT, nullptr, &found) == 0)
     for (std::size_t i = 0; i < found.gl_pathc; ++i)
       if (const fs::path file = found.gl_pathv[i]; fs::is_regular_file(file))
-        files.push_back(fs::path(pattern).is_absolute() ? file : fs::proximate(file, fs::absolute(folder)));
+        files.push_back(absolute ? file : fs::proximate(file, base));
   globfree(&found);
   std::ranges::sort(files);
   return files;

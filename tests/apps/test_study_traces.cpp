@@ -96,5 +96,5 @@ TEST_CASE("patterns of recordings that cannot be meant are refused in one line, 
   refused("", "[\"trace:hands/*.csv\", \"trace:more/*.csv\"]",
           {"study.toml:4: vary.device", "two files 'a'", "names that differ"});
   refused("", "[\"trace:hands/a.csv\", \"trace:hands/*.csv\"]",
-          {"study.toml:4: vary.device", "the same as 'trace:hands/a.csv'"});
+          {"study.toml:4: vary.device", "holds 'trace:hands/a.csv' twice"});
 }
