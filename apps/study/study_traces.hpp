@@ -21,8 +21,8 @@ TraceHalf study_traces(const toml::node* node, const InputPlace& place);
 // Whether a value of the devices is a pattern: trace:, and * or ? in its file.
 bool is_trace_pattern(const toml::node& node);
 
-// The devices of a pattern: what the tables say (the file's stem, then the settings), and the device's text. The pattern
-// is relative to the study's folder, else to the scene's. InputError at `place` where no file is left.
+// The devices of a pattern: what the tables say (the file's stem, then the settings), and the device's text. The
+// pattern is relative to the study's folder, else to the scene's. InputError at `place` where no file is left.
 std::vector<std::pair<std::string, std::string>> matching_traces(const std::string& pattern, TraceHalf half,
                                                                  const std::filesystem::path& study,
                                                                  const std::filesystem::path& scene,

@@ -19,8 +19,8 @@
 // outside; and the centres of cubes of side 2 h that fill the box. The less certain the prediction, the more weight
 // goes from the path to the box.
 //
-// With regions, labels at points give way to volumes: the need of a cube is the mean over its volume of the lack at each
-// voxel (region_shares.hpp), and a point of the path has the label of its voxel.
+// With regions, labels at points give way to volumes: the need of a cube is the mean over its volume of the lack at
+// each voxel (region_shares.hpp), and a point of the path has the label of its voxel.
 //
 // A model that interpolates in lattice cells needs all corners of a cell, which labels do not express. For
 // it, each unknown corner of a cell on the path ahead gains w / (number of unknown corners of that cell).
