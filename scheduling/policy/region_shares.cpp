@@ -66,7 +66,8 @@ void RegionShares::learn(const Vec3& at) {
     for (std::int32_t y = low[1]; y <= high[1]; ++y)
       for (std::int32_t x = low[0]; x <= high[0]; ++x) {
         const std::size_t i = number({x, y, z});
-        if (is_due_[i] || !may_change(kept_[i], grid_.centre({x, y, z}), at, H_, limits_)) continue;
+        if (is_due_[i] || kept_[i].label == Label::safe) continue;
+        if (!may_change(kept_[i], grid_.centre({x, y, z}), at, H_, limits_)) continue;
         is_due_[i] = true;
         due_.push_back(static_cast<std::uint32_t>(i));
       }
