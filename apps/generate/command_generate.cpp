@@ -209,7 +209,7 @@ GenerateResult fill_lattice(const Globals& globals, const Scene& scene, StateFil
     result.report = report.states;
     result.ranks = report.farm;
   } else if (scene.space.design != Design::lattice) {
-    const std::vector<Vec3> places = designed_places(options.box, options.spacing, scene.space.design);
+    const std::vector<Vec3> places = designed_places(scene.space);
     result.report = generate_places(scene.body, places, options, keep, show, known);
   } else {
     if (ranks) options.threads = 1;  // three solves give all states of a linear body
@@ -230,6 +230,10 @@ GenerateResult fill_lattice(const Globals& globals, const Scene& scene, StateFil
   return result;
 }
 
+bool by_error(const GenerateArguments& arguments, const Scene& scene) {
+  return arguments.error || scene.space.design == Design::error;
+}
+
 // The scene, checked against the arguments before the file is touched.
 Scene checked_scene(const Globals& globals, const GenerateArguments& arguments) {
   if (arguments.error && !(*arguments.error > 0 && std::isfinite(*arguments.error)))
@@ -242,7 +246,12 @@ Scene checked_scene(const Globals& globals, const GenerateArguments& arguments) 
   for (const std::string& warning : scene.source.warnings) warn(globals, warning);
   if (scene.spacing.chosen) say(globals, in_words(*scene.spacing.chosen));
   if (is_anywhere(scene)) return scene;
-  if (arguments.error)
+  if (arguments.error && scene.space.design != Design::lattice && scene.space.design != Design::error)
+    throw InputError("--error",
+                     fmt::format("places states by their error, expected state_space.design = \"error\", "
+                                 "not \"{}\"",
+                                 name(scene.space.design)));
+  if (by_error(arguments, scene))
     check_generate_to_error(scene);
   else if (scene.space.design == Design::lattice &&
            !holds_lattice_position(scene.space.box, scene.space.spacing))
@@ -271,10 +280,10 @@ int run_generate(const Globals& globals, const GenerateArguments& arguments, Ran
   end_if_interrupted("anything was solved");
   if (is_anywhere(scene))
     return generate_sites(globals, scene, {arguments.output, arguments.where, arguments.error}, ranks);
-  if (ranks && arguments.error)
-    throw InputError(
-        "--mpi",
-        "has no use with --error, where each state is placed by those before it; expected one of the two");
+  if (ranks && by_error(arguments, scene))
+    throw InputError("--mpi",
+                     "has no use with --error and with design = \"error\", where each state is placed by "
+                     "those before it; expected one of the two");
   if (ranks && scene.space.design != Design::lattice)
     throw InputError("--mpi", "solves lattices, expected state_space.design = \"lattice\"");
   StateFile file = StateFile::open_or_create(arguments.output, header_of(scene));
@@ -283,8 +292,8 @@ int run_generate(const Globals& globals, const GenerateArguments& arguments, Ran
   const std::vector<State> known = file.read_all();
   if (file.damaged() > 0) warn(globals, damage_in_words(arguments.output, file.damaged(), true));
   file.drop_damaged();
-  if (arguments.error) {
-    const int code = generate_to_error(globals, scene, std::move(file), arguments.output, *arguments.error);
+  if (by_error(arguments, scene)) {
+    const int code = generate_to_error(globals, scene, std::move(file), arguments.output, arguments.error);
     if (is_gone(globals, arguments.output)) return 1;
     say(globals, look_at_it(globals, arguments.output, arguments.scene));
     return std::max(code, held ? 0 : 1);

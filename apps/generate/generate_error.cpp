@@ -18,6 +18,7 @@
 #include "apps/scene/scene_mesh_error.hpp"
 #include "geometry/common/counted.hpp"
 #include "geometry/common/error.hpp"
+#include "geometry/coverage/design.hpp"
 #include "geometry/states/check_solves.hpp"
 #include "geometry/states/energy_jet.hpp"
 #include "geometry/states/state_outcome.hpp"
@@ -38,7 +39,7 @@ struct Inverted {
 struct Placed {
   const PlacementReport& report;
   const Inverted& inverted;
-  double error;  // E of --error
+  std::optional<double> error;  // E of --error
   const MeshError& mesh;
 };
 
@@ -62,7 +63,8 @@ const JsonKeys<Placed>& placement_keys() {
   using P = Placed;
   static const JsonKeys<P> keys{
       {"states", "", "usable states in the file", [](const P& p) { return p.report.states; }},
-      {"most_states", "", "of a full lattice", [](const P& p) { return p.report.most_states; }},
+      {"most_states", "", "of a full lattice, or of the design",
+       [](const P& p) { return p.report.most_states; }},
       {"solved", "", "of this run", [](const P& p) { return p.report.solved - p.inverted.now; }},
       {"inverted", "", "states with inverted elements in the file",
        [](const P& p) { return p.inverted.all; }},
@@ -70,7 +72,7 @@ const JsonKeys<Placed>& placement_keys() {
       {"resumed", "", "states that were in the file before", [](const P& p) { return p.report.resumed; }},
       {"seconds", "s", "time of the run", [](const P& p) { return p.report.seconds; }},
       {"threads", "", "that solved", [](const P& p) { return p.report.threads; }},
-      {"error", "1", "E of --error", &P::error},
+      {"error", "1", "E of --error", [](const P& p) { return p.error ? number(*p.error) : Json(); }},
       json_part<P>(mesh_error_keys(), [](const P& p) { return &p.mesh; }),
       {"error_estimate", "1", "the least E that the estimate stays below",
        [](const P& p) { return p.report.estimate.held(); }},
@@ -80,7 +82,7 @@ const JsonKeys<Placed>& placement_keys() {
       {"linear", "", "true: the body is linear, three solves give all",
        [](const P& p) { return p.report.linear; }},
       {"estimate_holds", "", "true: the estimate is below E",
-       [](const P& p) { return p.report.estimate_holds; }},
+       [](const P& p) { return p.error ? Json(p.report.estimate_holds) : Json(); }},
       {"truth_holds", "", "true: the errors at tight solves are below E; null: not known", truth_holds},
       {"interrupted", "", "true: the same command resumes", [](const P& p) { return p.report.stopped; }}};
   return keys;
@@ -92,7 +94,7 @@ std::string in_words(const ErrorQuantiles& q) {
 
 // There are two phases, which may alternate several times. In the first, the number of states needed is not known
 // beforehand, so the line shows the error reached and no remaining time. In the second, it counts the solves.
-void show(Progress& progress, const PlacementProgress& p, double wanted) {
+void show(Progress& progress, const PlacementProgress& p, std::optional<double> wanted) {
   if (p.truth_total > 0) {
     progress.phase("generate: checking the error");
     progress.show(static_cast<double>(p.truth_done) / static_cast<double>(p.truth_total),
@@ -100,10 +102,10 @@ void show(Progress& progress, const PlacementProgress& p, double wanted) {
     return;
   }
   progress.phase("generate: placing states");
-  const std::string states = fmt::format("{} of at most {}", p.states, p.most_states);
-  progress.show(std::isfinite(p.estimate) ? fmt::format("{}, estimated error {:.3g} % of {:.3g} % wanted",
-                                                        states, 100 * p.estimate, 100 * wanted)
-                                          : states);
+  std::string states = fmt::format("{} of {}{}", p.states, wanted ? "at most " : "", p.most_states);
+  if (std::isfinite(p.estimate)) states += fmt::format(", estimated error {:.3g} %", 100 * p.estimate);
+  if (std::isfinite(p.estimate) && wanted) states += fmt::format(" of {:.3g} % wanted", 100 * *wanted);
+  progress.show(states);
 }
 
 void tell(const Globals& globals, const PlacementReport& report, const Inverted& inverted,
@@ -126,9 +128,14 @@ void tell(const Globals& globals, const PlacementReport& report, const Inverted&
   if (!mesh_first) say(globals, discretisation_line(mesh, report.estimate.held()));
 }
 
+constexpr double never_held = 1e-300;  // an error that no model of states reaches
+
 // Why the result is incomplete; empty if it is complete.
-std::string complaint(const PlacementReport& report, double error, const StateSpaceOptions& space) {
+std::string complaint(const PlacementReport& report, std::optional<double> wanted,
+                      const StateSpaceOptions& space) {
   if (report.stopped) return "interrupted; rerun the same command to resume";
+  if (!wanted) return {};
+  const double error = *wanted;
   if (!report.estimate_holds && report.states >= report.most_states) {
     // Rest and the eight corners of the box are tried on any lattice.
     const std::size_t positions = lattice(space.box, space.spacing).size();
@@ -165,9 +172,11 @@ void check_generate_to_error(const Scene& scene) {
 }
 
 int generate_to_error(const Globals& globals, const Scene& scene, StateFile file, const std::string& output,
-                      double error) {
+                      std::optional<double> error) {
   PlacementOptions options;
-  options.error = error;
+  options.error = error.value_or(never_held);
+  if (!error)
+    options.max_states = design_size(scene.space.box, scene.space.spacing), options.truth_samples = 0;
   options.space = scene.space;
   options.estimate.model = scene.model;
   options.estimate.floor = scene.session.judging.error_floor;

@@ -33,6 +33,49 @@ HelpTopic study_topic() {
           study_tables(), guide_study};
 }
 
+// Recordings of people, none of them part of Forefeel.
+DeclaredTable recordings() {
+  return {
+      "recordings",
+      "Public recordings of hands, with the text that reads each as a device. `forefeel trace FILE,SETTINGS "
+      "--to-contact -o t.csv` checks one, shifts it to the contact, cuts it (--from, --to) and writes "
+      "t,x,y,z; "
+      "\"trace:traces/*.csv\" in a study takes all of a folder.",
+      {{"JIGSAWS", "", "",
+        "Gao, Vedula, Reiley et al., JHU-ISI gesture and skill assessment working set, M2CAI 2014: eight "
+        "surgeons at a da Vinci console; cirl.lcsr.jhu.edu/research/hmm/datasets/jigsaws_release, on "
+        "request, "
+        "for research. 76 columns, 30 Hz, m. Right hand: trace:Suturing_B001.txt,columns=20/21/22,rate=30; "
+        "right "
+        "tool: columns=58/59/60"},
+       {"Auslan", "", "",
+        "Kadous, Australian sign language signs (high quality), UCI data set 115, 2002: 2565 signs of one "
+        "signer, 0.6 s each; archive.ics.uci.edu/dataset/115, CC BY 4.0. 22 columns, about 100 Hz, m. Right "
+        "hand: trace:alive-1.tsd,columns=12/13/14,rate=100"},
+       {"WAY-EEG-GAL", "", "",
+        "Luciw, Jarocka, Edin, Scientific Data 1:140047, 2014 (doi 10.1038/sdata.2014.47): twelve people "
+        "reach, "
+        "grasp and lift; doi 10.6084/m9.figshare.988376, CC BY. Wrist, 500 Hz, cm: python3 -c \"import "
+        "scipy.io as s, numpy as n; k = s.loadmat('HS_P1_S1.mat', simplify_cells=True)['hs']['kin']; c = "
+        "list(k['names']); n.savetxt('p1.csv', k['sig'][:, [c.index(a) for a in ('Px4', 'Py4', 'Pz4')]], "
+        "delimiter=',')\", then trace:p1.csv,columns=1/2/3,rate=500,unit=cm"},
+       {"LASA", "", "",
+        "Khansari-Zadeh, Billard, handwriting dataset, IEEE T-RO 27, 2011: 30 shapes drawn seven times with "
+        "a "
+        "pen; bitbucket.org/khansari/lasahandwritingdataset, for research, cite the paper. Plane, mm: "
+        "python3 -c "
+        "\"import scipy.io as s, numpy as n; d = s.loadmat('Angle.mat', simplify_cells=True)['demos'][0]; "
+        "n.savetxt('a.csv', n.c_[d['t'], d['pos'].T], delimiter=',')\", then "
+        "trace:a.csv,columns=1/2/3/-,unit=mm"},
+       {"Quick, Draw!", "", "",
+        "Google, 2017: 50 million drawings by mouse and finger; "
+        "github.com/googlecreativelab/quickdraw-dataset, "
+        "CC BY 4.0. Raw files, plane, pixels and ms: python3 -c \"import json; [print(t, x, y, sep=',') for "
+        "s in "
+        "json.loads(open('cat.ndjson').readline())['drawing'] for x, y, t in zip(*s)]\" > cat.csv, then "
+        "trace:cat.csv,columns=1/2/3/-,unit=mm/ms with a scale, as the size of a pixel is unknown"}}};
+}
+
 HelpTopic devices_topic() {
   HelpTopic topic{
       "devices",
@@ -48,6 +91,7 @@ HelpTopic devices_topic() {
                             name == "threads" ? "threads of this process; simulated under the virtual clock"
                                               : "registered by this program"});
   topic.tables.push_back(workers);
+  topic.tables.push_back(recordings());
   return topic;
 }
 

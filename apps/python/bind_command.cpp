@@ -46,17 +46,26 @@ int run_command(const std::vector<std::string>& words) {
   }
 }
 
-// factory(**settings) makes a policy for each session; settings are texts, as after the name in a study.
-// The table of policies outlives the interpreter, so it borrows the factory; a list of the module owns it.
+// factory(**settings) makes a part for each session; settings are texts, as after the name in a study.
+py::object made_by(const py::handle& factory, FactoryContext& with) {
+  py::dict settings;
+  for (const std::string& key : with.arguments.keys()) settings[py::str(key)] = with.arguments.text(key, "");
+  return factory(**settings);
+}
+
+// The tables of parts outlive the interpreter, so they borrow the factory; a list of the module owns it.
 void add_policy(const std::string& name, const py::function& factory, py::list& owned) {
   owned.append(factory);
-  const py::handle borrowed = factory;
-  forefeel::register_policy(name, [borrowed](FactoryContext& with) {
+  forefeel::register_policy(name, [borrowed = py::handle(factory)](FactoryContext& with) {
     const py::gil_scoped_acquire locked;
-    py::dict settings;
-    for (const std::string& key : with.arguments.keys())
-      settings[py::str(key)] = with.arguments.text(key, "");
-    return unique_policy_of(borrowed(**settings));
+    return unique_policy_of(made_by(borrowed, with));
+  });
+}
+void add_predictor(const std::string& name, const py::function& factory, py::list& owned) {
+  owned.append(factory);
+  forefeel::register_predictor(name, [borrowed = py::handle(factory)](FactoryContext& with) {
+    const py::gil_scoped_acquire locked;
+    return unique_predictor_of(made_by(borrowed, with));
   });
 }
 
@@ -65,7 +74,7 @@ void add_policy(const std::string& name, const py::function& factory, py::list& 
 void bind_command(py::module_& module) {
   module.def("_command", &run_command, py::arg("words"));
   py::list owned;
-  module.attr("_policy_factories") = owned;
+  module.attr("_factories") = owned;
   module.def(
       "register_policy",
       [owned](const std::string& name, const py::function& factory) mutable {
@@ -75,6 +84,14 @@ void bind_command(py::module_& module) {
       "Makes a policy known by a name, in studies and sessions of this process. factory(**settings) "
       "returns an "
       "object with the method prioritise(candidates, view); settings are texts.");
+  module.def(
+      "register_predictor",
+      [owned](const std::string& name, const py::function& factory) mutable {
+        add_predictor(name, factory, owned);
+      },
+      py::arg("name"), py::arg("factory"),
+      "The same for predictors: objects with observe(t, at, velocity) and predict(horizon) -> (at, "
+      "deviation).");
   module.attr("version") = py::str(version_text());
 }
 

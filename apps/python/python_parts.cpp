@@ -2,7 +2,7 @@
 
 #include <fmt/format.h>
 
-#include <unordered_map>
+#include <vector>
 
 #include "apps/python/arrays.hpp"
 #include "apps/python/scene_object.hpp"
@@ -33,6 +33,39 @@ struct CandidateRow {
 
 struct PredictionRow {
   double horizon, at[3], deviation;
+};
+
+// Keeps the interpreter's record of this thread, if it is one that Python did not start. Otherwise each lock would make
+// a record and throw it away, which takes longer than a short call.
+class PythonThread {
+ public:
+  PythonThread() {
+    if (PyGILState_GetThisThreadState() != nullptr) return;
+    ensured_ = PyGILState_Ensure();
+    saved_ = PyEval_SaveThread();
+  }
+  ~PythonThread() {
+    if (saved_ == nullptr || Py_IsInitialized() == 0) return;
+    PyEval_RestoreThread(saved_);
+    PyGILState_Release(ensured_);
+  }
+  PythonThread(const PythonThread&) = delete;
+  PythonThread& operator=(const PythonThread&) = delete;
+
+ private:
+  PyGILState_STATE ensured_{};
+  PyThreadState* saved_ = nullptr;
+};
+
+// The interpreter's lock, taken in each call of a part.
+class Locked {
+ private:
+  static const PythonThread& of_this_thread() {
+    static thread_local const PythonThread thread;
+    return thread;
+  }
+  const PythonThread& thread_ = of_this_thread();  // before the lock
+  const py::gil_scoped_acquire lock_;
 };
 
 // A Python object whose last reference may be dropped on any thread.
@@ -84,9 +117,9 @@ class PythonPolicy final : public Policy {
 
   std::string_view name() const override { return name_; }
   bool reads_regions() const override { return reads_regions_; }
-  void look(const PlannerView&) override { known_.clear(); }
+  void look(const PlannerView&) override { ++step_; }
   void pend(const PlannerView&) override {
-    if (reads_pending_) known_.clear();
+    if (reads_pending_) ++step_;
   }
   // Without reads_pending a priority does not change within a step.
   double at_most(double priority) const override {
@@ -100,13 +133,8 @@ class PythonPolicy final : public Policy {
   void prioritise(std::span<const Candidate> candidates, const PlannerView& view,
                   std::span<double> out) const override {
     std::vector<std::size_t> asked;
-    for (std::size_t i = 0; i < candidates.size(); ++i) {
-      const auto found = known_.find(candidates[i].at);
-      if (found == known_.end())
-        asked.push_back(i);
-      else
-        out[i] = found->second;
-    }
+    for (std::size_t i = 0; i < candidates.size(); ++i)
+      if (!is_known(candidates[i], out[i])) asked.push_back(i);
     if (asked.empty()) return;
     for (const std::size_t i : asked) out[i] = 0;
     if (failure_ && failure_->raised()) return;
@@ -119,17 +147,28 @@ class PythonPolicy final : public Policy {
   }
 
  private:
-  struct Hash {
-    std::size_t operator()(const Vec3& at) const {
-      std::size_t hash = 0;
-      for (int i = 0; i < 3; ++i) hash = hash * 1000003 + std::hash<double>()(at[i]);
-      return hash;
-    }
+  // What the object gave a candidate in a planning step, by Candidate::order.
+  struct Given {
+    std::uint64_t step = 0;
+    Vec3 at = Vec3::Zero();
+    double value = 0;
   };
+  bool is_known(const Candidate& candidate, double& value) const {
+    if (candidate.order >= given_.size()) return false;
+    const Given& given = given_[candidate.order];
+    value = given.value;
+    return given.step == step_ && given.at == candidate.at;
+  }
+  void remember(const Candidate& candidate, double value) const {
+    constexpr std::uint32_t most = 10'000'000;
+    if (candidate.order >= most) return;
+    if (candidate.order >= given_.size()) given_.resize(candidate.order + 1000);
+    given_[candidate.order] = {step_, candidate.at, value};
+  }
 
   void ask(std::span<const Candidate> candidates, const std::vector<std::size_t>& asked,
            const PlannerView& view, std::span<double> out) const {
-    const py::gil_scoped_acquire locked;
+    const Locked locked;
     py::array_t<CandidateRow> rows(static_cast<py::ssize_t>(asked.size()));
     CandidateRow* row = rows.mutable_data();
     for (const std::size_t i : asked) {
@@ -152,7 +191,7 @@ class PythonPolicy final : public Policy {
       if (!(value >= 0) || !std::isfinite(value))
         throw InputError("policy", fmt::format("prioritise() gave {}, expected finite numbers >= 0", value));
       out[asked[k]] = value;
-      known_[candidates[asked[k]].at] = value;
+      remember(candidates[asked[k]], value);
     }
   }
 
@@ -160,34 +199,38 @@ class PythonPolicy final : public Policy {
   std::shared_ptr<Failure> failure_;
   std::string name_;
   bool reads_regions_ = false, reads_pending_ = false;
-  mutable std::unordered_map<Vec3, double, Hash> known_;  // in this planning step
+  std::uint64_t step_ = 1;  // grows when what was given holds no more
+  mutable std::vector<Given> given_;
 };
 
 class PythonPredictor final : public Predictor {
  public:
+  // Without a failure, exceptions are thrown on.
   PythonPredictor(py::object object, std::shared_ptr<Failure> failure)
       : object_(std::move(object)), failure_(std::move(failure)) {}
 
   void observe(const HipSample& sample) override {
     last_ = sample;
-    if (failure_->raised()) return;
+    if (failure_ && failure_->raised()) return;
     try {
-      const py::gil_scoped_acquire locked;
+      const Locked locked;
       (*object_).attr("observe")(sample.t, array_of(sample.at), array_of(sample.velocity));
-    } catch (...) {
+    } catch (const std::exception& error) {
+      if (!failure_) throw std::runtime_error(fmt::format("predictor: {}", error.what()));
       failure_->keep(std::current_exception());
     }
   }
   Prediction predict(double horizon) const override {
     Prediction out{.horizon = horizon, .at = last_.at, .deviation = 0};
-    if (failure_->raised()) return out;
+    if (failure_ && failure_->raised()) return out;
     try {
-      const py::gil_scoped_acquire locked;
+      const Locked locked;
       const auto given = py::cast<py::tuple>((*object_).attr("predict")(horizon));
       if (given.size() != 2) throw InputError("predictor", "predict() must return (at, deviation)");
       out.at = vector_of(given[0], "predictor.predict()");
       out.deviation = py::cast<double>(given[1]);
-    } catch (...) {
+    } catch (const std::exception& error) {
+      if (!failure_) throw std::runtime_error(fmt::format("predictor: {}", error.what()));
       failure_->keep(std::current_exception());
     }
     return out;
@@ -213,7 +256,7 @@ class PythonDevice final : public Device {
   Vec3 position(double t, const Vec3& force) noexcept override {
     if (failure_->raised()) return last_;
     try {
-      const py::gil_scoped_acquire locked;
+      const Locked locked;
       last_ = vector_of((*object_).attr("position")(t, array_of(force)), "device.position()");
     } catch (...) {
       failure_->keep(std::current_exception());
@@ -273,6 +316,9 @@ std::unique_ptr<Policy> unique_policy_of(py::object policy) {
 }
 std::shared_ptr<Predictor> predictor_of(py::object predictor, std::shared_ptr<Failure> failure) {
   return std::make_shared<PythonPredictor>(std::move(predictor), std::move(failure));
+}
+std::unique_ptr<Predictor> unique_predictor_of(py::object predictor) {
+  return std::make_unique<PythonPredictor>(std::move(predictor), nullptr);
 }
 std::shared_ptr<Device> device_of(py::object device, std::shared_ptr<Failure> failure) {
   return std::make_shared<PythonDevice>(std::move(device), std::move(failure));

@@ -34,11 +34,12 @@ void bind_parts(pybind11::module_& module);  // the view that a policy's method 
 // policy.prioritise(candidates, view) -> (n,) priorities. Called once per planning step, or after each dispatch
 // too if the object has reads_pending = True.
 std::shared_ptr<Policy> policy_of(pybind11::object policy, std::shared_ptr<Failure> failure);
-// The same for a registered policy, which belongs to no session: an exception is thrown at once, with the text of the
-// Python error.
-std::unique_ptr<Policy> unique_policy_of(pybind11::object policy);
 // predictor.observe(t, at, velocity); predictor.predict(horizon) -> (at, deviation).
 std::shared_ptr<Predictor> predictor_of(pybind11::object predictor, std::shared_ptr<Failure> failure);
+// The same for registered ones, which belong to no session: an exception is thrown at once, with the text of the Python
+// error.
+std::unique_ptr<Policy> unique_policy_of(pybind11::object policy);
+std::unique_ptr<Predictor> unique_predictor_of(pybind11::object predictor);
 // device.position(t, force) -> (3,); device.duration, device.answers_force, device.force_limit if it has them.
 std::shared_ptr<Device> device_of(pybind11::object device, std::shared_ptr<Failure> failure);
 

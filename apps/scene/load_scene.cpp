@@ -18,6 +18,7 @@
 #include "apps/scene/session_rows.hpp"
 #include "geometry/common/sha256.hpp"
 #include "geometry/states/energy_jet.hpp"
+#include "geometry/states/state_file.hpp"
 #include "scheduling/workers/generator.hpp"
 #include "solver/body/body_digest.hpp"
 #include "solver/jet/rest_jet.hpp"
@@ -75,6 +76,21 @@ void choose_spacing_of(const SceneTable& table, const SceneUse& use, Scene& scen
         100 - 100 * scene.spacing.chosen->allowed_share));
 }
 
+void read_design(const SceneTable& table, const std::string& key, Scene& scene) {
+  constexpr std::string_view of_list = "list:";
+  const std::string text = table.holds_text(key) ? *table.text(key) : "";
+  if (!text.starts_with(of_list)) {
+    scene.space.design = *table.word(key, design_words);
+    return;
+  }
+  const fs::path file = scene.source.file.parent_path() / text.substr(of_list.size());
+  if (!fs::is_regular_file(file))
+    throw InputError(table.where(key), fmt::format("no such file '{}', expected rows x,y,z", file.string()));
+  scene.space.design = Design::listed;
+  scene.space.listed = std::make_shared<const std::vector<Vec3>>(read_points_csv(file));
+  check_listed(scene.space, file.string());
+}
+
 const SceneRows<Scene>& rows_of_space() {
   static const auto rows =
       SceneRows<Scene>("state_space", "Where states are placed.")
@@ -88,11 +104,13 @@ const SceneRows<Scene>& rows_of_space() {
                 "[[x0, y0, z0], [x1, y1, z1]] of tip positions, low corner first; rest is [0, 0, 0]"})
           .required("[[x0, y0, z0], [x1, y1, z1]]")
           .standard("required; made of the body with a phantom")
-          .word(
-              "design", design_words,
-              ": how generate, and sessions with placement = \"lattice\", fill the box with a state for each "
-              "spacing^3",
-              path(&Scene::space, &StateSpaceOptions::design))
+          .row({"design", "", "lattice",
+                in_words(design_words) + " or list:FILE (CSV x,y,z in m): how generate, and sessions with "
+                                         "placement = \"lattice\", fill "
+                                         "the box; all but a list with a state for each spacing^3. error: of "
+                                         "generate alone, each next "
+                                         "state where the estimated error is largest"},
+               read_design)
           .row({"depth", "m", fmt::format("{}", usual_depth),
                 "with contact.anywhere, in place of box: how deep states are placed, and half as far "
                 "sideways"})
@@ -166,9 +184,13 @@ ModelOptions read_model(const SceneTable& table) {
   return model;
 }
 
-std::string hash_of(const SceneDocument& document, const BodyIdentity& identity) {
+std::string hash_of(const SceneDocument& document, const BodyIdentity& identity,
+                    const StateSpaceOptions& space) {
   Sha256 hash;
   hash.add(document.text());
+  if (space.listed)
+    for (const Vec3& at : *space.listed)
+      for (const double c : at) hash.add(c);
   for (const auto& [key, value] : identity) hash.add(key + "=" + value + "\n");
   return hash.hex();
 }
@@ -274,7 +296,7 @@ Scene make_scene(const SceneDocument& document, const fs::path& file, const Scen
   scene.kept.displacements = scene.kept.displacements || scene.shape.rate > 0;
   scene.model.length = scene.space.spacing;
   scene.session.model.fit = scene.model;
-  scene.source.hash = hash_of(document, scene.identity);
+  scene.source.hash = hash_of(document, scene.identity, scene.space);
   return scene;
 }
 

@@ -159,19 +159,20 @@ void show_contrasts(const Globals& globals, const Study& study, const std::vecto
     const std::string where = c.slice ? fmt::format(" at {} = {}", study.axes[c.slice->axis].column,
                                                     study.axes[c.slice->axis].values[c.slice->value].text)
                                       : "";
-    const char* verdict = c.comparison.verdict() == 0                               ? "not significant"
-                          : (c.comparison.verdict() > 0) == metric.larger_is_better ? "better"
-                                                                                    : "worse";
+    const char* verdict = c.verdict() == 0                               ? "not significant"
+                          : (c.verdict() > 0) == metric.larger_is_better ? "better"
+                                                                         : "worse";
     const auto interval = [&](const ConfidenceInterval& of) {
       return std::isfinite(of.low) && std::isfinite(of.high)
                  ? fmt::format("[{:.3g}, {:.3g}]", scaled(of.low), scaled(of.high))
                  : std::string("none");
     };
+    const std::string p = std::isfinite(c.holm) ? fmt::format(", p {:.2g} (Holm)", c.holm) : "";
     // With few pairs or one trace there is no interval. Both intervals must exclude zero for a verdict.
-    say(globals, fmt::format("  {} against {}{}: {}{:.3g}, bootstrap {}, Student's {}: {}",
+    say(globals, fmt::format("  {} against {}{}: {}{:.3g}, bootstrap {}, Student's {}{}: {}",
                              study.axes.front().values[c.a].text, study.axes.front().values[c.b].text, where,
                              metric.ratio ? "×" : "", scaled(c.comparison.bootstrap.mean),
-                             interval(c.comparison.bootstrap), interval(c.comparison.student), verdict));
+                             interval(c.comparison.bootstrap), interval(c.comparison.student), p, verdict));
   }
 }
 

@@ -25,7 +25,7 @@ namespace {
 
 namespace fs = std::filesystem;
 
-constexpr int format_version = 2;  // of a cell's record; raised when the content of the record changes
+constexpr int format_version = 3;  // of a cell's record; raised when the content of the record changes
 
 // The file of a trace, by the rules of the device; empty for other devices.
 fs::path trace_file(const DeviceSpec& device, const fs::path& folder) {
@@ -46,6 +46,18 @@ std::vector<std::string> with_select_of(const fs::path& scene, std::vector<std::
   for (std::string& text : overrides)
     if (in_model && text.starts_with("session.select=")) text.replace(0, 7, "model");
   return overrides;
+}
+
+// The error about an overridden scene key, with the place in the study that gave the key.
+InputError located(const StudyFile& study, const InputError& error) {
+  if (error.place().option.empty()) return error;
+  for (std::string path = error.place().key;;) {
+    if (const auto found = study.origin.find(path); found != study.origin.end())
+      return {found->second, error.problem()};
+    const std::size_t dot = path.rfind('.');
+    if (dot == std::string::npos) return error;
+    path.resize(dot);
+  }
 }
 
 Scene load_combination(const StudyFile& study, std::span<const std::size_t> choice, const Scene* like) {

@@ -14,13 +14,13 @@
 #include "apps/study/study_inputs.hpp"
 #include "apps/study/study_keys.hpp"
 #include "apps/study/study_toml.hpp"
+#include "apps/study/study_traces.hpp"
 
 namespace forefeel {
 namespace {
 
 namespace fs = std::filesystem;
-using study_keys::ClaimedKeys, study_keys::identity, study_keys::rebased, study_keys::scene_key,
-    study_keys::sustained_keys;
+using study_keys::ClaimedKeys, study_keys::identity, study_keys::rebased, study_keys::scene_key;
 using study_toml::in_file_order, study_toml::shown, study_toml::toml_of;
 
 constexpr std::size_t most_study_cells = 100'000;
@@ -38,6 +38,7 @@ class Reader {
   void read_scene();
   void add_scenes();
   void read_seeds();
+  void read_traces();
   void read_set();
   void read_fixed();
   void read_fixed_table(const toml::table& table, const std::string& path);
@@ -57,6 +58,8 @@ class Reader {
   std::vector<std::string> set_;
   std::vector<std::string> together_;  // keys of the axis being read, where it is a section
   StudyFileAxis scenes_;               // one, or a list
+  TraceHalf traces_ = TraceHalf::all;
+  bool trace_patterns_ = false;  // some device is one
 };
 
 Reader::Reader(fs::path file, std::span<const std::string> set) : set_(set.begin(), set.end()) {
@@ -82,6 +85,9 @@ std::span<const Reader::Key> Reader::keys() {
       {"scene", "required", "file of the scene, relative to the study, or a list of scenes in one folder",
        &Reader::read_scene},
       {"seeds", "required", "list of whole numbers: every combination is run with each", &Reader::read_seeds},
+      {"traces", "all",
+       "of the files of a pattern in device: tuning (the 1st, 3rd, 5th … by name), table (the others) or all",
+       &Reader::read_traces},
       {"step", "", "[[step]] tables: changes that add up", &Reader::read_steps},
       {"vary", "", "table of lists: every combination is run", &Reader::read_vary},
       {nullptr, nullptr, nullptr, &Reader::add_scenes},
@@ -123,6 +129,10 @@ void Reader::read_seeds() {
   const toml::node* node = root_.get("seeds");
   study_.seeds = study_seeds(node, study_.file);
   keys_.claim("session.seed", where(node, "seeds"), "given by the seeds of the study");
+}
+
+void Reader::read_traces() {
+  traces_ = study_traces(root_.get("traces"), where(root_.get("traces"), "traces"));
 }
 
 // ---- what is fixed, stepped, varied
@@ -209,17 +219,32 @@ StudyFileAxis Reader::read_axis(const std::string& column, const toml::node& nod
   if (!list) throw InputError(axis.where, fmt::format("is {}, expected a list of values", toml_of(node)));
   if (list->empty()) throw InputError(axis.where, "is an empty list, expected at least one value");
   std::map<std::string, std::string> seen;  // identity -> as written
-  for (const toml::node& element : *list) {
-    StudyFileValue value = read_value(column, element, where(&element, "vary." + column));
+  const auto add = [&](const toml::node& element, const InputPlace& place) {
+    StudyFileValue value = read_value(column, element, place);
     const auto [other, fresh] =
         seen.try_emplace(element.is_table() ? value.text : identity(paths(), key, element), value.text);
     if (!fresh)
-      throw InputError(where(&element, "vary." + column),
+      throw InputError(place,
                        other->second == value.text
                            ? fmt::format("holds '{}' twice, expected each value once", value.text)
                            : fmt::format("holds '{}', which is the same as '{}', expected each value once",
                                          value.text, other->second));
     axis.values.push_back(std::move(value));
+  };
+  for (const toml::node& element : *list) {
+    const InputPlace place = where(&element, "vary." + column);
+    if (key != "session.device" || !is_trace_pattern(element)) {
+      add(element, place);
+      continue;
+    }
+    trace_patterns_ = true;
+    for (const auto& [name, device] :
+         matching_traces(shown(element), traces_, study_.file, study_.scene, place)) {
+      if (std::ranges::find(axis.values, name, &StudyFileValue::text) != axis.values.end())
+        throw InputError(place, fmt::format("holds two files '{}', expected names that differ", name));
+      add(toml::value<std::string>(device), place);
+      axis.values.back().text = name;
+    }
   }
   if (together_.empty()) keys_.claim(key, axis.where, "varied");
   for (const std::string& one : std::exchange(together_, {})) keys_.claim(one, axis.where, "varied");
@@ -298,22 +323,7 @@ void Reader::read_sustained() {
   const toml::node* node = root_.get("sustained");
   if (!node) return;
   if (!node->is_table()) throw InputError(where(node, "sustained"), "expected a table");
-  std::vector<std::string> known;
-  for (const study_keys::SustainedKey& key : sustained_keys()) known.push_back(key.declared.name);
-  SustainedOptions options;
-  for (const auto& [name, value] : in_file_order(*node->as_table())) {
-    const InputPlace place = where(value, "sustained." + name);
-    const auto found = std::ranges::find(known, name);
-    if (found == known.end()) throw InputError(place, "unknown key" + expected_instead(name, known));
-    const std::optional<double> number = value->is_number() ? value->value<double>() : std::nullopt;
-    if (!number || !std::isfinite(*number) || *number <= 0 || (name == "share" && *number > 1))
-      throw InputError(place, fmt::format("is {}, expected a number above 0{}", toml_of(*value),
-                                          name == "share" ? " and at most 1" : ""));
-    options.*sustained_keys()[static_cast<std::size_t>(found - known.begin())].place = *number;
-  }
-  if (options.low >= options.high)
-    throw InputError(where(node, "sustained"),
-                     fmt::format("low {} is not below high {}", options.low, options.high));
+  const SustainedOptions options = study_sustained(*node->as_table(), study_.file);
   keys_.claim("speed", where(node, "sustained"), "searched");
   keys_.claim("session.seconds", where(node, "sustained"), "given by travel over speed");
   if (const InputPlace* load = keys_.place_of("target_load"))
@@ -328,6 +338,9 @@ void Reader::read_sustained() {
 }
 
 void Reader::check_combinations() const {
+  if (const toml::node* node = root_.get("traces"); node && !trace_patterns_)
+    throw InputError(where(node, "traces"),
+                     "has no effect, expected a pattern of files in vary.device, as \"trace:traces/*.csv\"");
   double total = static_cast<double>(study_.seeds.size());
   for (const StudyFileAxis& axis : study_.axes) total *= static_cast<double>(axis.values.size());
   if (total > static_cast<double>(most_study_cells))
@@ -381,17 +394,6 @@ std::vector<DeclaredTable> study_tables() {
 
 StudyFile read_study(const fs::path& file, std::span<const std::string> set) {
   return Reader(file, set).read();
-}
-
-InputError located(const StudyFile& study, const InputError& error) {
-  if (error.place().option.empty()) return error;
-  for (std::string path = error.place().key;;) {
-    if (const auto found = study.origin.find(path); found != study.origin.end())
-      return {found->second, error.problem()};
-    const std::size_t dot = path.rfind('.');
-    if (dot == std::string::npos) return error;
-    path.resize(dot);
-  }
 }
 
 }  // namespace forefeel

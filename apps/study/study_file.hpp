@@ -4,6 +4,7 @@
 //   scene = "liver.toml"            # relative to the study, as are traces and arrivals that it names; or a list of
 //                                   # scenes in one folder, which varies fastest
 //   seeds = [1, 2, 3]
+//   traces = "table"                # optional: the half of the files of a pattern in `device` (study_traces.hpp)
 //   baseline = "nearest"            # optional: the value of the first axis that the others are compared with
 //
 //   [session]                       # any section of a scene: keys that are the same in every cell
@@ -75,9 +76,6 @@ struct StudyFile {
 
 // set: the values of --set. InputError for contradictory or meaningless input.
 StudyFile read_study(const std::filesystem::path& file, std::span<const std::string> set);
-
-// The error about an overridden scene key, with the place in the study that gave the key.
-InputError located(const StudyFile& study, const InputError& error);
 
 // Every key of a study, for `forefeel help study`.
 std::vector<DeclaredTable> study_tables();

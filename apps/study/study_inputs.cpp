@@ -3,8 +3,12 @@
 #include <fmt/format.h>
 
 #include <algorithm>
+#include <cmath>
+#include <optional>
 #include <string>
 
+#include "apps/console/suggest.hpp"
+#include "apps/study/study_keys.hpp"
 #include "apps/study/study_toml.hpp"
 #include "geometry/common/error.hpp"
 
@@ -76,6 +80,27 @@ std::vector<std::uint64_t> study_seeds(const toml::node* node, const fs::path& s
     seeds.push_back(seed);
   }
   return seeds;
+}
+
+SustainedOptions study_sustained(const toml::table& table, const fs::path& study) {
+  const std::vector<study_keys::SustainedKey>& keys = study_keys::sustained_keys();
+  std::vector<std::string> known;
+  for (const study_keys::SustainedKey& key : keys) known.push_back(key.declared.name);
+  SustainedOptions options;
+  for (const auto& [name, value] : study_toml::in_file_order(table)) {
+    const InputPlace place = place_of(value, study, ("sustained." + name).c_str());
+    const auto found = std::ranges::find(known, name);
+    if (found == known.end()) throw InputError(place, "unknown key" + expected_instead(name, known));
+    const std::optional<double> number = value->is_number() ? value->value<double>() : std::nullopt;
+    if (!number || !std::isfinite(*number) || *number <= 0 || (name == "share" && *number > 1))
+      throw InputError(place, fmt::format("is {}, expected a number above 0{}", toml_of(*value),
+                                          name == "share" ? " and at most 1" : ""));
+    options.*keys[static_cast<std::size_t>(found - known.begin())].place = *number;
+  }
+  if (options.low >= options.high)
+    throw InputError(place_of(&table, study, "sustained"),
+                     fmt::format("low {} is not below high {}", options.low, options.high));
+  return options;
 }
 
 }  // namespace forefeel

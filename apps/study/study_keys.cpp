@@ -5,6 +5,7 @@
 
 #include <algorithm>
 #include <filesystem>
+#include <optional>
 #include <vector>
 
 #include "apps/console/suggest.hpp"
@@ -29,7 +30,10 @@ const std::vector<ShortKey>& short_keys() {
       {{"policy", "", "", "session.policy: what is solved next"}},
       {{"select", "", "", "session.select: rule that chooses the neighbours"}},
       {{"workers", "", "", "session.workers: workers that solve"}},
-      {{"device", "", "", "session.device: each value is a trace, the unit of the statistics"}},
+      {{"device", "", "",
+        "session.device: each value is a trace, the unit of the statistics; \"trace:traces/*.csv\" stands "
+        "for "
+        "each file that matches"}},
       {{"cost", "", "", "session.cost: time of a solve"}},
       {{"switch", "", "", "session.switch: how the force changes from one model to the next"}},
       {{"target_load", "1", "",
@@ -143,42 +147,50 @@ std::map<std::string, InputPlace> ClaimedKeys::places() const {
   return places;
 }
 
+namespace {
+
+// Where in the text of a value a file is named; nothing where it names none.
+struct FileIn {
+  std::size_t begin, end;
+};
+std::optional<FileIn> file_in(const std::string& key, const std::string& value) {
+  if (key == "session.arrivals" || key == "body.mesh") return FileIn{0, value.size()};
+  if (key == "state_space.design" && value.starts_with("list:")) return FileIn{5, value.size()};
+  if (key == "session.device" && value.starts_with("trace:"))
+    return FileIn{6, std::min(value.find(','), value.size())};
+  return {};
+}
+
+}  // namespace
+
 std::string rebased(const StudyPaths& study, const std::string& key, const toml::node& node) {
   const auto* text = node.as_string();
-  const bool names_file = key == "session.device" || key == "session.arrivals" || key == "body.mesh";
-  if (!text || !names_file) return toml_of(node);
+  const std::optional<FileIn> part = text ? file_in(key, text->get()) : std::nullopt;
+  if (!part) return toml_of(node);
   const auto moved = [&](const std::string& file) -> std::string {
     const fs::path beside = study.file.parent_path() / file;
     if (file.empty() || fs::path(file).is_absolute() || !fs::exists(beside)) return file;
     const fs::path folder = fs::absolute(study.scene).parent_path();
     return fs::proximate(fs::absolute(beside).lexically_normal(), folder.lexically_normal()).string();
   };
-  std::string value = text->get();
-  if (key != "session.device") {
-    value = moved(value);
-  } else if (value.starts_with("trace:")) {
-    const std::size_t end = std::min(value.find(','), value.size());
-    value = "trace:" + moved(value.substr(6, end - 6)) + value.substr(end);
-  }
-  return toml_of(toml::value<std::string>(value));
+  const std::string& value = text->get();
+  return toml_of(toml::value<std::string>(value.substr(0, part->begin) +
+                                          moved(value.substr(part->begin, part->end - part->begin)) +
+                                          value.substr(part->end)));
 }
 
 std::string identity(const StudyPaths& study, const std::string& key, const toml::node& node) {
   if (const auto* number = node.as_integer()) return std::to_string(number->get());
   if (const auto* number = node.as_floating_point()) return fmt::format("{}", number->get());
   const std::string written = rebased(study, key, node);
-  const auto* text = node.as_string();
-  const bool device = key == "session.device";
-  if (!text ||
-      !(device ? text->get().starts_with("trace:") : key == "session.arrivals" || key == "body.mesh"))
-    return written;
+  if (!node.is_string()) return written;
   const std::string value = toml::parse("value = " + written)["value"].value_or(std::string());
-  const std::size_t begin = device ? 6 : 0,
-                    end = device ? std::min(value.find(','), value.size()) : value.size();
+  const std::optional<FileIn> part = file_in(key, value);
+  if (!part) return written;
   std::error_code error;
-  const fs::path file =
-      fs::weakly_canonical(study.scene.parent_path() / value.substr(begin, end - begin), error);
-  return error ? written : value.substr(0, begin) + file.string() + value.substr(end);
+  const fs::path file = fs::weakly_canonical(
+      study.scene.parent_path() / value.substr(part->begin, part->end - part->begin), error);
+  return error ? written : value.substr(0, part->begin) + file.string() + value.substr(part->end);
 }
 
 }  // namespace forefeel::study_keys

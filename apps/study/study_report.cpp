@@ -51,10 +51,10 @@ std::string shown_difference(const StudyMetric& metric, const ConfidenceInterval
   return text + fmt::format("{}[{}, {}]", with_mean ? " " : "", one(d.low), one(d.high));
 }
 
-std::string verdict(const StudyMetric& metric, const Comparison& c) {
+std::string verdict(const StudyMetric& metric, const Comparison& c, int sign) {
   if (c.won == 0 && c.lost == 0) return "tie: equal in all";
-  if (c.verdict() == 0) return "not significant";
-  return (c.verdict() > 0) == metric.larger_is_better ? "better" : "worse";
+  if (sign == 0) return "not significant";
+  return (sign > 0) == metric.larger_is_better ? "better" : "worse";
 }
 
 std::string cell(const std::string& text) {
@@ -162,7 +162,7 @@ std::string ranking_table(const StudyResults& results, const AxisRanking& entry)
                  : standing_of(axis, r.level) == Standing::bound ? "reached by no real policy"
                  : r.holm > significant
                      ? "not significant"
-                     : verdict(metric, r.to_best) +
+                     : verdict(metric, r.to_best, r.to_best.verdict()) +
                            (standing_of(axis, r.level) == Standing::placebo ? " (placebo)" : ""));
     for (const Beside& column : beside)
       html += cell(shown(column.scale * mean_at(results, entry.axis, r.level, column.key)));
@@ -232,10 +232,11 @@ std::string contrast_section(const Study& study, const std::vector<Contrast>& co
                                  counted(std::ranges::max(compared, {}, pairs_of).comparison.pairs, "pair"));
   html += fmt::format(
       "<p class=\"muted\">{}; paired by motion and seed. \"Not significant\": at least one 95 % "
-      "interval contains zero difference.</p>\n",
+      "interval contains zero difference, or p, adjusted by Holm over the rows of one place, exceeds "
+      "0.05.</p>\n",
       html_escaped(metric.title));
   html += "<div class=\"scroll\">" + head({axis.column, "against", "where", "difference [bootstrap]",
-                                           "[Student]", "won / lost / pairs", "traces", ""});
+                                           "[Student]", "won / lost / pairs", "traces", "p, Holm", ""});
   for (const Contrast& c : compared) {
     const std::string where = c.slice ? study.axes[c.slice->axis].column + " = " +
                                             study.axes[c.slice->axis].values[c.slice->value].text
@@ -248,7 +249,9 @@ std::string contrast_section(const Study& study, const std::vector<Contrast>& co
             cell(metric.larger_is_better
                      ? fmt::format("{} / {} / {}", c.comparison.won, c.comparison.lost, c.comparison.pairs)
                      : fmt::format("{} / {} / {}", c.comparison.lost, c.comparison.won, c.comparison.pairs)) +
-            cell(std::to_string(c.comparison.groups)) + cell(verdict(metric, c.comparison)));
+            cell(std::to_string(c.comparison.groups)) +
+            cell(std::isfinite(c.holm) ? fmt::format("{:.2g}", c.holm) : "") +
+            cell(verdict(metric, c.comparison, c.verdict())));
   }
   return html + "</table></div>\n";
 }
@@ -377,9 +380,8 @@ std::string study_page(const PlannedStudy& planned, const StudyResult& result,
     html += fmt::format("<p class=\"muted\">{}</p>\n", html_escaped(share_intervals));
   html +=
       "<p class=\"muted\">An observation is one trace with one seed; all other keys are averaged within it. "
-      "Intervals and pairwise comparisons are not corrected for their number: one in twenty may exclude zero "
-      "by chance. "
-      "The p values of rankings are.</p>\n";
+      "Intervals are not corrected for their number: one in twenty may exclude zero by chance. The p values "
+      "are.</p>\n";
   return html_page("Forefeel study: " + planned.file.file.stem().string(),
                    html + plan_section(planned) + provenance_section(planned));
 }

@@ -125,6 +125,8 @@ Json ranking_json(const Study& study, const std::vector<AxisRanking>& ranked,
       row["where"][study.axes[contrast.slice->axis].column] =
           study.axes[contrast.slice->axis].values[contrast.slice->value].text;
     row.update(comparison_json(contrast.comparison, contrast.metric));
+    row["p_holm"] = number(contrast.holm);
+    row["verdict"] = contrast.metric.larger_is_better ? contrast.verdict() : -contrast.verdict();
     document["contrasts"].push_back(row);
   }
   return document;

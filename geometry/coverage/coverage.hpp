@@ -16,6 +16,7 @@
 #include <limits>
 #include <memory>
 #include <string_view>
+#include <vector>
 
 #include "geometry/common/types.hpp"
 
@@ -67,6 +68,8 @@ struct StateSpaceOptions {
   double spacing = 0.006;  // h [m]
   Box box{};               // where states are placed [m]; the HIP may leave it
   Design design{};         // how they are placed there; the lattice
+  std::shared_ptr<const std::vector<Vec3>> listed =
+      nullptr;  // the places of Design::listed [m], in their order
   CoverageOptions coverage{};
   double merge_distance = 1e-9;  // states nearer than this count as one [spacings]
   // If given, labels use its h(q) instead of `spacing`, which then sets only the side of the finest regions

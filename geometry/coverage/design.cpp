@@ -1,5 +1,7 @@
 #include "geometry/coverage/design.hpp"
 
+#include <fmt/format.h>
+
 #include <algorithm>
 #include <array>
 #include <cmath>
@@ -8,12 +10,15 @@
 #include <random>
 #include <tuple>
 
+#include "geometry/common/error.hpp"
 #include "geometry/coverage/state_space.hpp"
+#include "geometry/index/point_octree.hpp"
 
 namespace forefeel {
 namespace {
 
-constexpr std::array<std::string_view, 4> names{"lattice", "body-centred", "halton", "farthest"};
+constexpr std::array<std::string_view, 6> names{"lattice",  "body-centred", "halton",
+                                                "farthest", "error",        "list"};
 
 // Radical inverse of i with its digits permuted: the permutation of a digit depends on the digits before it, so every
 // prefix stays as even as it was.
@@ -72,14 +77,24 @@ std::string_view name(Design design) {
 }
 
 std::vector<std::string> design_names() {
-  return {names.begin(), names.end()};
+  return {names.begin(), names.end() - 1};
 }
 
-std::vector<Vec3> designed_places(const Box& box, double spacing, Design design, std::uint64_t seed) {
+std::size_t design_size(const Box& box, double spacing) {
+  return static_cast<std::size_t>(
+      std::max(1.0, std::round(box.size().prod() / (spacing * spacing * spacing))));
+}
+
+std::vector<Vec3> designed_places(const StateSpaceOptions& space, std::uint64_t seed) {
+  const auto& [box, spacing, design] = std::tie(space.box, space.spacing, space.design);
   if (design == Design::lattice) return lattice(box, spacing);
-  const Vec3 size = box.size();
-  const auto n =
-      static_cast<std::size_t>(std::max(1.0, std::round(size.prod() / (spacing * spacing * spacing))));
+  if (design == Design::listed) return space.listed ? *space.listed : std::vector<Vec3>{};
+  if (design == Design::error)
+    throw InputError(
+        "state_space.design",
+        "is \"error\", which places each state by those solved before it: of generate. A session "
+        "chooses so by its policy; expected another design");
+  const std::size_t n = design_size(box, spacing);
   std::vector<Vec3> places = design == Design::body_centred ? body_centred_places(box, spacing)
                              : design == Design::halton     ? halton_places(box, n, seed)
                                                             : farthest_places(box, n, seed);
@@ -87,6 +102,25 @@ std::vector<Vec3> designed_places(const Box& box, double spacing, Design design,
   const auto outward = [](const Vec3& at) { return std::tuple(at.squaredNorm(), at.x(), at.y(), at.z()); };
   std::ranges::sort(places, {}, outward);
   return places;
+}
+
+void check_listed(const StateSpaceOptions& space, const std::string& file) {
+  const auto shown = [&](std::size_t i) {
+    const Vec3& at = (*space.listed)[i];
+    return fmt::format("place {} at ({:g}, {:g}, {:g})", i + 1, at.x(), at.y(), at.z());
+  };
+  PointOctree known;
+  for (std::size_t i = 0; i < space.listed->size(); ++i) {
+    const Vec3& at = (*space.listed)[i];
+    if (!space.box.contains(at))
+      throw InputError({.file = file},
+                       shown(i) + " lies outside the box, expected places [m] in state_space.box");
+    const auto near = known.nearest(at, space.merge_distance * space.spacing);
+    if (near.id != PointOctree::nobody)
+      throw InputError({.file = file},
+                       fmt::format("{} is {} again, expected each place once", shown(i), shown(near.id)));
+    known.insert(static_cast<std::uint32_t>(i), at);
+  }
 }
 
 }  // namespace forefeel

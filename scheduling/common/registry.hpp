@@ -62,12 +62,14 @@ class Registry {
     return names;
   }
 
+  bool is_built_in(const std::string& name) const {
+    return std::ranges::find(declared_, name, &Declared::name) != declared_.end();
+  }
   // The built-in ones with their meanings, then the others.
   std::vector<Declared> declared() const {
     std::vector<Declared> rows = declared_;
     for (const std::string& name : names())
-      if (std::ranges::find(declared_, name, &Declared::name) == declared_.end())
-        rows.push_back({name, "", "", "registered by this program"});
+      if (!is_built_in(name)) rows.push_back({name, "", "", "registered by this program"});
     return rows;
   }
 

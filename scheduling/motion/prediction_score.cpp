@@ -7,8 +7,9 @@
 
 namespace forefeel {
 
-PredictionScore::PredictionScore(Predictor& predictor, double step, std::span<const double> horizons)
-    : predictor_(predictor), step_(step) {
+PredictionScore::PredictionScore(Predictor& predictor, double step, std::span<const double> horizons,
+                                 std::size_t stride)
+    : predictor_(predictor), step_(step), stride_(stride) {
   for (const double horizon : horizons)
     ahead_.push_back({.horizon = horizon,
                       .steps = static_cast<std::size_t>(std::llround(horizon / step)),
@@ -19,8 +20,8 @@ PredictionScore::PredictionScore(Predictor& predictor, double step, std::span<co
 void PredictionScore::add(const Vec3& at) {
   predictor_.observe({.t = static_cast<double>(seen_) * step_, .at = at, .velocity = Vec3::Zero()});
   for (Ahead& ahead : ahead_) {
-    ahead.made.push_back(predictor_.predict(ahead.horizon));
-    if (seen_ < ahead.steps) continue;
+    if (seen_ % stride_ == 0) ahead.made.push_back(predictor_.predict(ahead.horizon));
+    if (seen_ < ahead.steps || (seen_ - ahead.steps) % stride_ != 0) continue;
     const Prediction& p = ahead.made.front();
     ahead.errors.push_back((p.at - at).norm());
     ahead.within += ((p.at - at).cwiseAbs().array() <= 2 * p.deviation).all();
@@ -55,12 +56,14 @@ std::vector<PredictionError> PredictionScore::report() const {
 
 PredictorScores::PredictorScores(double step, const PredictorSpec& own, const FactoryContext& context)
     : names_(predictor_names()) {
-  constexpr double horizons[] = {0.02, 0.05, 0.1, 0.2, 0.5};  // [s]
-  std::erase(names_, "network");                              // has no weights of its own
-  if (own.name == "network") names_.push_back(to_text(own));
-  for (const std::string& name : names_) {
-    predictors_.push_back(name.starts_with("network") ? make_predictor(own, context) : make_predictor(name));
-    scores_.emplace_back(*predictors_.back(), step, horizons);
+  std::erase_if(names_, [&](const std::string& name) {  // network has no weights of its own
+    return name != own.name && (name == "network" || !is_built_in_predictor(name));
+  });
+  for (std::string& name : names_) {
+    const bool is_own = name == own.name;
+    predictors_.push_back(is_own ? make_predictor(own, context) : make_predictor(name));
+    scores_.emplace_back(*predictors_.back(), step);
+    if (is_own) name = to_text(own);
   }
 }
 

@@ -1,6 +1,7 @@
 #pragma once
 // The error of a predictor as a function of the horizon.
 
+#include <array>
 #include <cstddef>
 #include <deque>
 #include <memory>
@@ -21,11 +22,14 @@ struct PredictionError {
   // Calibration: shares of true positions within the balls that hold 50 and 90 % of the predicted normal distribution.
   double within_50 = 0, within_90 = 0;
 };
+inline constexpr std::array score_horizons{0.02, 0.05, 0.1, 0.2, 0.5};  // [s]
+
 // Accumulates the errors over a motion, one position at a time.
 class PredictionScore {
  public:
-  // horizons [s]. The predictor must outlive this.
-  PredictionScore(Predictor& predictor, double step, std::span<const double> horizons);
+  // horizons [s]. The predictor must outlive this. It observes every position and predicts at each stride-th.
+  PredictionScore(Predictor& predictor, double step, std::span<const double> horizons = score_horizons,
+                  std::size_t stride = 1);
   void add(const Vec3& at);                     // the next position [m]
   std::vector<PredictionError> report() const;  // #horizons
 
@@ -39,7 +43,7 @@ class PredictionScore {
   };
   Predictor& predictor_;
   double step_;
-  std::size_t seen_ = 0;
+  std::size_t stride_, seen_ = 0;
   std::vector<Ahead> ahead_;
 };
 
@@ -48,8 +52,8 @@ struct PredictorErrors {
   std::string predictor;
   std::vector<PredictionError> by_horizon;
 };
-// The error that each of predictor_names() would have made on one motion, at the horizons 0.02, 0.05, 0.1,
-// 0.2 and 0.5 s; `network` only with the file of the session's own.
+// The error that each built-in predictor and the session's own would have made on one motion, at score_horizons;
+// `network` only with the file of the session's own.
 class PredictorScores {
  public:
   // step: of the motion [s]; own: the session's predictor, as it is made in its context.

@@ -31,6 +31,10 @@ std::vector<std::string> predictor_names() {
   return predictors_known().names();
 }
 
+bool is_built_in_predictor(const std::string& name) {
+  return predictors_known().is_built_in(name);
+}
+
 std::vector<Declared> declared_predictors() {
   return predictors_known().declared();
 }

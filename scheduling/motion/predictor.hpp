@@ -47,7 +47,8 @@ using PredictorFactory = std::function<std::unique_ptr<Predictor>(FactoryContext
 
 // May be called from any thread, and before main() begins. InputError for a name that is taken.
 void register_predictor(const std::string& name, PredictorFactory factory);
-std::vector<std::string> predictor_names();   // sorted
+std::vector<std::string> predictor_names();  // sorted
+bool is_built_in_predictor(const std::string& name);
 std::vector<Declared> declared_predictors();  // with their meanings, for `forefeel help`
 // Throws InputError for an unknown name; the error lists the known ones.
 std::unique_ptr<Predictor> make_predictor(const PredictorSpec& predictor, const FactoryContext& context = {});

@@ -148,6 +148,7 @@ std::unique_ptr<Policy> make_coarse_to_fine(FactoryContext&) {
 // each (coverage_need.hpp). So blank, gap and sparse places on the predicted path become safe first. Where
 // there is no need, states nearer to the HIP come first.
 //   coverage               the path as predicted
+//   coverage-regions       the same with the volumes of regions in place of labels at points
 //   clairvoyant-greedy     the path as it will be
 //   clairvoyant            the same; under the virtual clock the session rehearses all schedules first
 //   shuffled               the placebo of coverage: the same labels, permuted among the places
@@ -163,6 +164,10 @@ using Path = NeedPath;
 
 std::unique_ptr<Policy> make_coverage(FactoryContext&) {
   return std::make_unique<CoveragePolicy>("coverage", Path::predicted, NeedOptions{});
+}
+
+std::unique_ptr<Policy> make_coverage_regions(FactoryContext&) {
+  return std::make_unique<CoveragePolicy>("coverage-regions", Path::predicted, NeedOptions{.regions = true});
 }
 
 std::unique_ptr<Policy> make_clairvoyant(FactoryContext&) {

@@ -31,17 +31,18 @@ LatticeCandidates::LatticeCandidates(const StateSpace& space, std::span<const St
     for (const AdaptiveLattice::Point& point : leaves_->points()) add(point.at, false);
   } else {
     for (const Vec3& x :
-         placement == Placement::path ? lattice(box, 2 * h) : designed_places(box, h, space.options().design))
+         placement == Placement::path ? lattice(box, 2 * h) : designed_places(space.options()))
       add(x, false);
   }
 }
 
 // Rounded to a tenth of the spacing. This distinguishes lattice points, which are a spacing apart, and
-// ignores round-off.
+// ignores round-off. Scattered places may be nearer to each other.
 std::uint64_t LatticeCandidates::key(const Vec3& x) const {
+  const double parts = space_.options().design == Design::lattice ? 10 : 1000;
   std::uint64_t packed = 0;
   for (int i = 0; i < 3; ++i) {
-    const auto step = std::llround(10 * x[i] / space_.options().spacing) + (1 << 20);
+    const auto step = std::llround(parts * x[i] / space_.options().spacing) + (1 << 20);
     packed = packed << 21 | (static_cast<std::uint64_t>(step) & 0x1fffff);
   }
   return packed;

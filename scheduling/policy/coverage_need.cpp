@@ -55,33 +55,6 @@ FOREFEEL_INLINE void add_worth(std::size_t first, std::size_t last, std::size_t 
 
 CoverageNeed::CoverageNeed(NeedOptions options) : options_(options) {}
 
-// nearest: the nearest state, searched within the sparse distance of this scale or of a coarser one. axis: of a blank
-// place, the axis of an empty cone that proves the label; zero where none was found.
-Label CoverageNeed::label_at(const Vec3& q, std::size_t s, const PointOctree::Neighbour& nearest,
-                             Vec3& axis) const {
-  const PointOctree& points = space_->points();
-  const CoverageQuery query(points, space_->delaunay());
-  const Thresholds& limit = limits_[s];
-  if (nearest.id != PointOctree::nobody && nearest.squared <= limit.sparse_distance * limit.sparse_distance)
-    return query.label(q, {nearest.id}, limit);  // safe places lie within this distance, too
-  if (points.size() == 0) return Label::blank;
-  Vec3 witness = Vec3::Zero();
-  const bool gap = query.enclosed(q, limit.gap_radius, limit.gap_cos, limit.merge, &witness);
-  axis = witness.allFinite() ? witness : Vec3(Vec3::Zero());
-  return gap ? Label::gap : Label::blank;
-}
-
-// Whether a state at p may change the label of a place. Where it is sparse or a gap: p is within 2 H. Where it is
-// blank: p is near enough to make it sparse, or within 8 H and inside the empty cone.
-bool CoverageNeed::may_change(const Place& place, std::size_t s, const Vec3& p) const {
-  const Vec3 to = p - place.at;
-  const double distance = to.norm(), H = multiples[s] * space_->options().spacing;
-  const bool blank = place.label[s] == Label::blank;
-  if (distance > (blank ? 8 : 2) * H) return false;
-  if (!blank || place.axis[s].isZero(0) || distance <= 1.001 * limits_[s].sparse_distance) return true;
-  return place.axis[s].dot(to) > (limits_[s].gap_cos - 1e-6) * distance;
-}
-
 void CoverageNeed::begin(const StateSpace& space) {
   space_ = &space;
   known_ = 0;
@@ -104,6 +77,12 @@ void CoverageNeed::begin(const StateSpace& space) {
         const Eigen::Array3d share = (Eigen::Array3d(i, j, k) + 0.5) / count;
         box_.push_back({.at = options.box.low + (size.array() * share).matrix()});
       }
+  regions_.clear();
+  if (!options_.regions) return;
+  for (const int multiple : multiples)
+    regions_.emplace_back(
+        space, multiple * h,
+        std::array{static_cast<int>(count[0]), static_cast<int>(count[1]), static_cast<int>(count[2])});
 }
 
 // Labels never get worse: places that are safe at a spacing, and those that no new state can change, keep
@@ -112,15 +91,17 @@ void CoverageNeed::learn(std::span<const float> surprises) {
   for (; known_ < space_->size(); ++known_) {
     const State& state = (*space_)[StateId{static_cast<std::uint32_t>(known_)}];
     if (known_ < surprises.size() && std::isfinite(surprises[known_])) teach(state.at, surprises[known_]);
+    for (RegionShares& region : regions_) region.learn(state.at);
     for (Place& place : box_)
-      for (std::size_t s = 0; s < scales; ++s)
-        if (!place.due[s] && place.label[s] != Label::safe) place.due[s] = may_change(place, s, state.at);
+      for (std::size_t s = 0; regions_.empty() && s < scales; ++s)
+        if (!place.due[s])
+          place.due[s] = may_change(place.kept[s], place.at, state.at,
+                                    multiples[s] * space_->options().spacing, limits_[s]);
   }
+  for (RegionShares& region : regions_) region.update();
   for (Place& place : box_)
     for (std::size_t s = 0; s < scales; ++s)
-      if (std::exchange(place.due[s], false) && place.label[s] != Label::safe)
-        place.label[s] = label_at(place.at, s, space_->points().nearest(place.at, limits_[s].sparse_distance),
-                                  place.axis[s]);
+      if (std::exchange(place.due[s], false)) place.kept[s] = label_at(*space_, place.at, limits_[s]);
 }
 
 // Counts the surprise of state `known_` at the coarsest spacing at which its place was blank or a gap before it came:
@@ -165,7 +146,9 @@ void CoverageNeed::weigh(const PlannerView& view) {
     Place place{.at = folded(p.at, box), .weight = weight * sure};
     const auto nearest = view.space.points().nearest(
         place.at, limits_[0].sparse_distance);  // the coarsest scale's, the largest distance
-    for (std::size_t s = 0; s < scales; ++s) place.label[s] = label_at(place.at, s, nearest, place.axis[s]);
+    for (std::size_t s = 0; s < scales; ++s)
+      place.kept[s] = regions_.empty() ? label_at(view.space, place.at, limits_[s], nearest)
+                                       : KeptLabel{regions_[s].label_at(place.at)};
     places_.push_back(place);
     if (!(weight > 0) || sure > 0.99) continue;
     constexpr double nothing = -40;  // e^-40, 4e-18
@@ -185,7 +168,7 @@ void CoverageNeed::shuffle_labels() {
   const std::uint64_t step = random::mix(options_.seed, known_);
   for (std::size_t i = places_.size(); i > 1; --i) {
     const std::size_t j = random::mix(step, i) % i;
-    std::swap(places_[i - 1].label, places_[j].label);
+    std::swap(places_[i - 1].kept, places_[j].kept);
   }
 }
 
@@ -200,18 +183,27 @@ void CoverageNeed::look(const PlannerView& view) {
   pend(view.pending);
 }
 
+// The places of the path come first, then those of the box.
+double CoverageNeed::lack_of(std::size_t place, std::size_t s) const {
+  const std::size_t on_path = places_.size() - box_.size();
+  if (regions_.empty() || place < on_path) return lack(places_[place].kept[s].label, static_cast<int>(s));
+  double sum = 0;
+  for (const Label label : all_labels)
+    sum += std::max(0.0, regions_[s].share(place - on_path)[label]) * lack(label, static_cast<int>(s));
+  return sum;
+}
+
 void CoverageNeed::gather_needs() {
   NeedLeft::Needs inverses;
   for (std::size_t s = 0; s < scales; ++s)
     inverses[s] = 1 / std::pow(reach * multiples[s] * space_->options().spacing, 2);
   std::vector<Vec3> at;
   std::vector<NeedLeft::Needs> all;
-  for (const Place& place : places_) {
+  for (std::size_t i = 0; i < places_.size(); ++i) {
     NeedLeft::Needs needs;
-    for (std::size_t s = 0; s < scales; ++s)
-      needs[s] = place.weight * importance_[s] * lack(place.label[s], static_cast<int>(s));
+    for (std::size_t s = 0; s < scales; ++s) needs[s] = places_[i].weight * importance_[s] * lack_of(i, s);
     if (!(*std::ranges::max_element(needs) > least_need)) continue;
-    at.push_back(place.at);
+    at.push_back(places_[i].at);
     all.push_back(needs);
   }
   left_.begin(at, all, inverses);

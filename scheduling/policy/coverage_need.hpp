@@ -19,6 +19,9 @@
 // outside; and the centres of cubes of side 2 h that fill the box. The less certain the prediction, the more weight
 // goes from the path to the box.
 //
+// With regions, labels at points give way to volumes: the need of a cube is the mean over its volume of the lack at
+// each voxel (region_shares.hpp), and a point of the path has the label of its voxel.
+//
 // A model that interpolates in lattice cells needs all corners of a cell, which labels do not express. For
 // it, each unknown corner of a cell on the path ahead gains w / (number of unknown corners of that cell).
 
@@ -28,15 +31,17 @@
 #include <utility>
 #include <vector>
 
-#include "geometry/coverage/coverage_query.hpp"
+#include "scheduling/policy/kept_label.hpp"
 #include "scheduling/policy/need_policy.hpp"
 #include "scheduling/policy/policy.hpp"
+#include "scheduling/policy/region_shares.hpp"
 
 namespace forefeel {
 
 struct NeedOptions {
   double path_share = 0.75;  // share of the weight on the path ahead; the box has the rest
   bool shuffle = false;      // the placebo: labels are permuted among all places
+  bool regions = false;      // volumes instead of labels at points
   std::uint64_t seed = 0;    // of the permutation
 };
 
@@ -55,16 +60,13 @@ class CoverageNeed {
   struct Place {
     Vec3 at;
     double weight = 0;
-    std::array<Label, scales> label{Label::blank, Label::blank, Label::blank};
-    // Axis of an empty cone that proves the place blank; zero: unknown.
-    std::array<Vec3, scales> axis{Vec3::Zero(), Vec3::Zero(), Vec3::Zero()};
+    std::array<KeptLabel, scales> kept{};
     std::array<bool, scales> due{};  // the label may have changed
   };
   void begin(const StateSpace& space);
   void learn(std::span<const float> surprises);
   void teach(const Vec3& at, double surprise);
-  Label label_at(const Vec3& q, std::size_t scale, const PointOctree::Neighbour& nearest, Vec3& axis) const;
-  bool may_change(const Place& place, std::size_t scale, const Vec3& p) const;
+  double lack_of(std::size_t place, std::size_t scale) const;
   void weigh_scales(bool with_stiffness);
   void weigh(const PlannerView& view);
   void shuffle_labels();
@@ -78,6 +80,7 @@ class CoverageNeed {
   std::array<double, scales> missed_{}, seen_{};  // states solved in a blank or gap at H: misses, all
   std::size_t known_ = 0;
   std::vector<Place> box_;                        // fixed; labels kept up to date
+  std::vector<RegionShares> regions_;             // by scale, of the cubes of box_; empty: not used
   std::vector<Place> places_;                     // of this step: the path ahead, then the box
   std::vector<std::pair<Vec3, double>> corners_;  // unknown corners of the cells ahead, and what each adds
   NeedLeft left_;                                 // of the places with a need

@@ -14,6 +14,7 @@ std::unique_ptr<Policy> make_fifo(FactoryContext& context);
 std::unique_ptr<Policy> make_nearest(FactoryContext& context);
 std::unique_ptr<Policy> make_direction(FactoryContext& context);
 std::unique_ptr<Policy> make_coverage(FactoryContext& context);
+std::unique_ptr<Policy> make_coverage_regions(FactoryContext& context);
 std::unique_ptr<Policy> make_clairvoyant(FactoryContext& context);
 std::unique_ptr<Policy> make_coarse_to_fine(FactoryContext& context);
 std::unique_ptr<Policy> make_error(FactoryContext& context);

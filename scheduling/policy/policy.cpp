@@ -13,6 +13,8 @@ Registry<PolicyFactory>& policies() {
   static Registry<PolicyFactory> policies(
       "policy",
       {{"coverage", make_coverage, "places that the hand may reach soon and that are blank, gap or sparse"},
+       {"coverage-regions", make_coverage_regions,
+        "coverage with volumes of regions in place of labels at points"},
        {"fifo", make_fifo, "first come, first served: in the order in which the hand came near"},
        {"nearest", make_nearest, "the unknown state nearest to the tip"},
        {"direction", make_direction, "states along the predicted motion, the soonest first"},

@@ -10,6 +10,7 @@
 #include "approx/model/model_options.hpp"
 #include "geometry/common/error.hpp"
 #include "geometry/common/memory.hpp"
+#include "geometry/coverage/design.hpp"
 #include "geometry/states/energy_jet.hpp"
 #include "scheduling/common/option_check.hpp"
 #include "scheduling/motion/device.hpp"
@@ -36,7 +37,8 @@ double farthest_place(const Body& body) {
 // of them fit into the volume of one lattice state.
 std::size_t most_states(const SessionPlan& plan) {
   const StateSpaceOptions& space = plan.input.touched.space;
-  const double positions = ((space.box.size() / space.spacing).array().floor() + 2).prod();
+  const double listed = space.listed ? static_cast<double>(space.listed->size()) : 0;
+  const double positions = std::max(((space.box.size() / space.spacing).array().floor() + 2).prod(), listed);
   const double placed =
       plan.arrivals.given ? 0 : positions * (plan.options.planning.placement == Placement::path ? 12 : 1);
   return plan.input.known.size() + plan.arrivals.list.size() + 1 +
@@ -136,6 +138,14 @@ void place_arrivals(SessionPlan& plan) {
               "the state at {:g} s is {:.3g} m from its place on the surface, expected at most {:.3g} m",
               arrival.t, arrival.at.norm(), most));
   }
+}
+
+// Refuses a design that gives no candidates.
+void check_design(const SessionPlan& plan) {
+  const StateSpaceOptions& space = plan.input.touched.space;
+  const bool read = !plan.arrivals.given && !plan.input.touched.anywhere &&
+                    plan.options.planning.placement == Placement::lattice;
+  if (read && space.design == Design::error) designed_places(space);
 }
 
 // Sets the plan up so that nothing is dispatched: as for states that arrive at given times, but none arrive.
@@ -269,6 +279,7 @@ SessionPlan make_plan(SessionInput input, SessionOptions options) {
     take_device(plan);
   place_arrivals(plan);
   take_foreign(plan);
+  check_design(plan);
   settle_length(plan.device->duration(), plan.options.clock);
   plan.frames = static_cast<std::size_t>(std::llround(chosen.clock.seconds / chosen.clock.frame));
   detail::expect_option(plan.frames >= 1, "seconds", "is shorter than a frame");

@@ -241,7 +241,7 @@ SessionResult run_once(const SessionPlan& plan, const SessionHooks& hooks, Shape
 // An upper bound of what a policy can reach. The motion and the cost of every solve are known, so the session can be
 // simulated in advance (rehearsed). It is simulated under every policy except the placebos, with and without knowledge
 // of the motion. Then the schedule with the largest share of first visits within the JND (just noticeable difference)
-// is run. All this takes up to eleven times as long as one run.
+// is run. All this takes up to about twenty times as long as one run.
 
 // The policies that are rehearsed, clairvoyant-greedy first: it is usually the best.
 std::vector<std::string> schedules_to_rehearse() {

@@ -1,5 +1,7 @@
 #include "scheduling/study/cell_result.hpp"
 
+#include <fmt/format.h>
+
 #include <algorithm>
 #include <cmath>
 #include <limits>
@@ -75,6 +77,22 @@ std::vector<Column> columns_of_session(const SessionResult& result, const Sessio
           {"solver.wasted", column_value(time.wasted), "s", "of this, in solves whose state no model used"},
           {"cost", to_text(options.workers.cost), "", "cost model of the solves"}};
 }
+std::vector<Column> columns_of_prediction(const std::vector<PredictionError>& errors) {
+  std::vector<Column> columns;
+  for (const PredictionError& e : errors) {
+    const bool compared = e.p95 > 0;
+    const auto add = [&](const char* name, double value, const char* unit, const char* meaning) {
+      columns.push_back({fmt::format("prediction.ms{:.0f}.{}", 1e3 * e.horizon, name),
+                         column_value(compared ? value : unknown), unit, meaning});
+    };
+    add("p95", e.p95, "m",
+        "95th percentile of |predicted - true position|, so far ahead, of the cell's predictor");
+    add("within_50", e.within_50, "1", "share of true positions in the ball that should hold 50 % of them");
+    add("within_90", e.within_90, "1", "the same for 90 %");
+  }
+  return columns;
+}
+
 std::vector<Column> last_columns(const SessionResult& result, const SessionOptions& options) {
   const double capacity = options.clock.seconds * options.workers.count;
   return {{"solver.busy_share", column_value(SolverTime(result, options.clock.seconds).busy / capacity), "1",
@@ -106,13 +124,22 @@ void StudyCellResult::set(std::string_view name, ColumnValue value) {
     columns_.push_back({std::string(name), std::move(value)});
 }
 
+void add_prediction(const std::vector<PredictionError>& errors, StudyCellResult& row) {
+  for (const Column& column : columns_of_prediction(errors)) row.set(column.name, column.value);
+}
+
 DeclaredTable cells_output() {
   std::vector<Column> columns = summary_columns({});
   for (Column& column : columns_of_session({}, {})) columns.push_back(std::move(column));
   for (Column& column : last_columns({}, {})) columns.push_back(std::move(column));
-  DeclaredTable table{"cells.csv",
-                      "One row a cell of a study: a column for each varied key, seed, then these.",
-                      declared_columns(columns)};
+  std::vector<PredictionError> by_horizon;
+  for (const double horizon : score_horizons) by_horizon.push_back({.horizon = horizon});
+  for (Column& column : columns_of_prediction(by_horizon)) columns.push_back(std::move(column));
+  DeclaredTable table{
+      "cells.csv",
+      "One row a cell of a study: a column for each varied key, seed, then these. pandas.read_csv reads "
+      "it, and read.csv(check.names = FALSE) in R; melt() makes a row for each measure.",
+      declared_columns(columns)};
   const std::vector<Declared> of_studies{
       {"motion_seconds", "s", "", "length of the motion itself; empty for one without end"},
       {"sustained.speed", "m/s", "", "highest speed sustained; 0: not even the lowest. [sustained] only"},

@@ -8,6 +8,7 @@
 #include <vector>
 
 #include "geometry/common/declared.hpp"
+#include "scheduling/motion/prediction_score.hpp"
 #include "scheduling/record/summary_columns.hpp"
 
 namespace forefeel {
@@ -39,6 +40,9 @@ class StudyCellResult {
 // Values that depend on wall time are left empty, so a cell always has the same result.
 StudyCellResult cell_result(const SessionResult& result, const SessionInput& input,
                             const SessionOptions& options);
+
+// Adds how good the session's own predictor was, by horizon: prediction.ms20.p95, …within_50, …within_90.
+void add_prediction(const std::vector<PredictionError>& errors, StudyCellResult& row);
 
 // The notes of all cells, one line for each kind (record/notes.hpp).
 std::vector<std::string> notes_of(std::span<const StudyCellResult> cells);

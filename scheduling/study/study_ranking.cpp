@@ -38,6 +38,14 @@ std::vector<std::size_t> beside_contenders(const StudyAxis& axis) {
   return beside;
 }
 
+// Adjusts the p values of one family of contrasts, from `first` on.
+void adjust_family(std::vector<Contrast>& all, std::size_t first) {
+  std::vector<double> p_values;
+  for (std::size_t i = first; i < all.size(); ++i) p_values.push_back(all[i].comparison.p_value());
+  const std::vector<double> adjusted = holm(p_values);
+  for (std::size_t i = first; i < all.size(); ++i) all[i].holm = adjusted[i - first];
+}
+
 void drop_interval_of_few(Comparison& c) {
   if (c.groups >= fewest_motions) return;
   for (ConfidenceInterval* interval : {&c.student, &c.bootstrap})
@@ -97,6 +105,11 @@ std::vector<StudyMetric> study_metrics(const Study& study) {
       {"safety.slewed_share", "frames at the slew limit [%]", false, 100, false, true},
       {"time_outside", "time outside the box of states [%]", false, 100, false, true},
       {"states.inverted", "states with inverted elements", false},
+      {"prediction.ms100.p95", "error of the prediction 0.1 s ahead, p95 [mm]", false, 1e3},
+      {"prediction.ms100.within_50", "true places in the ball of 50 % so far ahead [%]", true, 100, false,
+       true},
+      {"prediction.ms100.within_90", "true places in the ball of 90 % so far ahead [%]", true, 100, false,
+       true},
       {"error.first_visit.samples", "first visits in a session", true},
       {"error.samples", "samples of the error in a session", true}};
   metrics.insert(metrics.end(), of_sessions.begin(), of_sessions.end());
@@ -202,6 +215,7 @@ std::vector<Contrast> contrasts(const Study& study, const std::vector<StudyCellR
   if (study.axes.front().column == "step") {
     for (std::size_t level = 1; level < study.axes.front().values.size(); ++level)
       all.push_back({metric, level, level - 1, {}, compared(whole, level, level - 1)});
+    adjust_family(all, 0);
     if (!study.baseline) return all;
   }
   const std::vector<std::size_t> order = ranked_levels(study, cells, 0);
@@ -212,9 +226,11 @@ std::vector<Contrast> contrasts(const Study& study, const std::vector<StudyCellR
   }
   const auto add = [&](std::optional<StudySlice> slice) {
     const std::vector<Observation> seen = slice ? observations(study, cells, 0, metric, {*slice}) : whole;
+    const std::size_t first = all.size();
     for (const std::size_t level : order)
       if (level != reference)
         all.push_back({metric, level, reference, slice, compared(seen, level, reference)});
+    adjust_family(all, first);
   };
   add({});
   for (std::size_t axis = 1; axis < study.axes.size(); ++axis)

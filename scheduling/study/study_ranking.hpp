@@ -72,6 +72,9 @@ struct Contrast {
   std::size_t a = 0, b = 0;
   std::optional<StudySlice> slice;
   Comparison comparison;
+  double holm = 1;  // p value, adjusted over all contrasts with this metric and slice; NaN without one
+  // As comparison.verdict(), but 0 also where the adjusted p value exceeds `significant`.
+  int verdict() const { return holm <= significant ? comparison.verdict() : 0; }
 };
 // If the first axis is `step`: each value against the one before. For other axes, and for `step` with a
 // baseline: each value against the baseline or, without one, against the best over all. These compare all

@@ -11,11 +11,15 @@
 #include <mutex>
 #include <thread>
 
+#include "scheduling/motion/prediction_score.hpp"
+#include "scheduling/session/session_setup.hpp"
 #include "scheduling/study/sustained_speed.hpp"
 #include "scheduling/workers/reference_service.hpp"
 
 namespace forefeel {
 namespace {
+
+constexpr std::size_t frames_between_predictions = 10;  // that are scored; next ones are nearly equal
 
 // Equal for sessions with the same reference solves.
 std::string body_key(const SessionInput& input) {
@@ -73,9 +77,21 @@ SessionResult unfailed(SessionResult result) {
 }
 
 StudyCellResult run_plain(const StudyCell& cell, const SessionInput& input, const ShowPart& show) {
+  const std::unique_ptr<Predictor> predictor =
+      make_predictor(cell.options.motion.predictor, factory_context(input, cell.options.seed));
+  PredictionScore score(*predictor, cell.options.clock.frame, score_horizons, frames_between_predictions);
   const SessionResult result = unfailed(
-      run_session(input, cell.options, {.progress = [&](const SessionProgress& p) { show(part_of(p)); }}));
+      run_session(input, cell.options,
+                  {.progress = [&](const SessionProgress& p) { show(part_of(p)); },
+                   .each_position =
+                       [&](const Vec3& at) {
+                         try {  // hooks must not throw; the session fails by the same predictor itself
+                           score.add(at);
+                         } catch (...) {
+                         }
+                       }}));
   StudyCellResult row = cell_result(result, input, cell.options);
+  add_prediction(score.report(), row);
   row.set("motion_seconds", column_value(cell.motion_seconds));
   return row;
 }

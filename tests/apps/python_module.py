@@ -244,6 +244,48 @@ policy = ["nearest", "python-nearest"]
         self.assertEqual(list(result["cells"]["policy"]), ["nearest"] * 2 + ["python-nearest"] * 2)
         self.assertTrue((result["cells"]["states.solved"] > 0).all())
 
+    def test_study_with_a_predictor_of_ones_own(self):
+        class Still:
+            """The hand stays where it is."""
+
+            def __init__(self, deviation="0.001"):
+                self.deviation = float(deviation)
+
+            def observe(self, t, at, velocity):
+                self.at = at.copy()
+
+            def predict(self, horizon):
+                return self.at, self.deviation
+
+        class Wrong(Still):
+            def predict(self, horizon):
+                raise KeyError("mine")
+
+        ff.register_predictor("python-still", Still)
+        ff.register_predictor("python-wrong", Wrong)
+        study = f'''scene = "{SCENE}"
+seeds = [1]
+[session]
+seconds = 0.6
+cost = "constant:0.02"
+device = "path:line,speed=0.02"
+[vary]
+"session.predictor" = '''
+        with open("predictors.toml", "w") as out:
+            out.write(study + '["kalman", "python-still", "python-still:deviation=0.1"]\n')
+        cells = ff.study("predictors.toml", "predictors")["cells"]
+        # At 20 mm/s the hand is 2 mm away after 0.1 s.
+        far = np.asarray(cells["prediction.ms100.p95"], float)
+        self.assertAlmostEqual(far[1], 0.002, delta=2e-4)
+        self.assertLess(far[0], 0.5 * far[1])
+        within = np.asarray(cells["prediction.ms100.within_50"], float)
+        self.assertLess(within[1], 0.3)   # the ball of 50 % has 1.54 deviations
+        self.assertEqual(within[2], 1)
+        with open("wrong.toml", "w") as out:
+            out.write(study + '["python-wrong"]\n')
+        with self.assertRaisesRegex(RuntimeError, "predictor: KeyError"):
+            ff.study("wrong.toml", "wrong")
+
     def test_errors_come_back(self):
         class Wrong:
             def prioritise(self, candidates, view):

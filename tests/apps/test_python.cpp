@@ -87,6 +87,23 @@ TEST_CASE("the Python example of a policy compares it in a study, and its policy
   CHECK(number_after(done.out, "ahead:") > number_after(done.out, "nearest:") + 10);
 }
 
+TEST_CASE("the Python examples of a predictor and of a sampler compare theirs in a study",
+          SLOW("runs the Python module, which only run.sh all builds")) {
+  if (is_missing()) return;
+  const Workshop shop;
+  shop.write("beam.toml", beam_scene());
+  const Workshop::Outcome predictor = python(shop, "apps/examples/own_predictor.py", "beam.toml own");
+  INFO(predictor.err);
+  REQUIRE(predictor.code == 0);
+  CHECK_THAT(predictor.out,
+             Contains("kalman: 95 % within", "slowing: 95 % within", "slowing:tau=0.1: 95 % within"));
+  const Workshop::Outcome sampler = python(shop, "apps/examples/own_sampler.py", "beam.toml sampled");
+  INFO(sampler.err);
+  REQUIRE(sampler.code == 0);
+  CHECK(number_after(sampler.out, "halton:") > 0);
+  CHECK(number_after(sampler.out, "list:places.csv:") > 0);
+}
+
 TEST_CASE("the notebooks run, and what they show is so",
           SLOW("runs the Python module, which only run.sh all builds")) {
   if (is_missing()) return;

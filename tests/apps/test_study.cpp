@@ -112,6 +112,43 @@ TEST_CASE("parts of a study, run apart and merged, have the table of the whole")
     check_refused(shop, "study study.toml -o other --part " + wrong, {"--part", "'" + wrong + "'", "K/N"});
 }
 
+TEST_CASE("a cell repeated gives the same bytes, whatever is varied, alone or in parts") {
+  const Workshop shop;
+  shop.write("scene.toml", beam_scene("[session]\nseconds = 0.3\nplacement = \"lattice\"\n"));
+  fs::create_directories(shop.path() / "hands");
+  for (const double speed : {0.02, 0.05}) {
+    std::ostringstream rows;
+    rows << "t,x,y,z\n";
+    for (int k = 0; k <= 30; ++k)
+      rows << 0.01 * k << ',' << speed * 0.01 * k << ',' << 1e-5 * k * k << ",0\n";
+    shop.write(speed < 0.03 ? "hands/slow.csv" : "hands/fast.csv", rows.str());
+  }
+  shop.write("study.toml",
+             "scene = \"scene.toml\"\nseeds = [1, 2]\n[session]\ncost = \"lognormal:0.02,0.5\"\n[vary]\n"
+             "policy = [\"random\", \"utility\", \"slack\", \"coverage-regions\"]\n"
+             "\"session.predictor\" = [\"minimum-jerk\", \"autoregressive\", \"past\"]\n"
+             "\"state_space.design\" = [\"halton\", \"farthest\"]\n"
+             "device = [\"trace:hands/*.csv\"]\n");
+  shop.run("study study.toml -o one --quiet --threads 1");
+  shop.run("study study.toml -o two --quiet --threads 3");
+  CHECK(shop.same("one/cells.csv", "two/cells.csv"));
+  const std::string table = shop.read("one/cells.csv");
+  CHECK(std::ranges::count(table, '\n') == 97);
+  CHECK_THAT(table, Contains("\nrandom,minimum-jerk,halton,fast,1,"));
+  std::set<fs::path> cells;
+  for (const auto& entry : fs::directory_iterator(shop.path() / "one/cells")) {
+    if (entry.path().extension() != ".json") continue;
+    cells.insert(entry.path().filename());
+    const std::string name = entry.path().filename().string();
+    CHECK(shop.same("one/cells/" + name, "two/cells/" + name));
+  }
+  CHECK(cells.size() == 96);
+  for (const std::string part : {"1", "2"})
+    shop.run("study study.toml -o part-" + part + " --quiet --threads 2 --part " + part + "/2");
+  shop.run("study --merge part-2 part-1 -o all --quiet");
+  CHECK(shop.same("one/cells.csv", "all/cells.csv"));
+}
+
 TEST_CASE(
     "parts of a study with --set are merged as they were run; what is damaged is not taken for a cell") {
   const Workshop shop;

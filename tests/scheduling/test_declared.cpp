@@ -59,7 +59,9 @@ TEST_CASE(
   const SessionInput input = small_input();
   const SessionOptions options = virtual_options(0.2);
   std::set<std::string> written{"motion_seconds"}, declared = names_in(cells_output().rows);
-  const StudyCellResult cell = cell_result(run_session(input, options), input, options);
+  StudyCellResult cell = cell_result(run_session(input, options), input, options);
+  const std::unique_ptr<Predictor> predictor = make_predictor({"kalman"});
+  add_prediction(PredictionScore(*predictor, options.clock.frame).report(), cell);
   for (const Column& column : cell.columns()) written.insert(without_label(column.name));
   std::erase_if(declared, [](const std::string& name) {
     return name.starts_with("sustained.") || name.starts_with("regret.");

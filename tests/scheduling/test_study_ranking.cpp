@@ -79,6 +79,41 @@ TEST_CASE("rankings average settings within a trace and seed, and pair") {
   CHECK(errors[0].comparison.lost == errors[0].comparison.pairs);
 }
 
+TEST_CASE("contrasts are adjusted by Holm over the values compared at one place, as the verdict is") {
+  // On six traces the effects of b to e lie near the limit: each alone is significant, not all of them together.
+  const std::vector<double> noise{0.9, -1.1, 0.4, 1.3, -0.7, 0.2};
+  const auto cells_of = [&](const Study& study) {
+    return made_up(study, [&](const std::vector<std::size_t>& c, std::uint64_t) {
+      const double effect = c[0] == 0 ? 0 : c[0] == 1 ? 0.03 : 0.0115;
+      return 0.4 + effect + (c[0] == 0 ? 0 : 0.01 * noise[(c[1] + 2 * c[0]) % 6]);
+    });
+  };
+  const StudyAxis traces{"device", {{"1"}, {"2"}, {"3"}, {"4"}, {"5"}, {"6"}}};
+  const Study study{
+      .seeds = {1},
+      .axes = {{"policy", {{"a"}, {"b"}, {"c"}, {"d"}, {"e"}}}, traces, {"speed", {{"1"}, {"2"}}}},
+      .baseline = 0};
+  const std::vector<Contrast> compared = contrasts(study, cells_of(study), primary_metric(study));
+  REQUIRE(compared.size() == 12);  // four values: everywhere, and at either speed
+  for (std::size_t family = 0; family < 3; ++family) {
+    std::vector<double> p_values;
+    for (std::size_t i = 0; i < 4; ++i) p_values.push_back(compared[4 * family + i].comparison.p_value());
+    const std::vector<double> adjusted = holm(p_values);
+    for (std::size_t i = 0; i < 4; ++i) CHECK(compared[4 * family + i].holm == adjusted[i]);
+  }
+  CHECK(compared[0].a == 1);
+  CHECK(compared[0].verdict() == 1);
+  CHECK(compared[1].comparison.verdict() == 1);
+  CHECK(compared[1].comparison.p_value() < significant);
+  CHECK(compared[1].holm > significant);
+  CHECK(compared[1].verdict() == 0);
+  // Of two values there is one comparison, and nothing to adjust.
+  const Study two{.seeds = {1}, .axes = {{"policy", {{"a"}, {"b"}}}, traces}, .baseline = 0};
+  const std::vector<Contrast> single = contrasts(two, cells_of(two), primary_metric(two));
+  REQUIRE(single.size() == 1);
+  CHECK(single[0].holm == single[0].comparison.p_value());
+}
+
 TEST_CASE("steps are each compared with the one before") {
   const Study study{.seeds = {1, 2, 3, 4}, .axes = {{"step", {{"a"}, {"b"}, {"c"}}}}};
   const auto cells = made_up(study, [](const std::vector<std::size_t>& c, std::uint64_t seed) {

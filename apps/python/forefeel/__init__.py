@@ -44,7 +44,7 @@ except ImportError:
                       "/usr/bin/python3)") from None
 
 from ._core import (InputError, Model, PlannerView, Thresholds, candidate_dtype, dispatch_status_names, label_names,
-                    register_policy, state_dtype, status_names, switch_cause_names)
+                    register_policy, register_predictor, state_dtype, status_names, switch_cause_names)
 from .bodies import Body, Run, Scene, generate, solve
 from .commands import command, study
 from .field import FieldForces, SurfaceField
@@ -59,5 +59,5 @@ __all__ = ["BLANK", "Body", "Coverage", "FieldForces", "GAP", "InputError", "Mod
            "SAFE", "SPARSE", "Scene", "StateSpace", "States", "SurfaceField", "Thresholds", "candidate_dtype",
            "classify", "command", "dispatch_status_names", "error_bar", "evaluate", "evaluation", "generate",
            "label_names", "measured", "read", "read_inputs", "read_pvd", "read_run", "read_states", "read_study",
-           "read_table", "read_vtu", "register_policy", "solve", "state_dtype", "status_names", "study",
-           "switch_cause_names", "write_states"]
+           "read_table", "read_vtu", "register_policy", "register_predictor", "solve", "state_dtype", "status_names",
+           "study", "switch_cause_names", "write_states"]

@@ -35,7 +35,7 @@ def study(file: Any, folder: Any, set: Iterable[str] = ()) -> dict[str, Any]:
     """Runs a study (TOML) into a folder; a rerun resumes. Returns a dict: `cells`, a pandas DataFrame of cells.csv
     (a structured array where pandas is not installed); the sentences `verdict` and
     `advice`; `rankings`, `contrasts` and the other keys of `forefeel study --json`.
-    Policies added with register_policy(name, factory) are known to it. Ctrl-C raises KeyboardInterrupt; what is
+    Policies and predictors added with register_policy(name, factory), register_predictor are known to it. Ctrl-C raises KeyboardInterrupt; what is
     finished stays in the folder."""
     flags = [word for override in set for word in ("--set", override)]
     text, code = command("study", file, "-o", folder, "--json", "--quiet", *flags)
