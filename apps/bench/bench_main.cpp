@@ -1,4 +1,4 @@
-// forefeel-bench approx|solver|coverage|switch|loop|jet|truth|scale [SCENE]: speed, error, and ratios to named baselines
+// forefeel-bench approx|solver|coverage|switch|loop|jet|truth|scale [SCENE]: speed, error and ratios to named baselines
 // measured in the same run.
 
 #include <memory>
