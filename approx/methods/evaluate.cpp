@@ -18,6 +18,7 @@
 #include "geometry/common/error.hpp"
 #include "geometry/common/quantiles.hpp"
 #include "geometry/coverage/state_space.hpp"
+#include "geometry/index/point_octree.hpp"
 #include "geometry/states/heaps.hpp"
 #include "geometry/states/misleading.hpp"
 
@@ -68,11 +69,16 @@ double extent_of(std::span<const State> states) {
 
 // Rows within a millionth of the extent of all are one position: no hand and no encoder tells them apart.
 void join_near(std::vector<State>& states) {
-  const double extent = extent_of(states);
-  if (!(extent > 0)) return;
-  StateSpace joined({.spacing = extent, .merge_distance = one_position});
-  for (State& state : states)
-    if (const auto [id, is_new] = joined.insert(state); !is_new) state.at = joined[id].at;
+  const double apart = one_position * extent_of(states);
+  if (!(apart > 0)) return;
+  PointOctree joined;
+  for (std::size_t i = 0; i < states.size(); ++i) {
+    const PointOctree::Neighbour known = joined.nearest(states[i].at, apart);
+    if (known.id == PointOctree::nobody)
+      joined.insert(static_cast<std::uint32_t>(i), states[i].at);
+    else
+      states[i].at = states[known.id].at;
+  }
 }
 
 // A row far from all others, as of a tracker that was lost, says nothing about them, yet a law of the field would reach
@@ -220,6 +226,7 @@ Evaluation evaluate(std::span<const State> states, std::span<const Vec3> points,
     if (!points[i].allFinite())
       throw InputError("points", fmt::format("row {} (from 0) is not finite, expected three numbers", i));
   std::vector<State> usable;
+  usable.reserve(states.size());
   std::ranges::copy_if(states, std::back_inserter(usable), &State::usable);
   if (usable.empty()) throw InputError("states", "none is solved or measured, expected at least one");
   const bool stiffness = std::ranges::any_of(usable, &State::has_stiffness);
@@ -242,11 +249,13 @@ Evaluation evaluate(std::span<const State> states, std::span<const Vec3> points,
   result.repeated = mean.found;
   const double spacing = options.spacing > 0 ? options.spacing : estimate_spacing(mean.states);
   const StateSpace all = space_of(mean.states, spacing);
-  mean.states = distinct(all);
+  if (all.size() < mean.states.size()) mean.states = distinct(all);
   result.states = all.size();
   // Wider heaps: the process has all their rows; what counts rows, or takes the nearest ones, has few.
   const std::vector<State> even = stiffness ? mean.states : thinned_heaps(mean.states);
-  const StateSpace space = space_of(even, spacing);
+  std::optional<StateSpace> thinned;
+  if (even.size() < mean.states.size()) thinned = space_of(even, spacing);
+  const StateSpace& space = thinned ? *thinned : all;
   result.options.spacing = space.options().spacing;
   const bool moving = result.method == Method::rbf;
   if (const auto off = options.noise.position; off && !(*off < extent_of(mean.states)))
@@ -269,6 +278,7 @@ Evaluation evaluate(std::span<const State> states, std::span<const Vec3> points,
       judge_points(all, points, result.field, stage("the measured field at the points"));
   for (std::size_t i = 0; i < judged.at.size(); ++i) wanted[i].doubt = judged.at[i].own_deviation;
   if (open) {
+    begin_stage(options, "choosing a model");
     result.chosen = choose_model(even,
                                  {.field = result.field,
                                   .model = options.model,
@@ -295,6 +305,7 @@ Evaluation evaluate(std::span<const State> states, std::span<const Vec3> points,
                 : moving ? moving_points(space, points, places, model, result.chosen && result.chosen->all,
                                          stage("points"))
                          : fixed_points(space, points, places, result, even, stage("points"));
+  if (moving && options.bars) begin_stage(options, "error bars");
   if (moving && options.bars)
     result.bars = bars_of(space, even, points, result.made, local ? near : judged,
                           {.model = model,

@@ -5,6 +5,7 @@
 #include <cmath>
 
 #include "approx/methods/point_runs.hpp"
+#include "geometry/coverage/place_walk.hpp"
 
 namespace forefeel {
 namespace {
@@ -74,7 +75,8 @@ EvaluatedPoints points_of_process(const JudgedPoints& judged, std::string_view k
   result.reused = points.size() - result.fitted;
   result.labels.resize(points.size());
   const auto work = [&](PointRun run, std::size_t) {
-    for (const std::uint32_t i : run) result.labels[i] = space.label(points[i]);
+    PlaceWalk walk;
+    for (const std::uint32_t i : run) result.labels[i] = walk.label(space, points[i]);
   };
   for_each_run(points, work);
   for (const ForceField::Prediction& made : judged.at) result.forces.push_back(made.force);
@@ -98,6 +100,7 @@ EvaluatedPoints points_of_models(const PointModels& models, const StateSpace& sp
   const auto work = [&](PointRun run, std::size_t number) {
     const std::unique_ptr<ForceMaker> maker = models.maker();
     RunTimes& mine = took[number];
+    PlaceWalk walk;
     for (const std::uint32_t i : run) {
       const Place place{models.places[i]};
       UpdateReport report;
@@ -109,7 +112,7 @@ EvaluatedPoints points_of_models(const PointModels& models, const StateSpace& sp
       ++(report.refit ? mine.fitted : changed ? mine.updated : mine.reused);
       const Answer answer = model.at(place);
       result.forces[i] = answer.force;
-      result.labels[i] = space.label(points[i]);
+      result.labels[i] = walk.label(space, points[i]);
       result.reach[i] = answer.reach;
       result.kernels[i] = answer.kernel;
       if (!result.trusted.empty()) result.trusted[i] = answer.trusted ? 1 : 0;

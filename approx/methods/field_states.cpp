@@ -38,7 +38,7 @@ std::optional<FieldStates> field_states(std::span<const State> measured, double 
   StateSpace known({.spacing = spacing});
   for (const State& state : measured) known.insert(state);
   const ForceField field(known, *options);
-  FieldStates made{.states = spread_out(measured, apart_share * spacing), .law = options->law};
+  FieldStates made{.states = spread_out(measured, apart_share * spacing), .field = *options};
   std::size_t done = 0;
 #pragma omp parallel for schedule(dynamic, 1)
   for (std::size_t i = 0; i < made.states.size(); ++i) {

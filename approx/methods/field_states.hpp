@@ -19,7 +19,7 @@ namespace forefeel {
 
 struct FieldStates {
   std::vector<State> states;
-  FieldLaw law = {};  // of the measured forces
+  FieldOptions field = {};  // of the measured forces: EvaluateOptions::field
 };
 
 // measured: usable states without stiffness, one at each position. spacing: h [m]. show: called by one thread with the

@@ -116,7 +116,7 @@ double NeighbourSelector::gather(const Vec3& hip, std::size_t least, double radi
   bool by_number = false;
   if (found_.size() < least || found_.size() > most_candidates) {
     by_number = true;
-    space_.nearest(hip, std::min(most_candidates, std::max(least, found_.size())), found_);
+    walk_.nearest(space_, hip, std::min(most_candidates, std::max(least, found_.size())), found_);
   }
   candidates_.clear();
   for (const StateId id : found_) {
@@ -358,10 +358,10 @@ Label NeighbourSelector::select(const Vec3& hip, std::vector<Neighbour>& out) {
   set_.bridge = set_.radius = 0;
   set_.sided = false;
   if (space_.empty()) return Label::blank;
-  const Label label = space_.label(hip);
+  const Label label = walk_.label(space_, hip);
   chosen_.clear();
   if (rule_ == Select::nearest) {
-    space_.nearest(hip, sizes_.plain, found_);
+    walk_.nearest(space_, hip, sizes_.plain, found_);
     for (const StateId id : found_) chosen_.push_back({.id = id});
   } else if (label == Label::safe || space_.size() <= sizes_.plain || sizes_.plain == 1) {
     take_nearest(hip);  // no choice if all states fit; no weights for one neighbour

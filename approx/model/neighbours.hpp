@@ -23,6 +23,7 @@
 #include <vector>
 
 #include "approx/model/model_options.hpp"
+#include "geometry/coverage/place_walk.hpp"
 #include "geometry/coverage/state_space.hpp"
 
 namespace forefeel {
@@ -109,6 +110,7 @@ class NeighbourSelector {
   };
 
   const StateSpace& space_;
+  PlaceWalk walk_;
   Sizes sizes_;
   Select rule_;
   Widths widths_;

@@ -20,6 +20,8 @@ int bench_switch(const Globals& globals, const std::string& scene);
 int bench_jet(const Globals& globals, const std::string& scene);
 // folder: where truth.svg is written; "" writes no file. Without a scene: all phantoms.
 int bench_truth(const Globals& globals, const std::string& scene, const std::string& folder);
+// folder: where scale.svg is written; "" writes no file. full: sizes that take half an hour on two cores.
+int bench_scale(const Globals& globals, const std::string& scene, const std::string& folder, bool full);
 
 struct LoopBench {
   double seconds = 120;    // of each kind: with and without the record of inputs [s]
@@ -36,6 +38,7 @@ DeclaredTable declared_bench_switch();
 DeclaredTable declared_bench_loop();
 DeclaredTable declared_bench_jet();
 DeclaredTable declared_bench_truth();
+DeclaredTable declared_bench_scale();
 std::vector<DeclaredTable> declared_bench_json();  // of all
 
 }  // namespace forefeel

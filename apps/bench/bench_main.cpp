@@ -1,4 +1,4 @@
-// forefeel-bench approx|solver|coverage|switch|loop|jet|truth [SCENE]: speed, error, and ratios to named baselines
+// forefeel-bench approx|solver|coverage|switch|loop|jet|truth|scale [SCENE]: speed, error and ratios to named baselines
 // measured in the same run.
 
 #include <memory>
@@ -18,6 +18,7 @@ namespace {
 struct BenchArguments {
   std::string scene, output;
   std::size_t states = 0;
+  bool full = false;
   LoopBench loop;
 };
 
@@ -77,6 +78,16 @@ void add_truth(CommandLine& line) {
   sub.option("-o,--output", arguments.output, "Folder for truth.svg").shows("DIR");
 }
 
+void add_scale(CommandLine& line) {
+  auto [sub, arguments] = add(
+      line, "scale", "generate, classify and evaluate against threads and sizes, beside CHOLMOD and SciPy",
+      [](const Globals& globals, const BenchArguments& given) {
+        return bench_scale(globals, given.scene, given.output, given.full);
+      });
+  sub.option("-o,--output", arguments.output, "Folder for scale.svg").shows("DIR");
+  sub.flag("--full", arguments.full, "Up to a million states: half an hour on two cores");
+}
+
 void add_loop(CommandLine& line) {
   auto [sub, arguments] = add(line, "loop",
                               "The 1 kHz loop of a session beside a bare loop that only waits for its "
@@ -106,12 +117,12 @@ std::vector<HelpTopic> bench_topics() {
 
 int main(int argc, char** argv) {
   using namespace forefeel;
-  return program_main(
-      {.name = "forefeel-bench",
-       .description = "Speed and error beside named baselines in the same run",
-       .groups = {{"Benches",
-                   "forefeel-bench approx",
-                   {add_approx, add_solver, add_coverage, add_switch, add_jet, add_truth, add_loop}}},
-       .topics = bench_topics},
-      argc, argv);
+  return program_main({.name = "forefeel-bench",
+                       .description = "Speed and error beside named baselines in the same run",
+                       .groups = {{"Benches",
+                                   "forefeel-bench approx",
+                                   {add_approx, add_solver, add_coverage, add_switch, add_jet, add_truth,
+                                    add_scale, add_loop}}},
+                       .topics = bench_topics},
+                      argc, argv);
 }

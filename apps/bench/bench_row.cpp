@@ -103,7 +103,7 @@ DeclaredTable bench_table(const std::string& name, std::initializer_list<std::ve
 std::vector<DeclaredTable> declared_bench_json() {
   return {declared_bench_approx(), declared_bench_solver(), declared_bench_coverage(),
           declared_bench_switch(), declared_bench_loop(),   declared_bench_jet(),
-          declared_bench_truth()};
+          declared_bench_truth(),  declared_bench_scale()};
 }
 
 void claim_bench_folder(const std::string& folder, const std::vector<std::string>& files) {

@@ -7,7 +7,6 @@
 
 #include <fmt/format.h>
 #include <omp.h>
-#include <unistd.h>
 
 #include <algorithm>
 #include <chrono>
@@ -36,23 +35,6 @@ namespace forefeel {
 namespace {
 
 using SteadyClock = std::chrono::steady_clock;
-
-// OpenBLAS picks old kernels on processors that it does not know, such as virtual ones. It picks while it is
-// loaded. If its kernels are below our instruction set, the command therefore sets the choice and restarts
-// itself.
-void match_blas_to_processor() {
-  const char* wanted = cholmod_blas_wanted();
-  if (!wanted || std::getenv("OPENBLAS_CORETYPE")) return;
-  std::ifstream file("/proc/self/cmdline", std::ios::binary);
-  std::vector<std::string> words;
-  for (std::string word; std::getline(file, word, '\0');) words.push_back(word);
-  std::vector<char*> arguments;
-  for (std::string& word : words) arguments.push_back(word.data());
-  arguments.push_back(nullptr);
-  if (words.empty() || setenv("OPENBLAS_CORETYPE", wanted, 1) != 0) return;
-  execv("/proc/self/exe",
-        arguments.data());  // returns only on failure: then the run continues with the old kernels
-}
 
 BenchCase take_case(const Globals& globals, const std::string& file) {
   const Scene scene = file.empty() ? built_in_scene(globals.set) : load_scene(file, globals.set);

@@ -2,10 +2,14 @@
 
 #include <cholmod.h>
 #include <omp.h>
+#include <unistd.h>
 
 #include <algorithm>
 #include <cmath>
+#include <cstdlib>
+#include <fstream>
 #include <limits>
+#include <string>
 #include <string_view>
 
 #include "geometry/common/instruction_set.hpp"
@@ -130,6 +134,10 @@ std::string cholmod_blas() {
          ", one thread, and CHOLMOD on one";
 }
 
+namespace {
+
+// The value of OPENBLAS_CORETYPE that makes OpenBLAS use kernels for this processor's instruction set. Null if it
+// uses such kernels already.
 const char* cholmod_blas_wanted() {
   if (!openblas_get_corename) return nullptr;
   const std::string_view core = openblas_get_corename();
@@ -141,6 +149,22 @@ const char* cholmod_blas_wanted() {
   if (isa == InstructionSet::avx512) return wide ? nullptr : "SKYLAKEX";
   if (isa == InstructionSet::avx2) return wide || is_one_of({"Haswell", "Zen"}) ? nullptr : "HASWELL";
   return nullptr;
+}
+
+}  // namespace
+
+void match_blas_to_processor() {
+  const char* wanted = cholmod_blas_wanted();
+  if (!wanted || std::getenv("OPENBLAS_CORETYPE")) return;
+  std::ifstream file("/proc/self/cmdline", std::ios::binary);
+  std::vector<std::string> words;
+  for (std::string word; std::getline(file, word, '\0');) words.push_back(word);
+  std::vector<char*> arguments;
+  for (std::string& word : words) arguments.push_back(word.data());
+  arguments.push_back(nullptr);
+  if (words.empty() || setenv("OPENBLAS_CORETYPE", wanted, 1) != 0) return;
+  execv("/proc/self/exe",
+        arguments.data());  // returns only on failure: then the run continues with the old kernels
 }
 
 BaselineNewton::BaselineNewton(std::shared_ptr<const Discretisation> discretisation, Baseline which)

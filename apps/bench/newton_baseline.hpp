@@ -34,9 +34,9 @@ std::unique_ptr<SparseSolver> make_eigen_ldlt(
 std::unique_ptr<SparseSolver> make_cholmod(const SparsePattern& pattern);
 // The BLAS it runs on, its kernels and threads. Of CHOLMOD itself and of OpenBLAS only one thread works for a solver.
 std::string cholmod_blas();
-// The value of OPENBLAS_CORETYPE that makes OpenBLAS use kernels for this processor's instruction set. Null if it
-// uses such kernels already.
-const char* cholmod_blas_wanted();
+// OpenBLAS picks its kernels while it is loaded, and old ones on processors that it does not know, such as virtual
+// ones. If they are below our instruction set, this sets the choice and restarts the command.
+void match_blas_to_processor();
 
 enum class Baseline { eigen_ldlt, cholmod };
 
@@ -45,11 +45,10 @@ class BaselineNewton {
   BaselineNewton(std::shared_ptr<const Discretisation> discretisation, Baseline which);
   // u: in, the neighbour's equilibrium (local vector); out, the equilibrium at x.
   State solve(std::vector<double>& u, const Vec3& x, double tolerance, int max_iterations = 30);
+  bool factorise(const std::vector<double>& u);  // assembles H(u); false: it is not positive definite
   double factor_bytes() const { return solver_->factor_bytes(); }
 
  private:
-  bool factorise(const std::vector<double>& u);
-
   std::shared_ptr<const Discretisation> d_;
   SparsePattern pattern_;
   std::vector<std::int64_t> source_;  // of each value, in the block values

@@ -207,6 +207,13 @@ std::string refuse_seed(const std::string& text) {
   return fits ? std::string() : "is '" + text + "', expected a whole number of at least 0, below 2^64";
 }
 
+// False in the other processes of mpirun, whose lines would come between.
+bool is_first_rank() {
+  for (const char* variable : {"OMPI_COMM_WORLD_RANK", "PMI_RANK"})
+    if (const char* rank = std::getenv(variable)) return rank == std::string_view("0");
+  return true;
+}
+
 void add_shared_options(CLI::App& sub, Globals& globals) {
   sub.option_defaults()->always_capture_default(false);
   const char* const heading = "Everywhere";
@@ -306,7 +313,10 @@ int CommandLine::run(int argc, const char* const* argv) {
   const Globals& globals = parser_->globals;
   check_threads(globals.threads);
   if (globals.threads > 0) omp_set_num_threads(globals.threads);
+  std::optional<Progress> line;  // of what shows nothing itself
+  if (is_first_rank()) line.emplace(globals, app.get_subcommands().front()->get_name());
   const int code = (*parser_->chosen)(globals);
+  line.reset();
   flush_warnings();
   return code;
 }

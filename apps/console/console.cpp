@@ -4,6 +4,7 @@
 #include <unistd.h>
 
 #include <algorithm>
+#include <atomic>
 #include <chrono>
 #include <cmath>
 #include <condition_variable>
@@ -21,6 +22,21 @@ namespace {
 std::mutex waiting_mutex;
 std::vector<std::string> waiting_warnings;
 
+std::mutex lines_mutex;     // taken before that of a line
+std::mutex terminal_mutex;  // taken last
+bool line_drawn = false;    // a progress line stands on the terminal
+
+// While this lives, other text may be printed: no progress line stands in its place or comes between.
+class Printing {
+ public:
+  Printing() : lock_(terminal_mutex) {
+    if (std::exchange(line_drawn, false)) std::cerr << "\r\033[K" << std::flush;
+  }
+
+ private:
+  std::lock_guard<std::mutex> lock_;
+};
+
 std::int64_t now_ns() {
   return std::chrono::steady_clock::now().time_since_epoch() / std::chrono::nanoseconds(1);
 }
@@ -32,6 +48,7 @@ double seconds_since(std::chrono::steady_clock::time_point start) {
 }
 
 void complain(std::string_view program, std::string_view line) {
+  const Printing printing;
   std::cerr << program << ": " << printable(line) << '\n';
 }
 
@@ -41,9 +58,14 @@ void flush_warnings() {
   waiting_warnings.clear();
 }
 
+void print(std::ostream& out, std::string_view text) {
+  const Printing printing;
+  out << text << '\n' << std::flush;
+}
+
 void answer(const Globals& globals, const std::string& line) {
   flush_warnings();
-  (globals.json ? std::cerr : std::cout) << printable(line) << '\n' << std::flush;
+  print(globals.json ? std::cerr : std::cout, printable(line));
 }
 
 void say(const Globals& globals, const std::string& line) {
@@ -55,8 +77,6 @@ void warn(const Globals&, const std::string& line) {
   const std::lock_guard lock(waiting_mutex);
   waiting_warnings.push_back(line);
 }
-
-namespace {}  // namespace
 
 std::string rough_time(double seconds) {
   if (seconds < 90) return fmt::format("{:.0f} s", 5 * std::ceil(seconds / 5));
@@ -103,6 +123,8 @@ struct Progress::Line {
   std::int64_t started_ns = 0, shown_ns = 0, drawn_ns = 0;  // shown: what show() gave was drawn
   std::int64_t told_ns = 0;                                 // the last line where there is no terminal
   bool given = false, first = true;                         // show() was called in this phase; no line yet
+  Line* outer = nullptr;                                    // silent while this one lives
+  std::atomic<bool> hidden = false;
   std::condition_variable_any stopped;
   std::jthread ticker;  // the last member: it ends first
 
@@ -110,7 +132,28 @@ struct Progress::Line {
       : title(std::move(name)),
         started_ns(now_ns()),
         told_ns(started_ns),
-        ticker([this](const std::stop_token& stop) { tick(stop); }) {}
+        ticker([this](const std::stop_token& stop) { tick(stop); }) {
+    const std::lock_guard lock(lines_mutex);
+    outer = std::exchange(innermost, this);
+    if (outer) outer->hidden = true;
+  }
+  ~Line() {
+    ticker.request_stop();
+    ticker.join();
+    const std::lock_guard lock(lines_mutex);
+    Line** at = &innermost;
+    while (*at != this) at = &(*at)->outer;
+    *at = outer;
+    if (outer && innermost == outer) outer->resume();
+    const Printing wiped;
+  }
+  static Line* innermost;
+
+  void resume() {
+    const std::lock_guard lock(mutex);
+    told_ns = drawn_ns = now_ns();
+    hidden = false;
+  }
 
   void show(double new_share, const std::string& new_text) {
     const std::lock_guard lock(mutex);
@@ -138,17 +181,20 @@ struct Progress::Line {
     const double elapsed = 1e-9 * static_cast<double>(now - started_ns);
     const double left = seconds_left(share, before, elapsed),
                  silent = 1e-9 * static_cast<double>(now - told_ns);
-    if (!line_is_due(left, elapsed, silent, first)) return;
+    if (hidden || !line_is_due(left, elapsed, silent, first)) return;
     told_ns = now;
     first = false;
     flush_warnings();
-    std::cerr << progress_line(title, share, text, elapsed, before) + '\n' << std::flush;
+    print(std::cerr, progress_line(title, share, text, elapsed, before));
   }
   void draw(std::int64_t now) {
+    if (hidden) return;
     if (drawn_ns == 0) flush_warnings();
     drawn_ns = now;
     const double elapsed = 1e-9 * static_cast<double>(now - started_ns);
-    std::cerr << "\r\033[K" << progress_line(title, share, text, elapsed, before) << std::flush;
+    const Printing printing;
+    std::cerr << progress_line(title, share, text, elapsed, before) << std::flush;
+    line_drawn = true;
   }
   void begin(double done, const std::string& what) {
     const std::lock_guard lock(mutex);
@@ -160,7 +206,7 @@ struct Progress::Line {
   void note(const std::string& line) {
     const std::lock_guard lock(mutex);
     flush_warnings();
-    std::cerr << (terminal ? "\r\033[K" : "") << line + '\n' << std::flush;
+    print(std::cerr, line);
     told_ns = now_ns();
   }
   void tick(const std::stop_token& stop) {
@@ -169,20 +215,17 @@ struct Progress::Line {
       stopped.wait_for(lock, stop, std::chrono::seconds(1), [] { return false; });
       const std::int64_t now = now_ns();
       if (!stop.stop_requested() && !terminal) tell_if_due(now);
-      if (!stop.stop_requested() && drawn_ns > 0 && now - drawn_ns > 900'000'000) draw(now);
+      if (!stop.stop_requested() && terminal && now - std::max(drawn_ns, started_ns) > 900'000'000) draw(now);
     }
   }
 };
 
+Progress::Line* Progress::Line::innermost = nullptr;
+
 Progress::Progress(const Globals& globals, std::string title)
     : line_(globals.quiet ? nullptr : std::make_unique<Line>(std::move(title))) {}
 
-Progress::~Progress() {
-  if (!line_) return;
-  line_->ticker.request_stop();
-  line_->ticker.join();
-  if (line_->drawn_ns > 0) std::cerr << "\r\033[K" << std::flush;
-}
+Progress::~Progress() = default;
 
 void Progress::show(double share, const std::string& text) {
   if (line_) line_->show(std::max(share, 0.0), text);

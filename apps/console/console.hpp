@@ -5,6 +5,7 @@
 #include <chrono>
 #include <cstdint>
 #include <functional>
+#include <iosfwd>
 #include <memory>
 #include <string>
 #include <string_view>
@@ -31,12 +32,14 @@ void answer(const Globals& globals, const std::string& line);
 // that a later input error is the only line on stderr.
 void warn(const Globals& globals, const std::string& line);
 void flush_warnings();
+void print(std::ostream& out, std::string_view text);  // a line in place of a progress line
 // A line to stderr, after the program's name. All errors and warnings come here: bytes of a file that a terminal would
 // act upon are replaced.
 void complain(std::string_view program, std::string_view line);
 
 // One progress line on stderr, redrawn at most 10 times a second and at least once a second, so that the time advances
-// during long steps. If stderr is not a terminal: a new line when line_is_due(). For any thread.
+// during long steps. If stderr is not a terminal: a new line when line_is_due(). For any thread. Every command has one
+// with its name; while one made later lives, it is silent.
 class Progress {
  public:
   Progress(const Globals& globals, std::string title);

@@ -28,7 +28,7 @@ std::string json_text(const nlohmann::ordered_json& document, int indent) {
 
 void print_json(const nlohmann::ordered_json& document) {
   flush_warnings();
-  std::cout << json_text(document, 2) << '\n' << std::flush;
+  print(std::cout, json_text(document, 2));
 }
 
 }  // namespace forefeel

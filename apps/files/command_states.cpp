@@ -67,6 +67,8 @@ double spacing_of(const ImportArguments& arguments, std::span<const State> state
 int run_import(const Globals& globals, const ImportArguments& arguments) {
   if (arguments.spacing && (!(*arguments.spacing > 0) || !std::isfinite(*arguments.spacing)))
     throw InputError("--spacing", fmt::format("{} m, expected a positive number", *arguments.spacing));
+  Progress progress(globals, "import");
+  progress.show("reading " + arguments.input);
   StateTable table = arguments.columns.empty()
                          ? read_table_csv(arguments.input)
                          : read_table_csv(arguments.input, named_columns(arguments.columns));
@@ -75,11 +77,13 @@ int run_import(const Globals& globals, const ImportArguments& arguments) {
   check_appendable(arguments.output, {arguments.input});
   refuse_solved(arguments.output);
   StateFileHeader header;
+  progress.show("spacing");
   header.spacing = spacing_of(arguments, states);
   const StateSetSummary sum = summarise(states);
   header.box = sum.extent;
   if (const auto line = spacing_beyond("--spacing", header.spacing, header.box, "the states"))
     warn(globals, *line);
+  progress.show("checking the forces");
   if (table.tells == Tells::force)
     for (const std::string& problem : misleading(states, header.spacing))
       warn(globals, fmt::format("{}: {}", arguments.input, problem));
@@ -87,6 +91,7 @@ int run_import(const Globals& globals, const ImportArguments& arguments) {
     header.notes[tells_note] = table.tells == Tells::value ? "value" : "places";
   if (!table.value.empty()) header.notes[value_note] = table.value;
   header.notes["source"] = "import " + arguments.input;
+  progress.show("writing " + arguments.output);
   StateFile file = StateFile::open_or_create(arguments.output, header);
   file.replace(header, states);
   const RepeatedStates& repeats = sum.at_one_position;
@@ -127,8 +132,11 @@ int run_export(const Globals& globals, const ExportArguments& arguments) {
   if (extension != ".csv" && extension != ".vtu")
     throw InputError(arguments.output, "expected a name that ends in .csv or .vtu");
   check_writable(arguments.output, {arguments.input});
+  Progress progress(globals, "export");
+  progress.show("reading " + arguments.input);
   const LoadedStates loaded = load_states(arguments.input, Tells::places);
   if (loaded.damaged > 0) warn(globals, damage_in_words(arguments.input, loaded.damaged));
+  progress.show("writing " + arguments.output);
   const auto usable = static_cast<std::size_t>(std::ranges::count_if(loaded.states, &State::usable));
   const std::size_t written = extension == ".csv" ? usable : loaded.states.size();
   if (extension == ".csv")

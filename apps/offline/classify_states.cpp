@@ -281,11 +281,13 @@ Holes holes_of(const Regions& regions) {
 void label_regions(Classified& result, const ClassifyArguments& arguments, const LabelWork& wanted,
                    const Globals& globals) {
   Progress progress(globals, "classify");
+  progress.show(0, "index");
   const bool octree = arguments.space.index == "octree";
   if (octree) label_octree(result, arguments);
   if (!octree || wanted.holes)
     result.index.regions =
         make_regions(result, arguments, [&](double share) { progress.show(0.8 * share, "regions"); });
+  progress.show(0.8, "components and holes");
   if (!octree) result.regions = result.index.regions->summary(wanted.leaves);
   if (wanted.holes) result.holes = holes_of(*result.index.regions);
   const Mat3 back = result.turn.transpose();

@@ -2,7 +2,9 @@
 // volumes, pictures, files for ParaView; a run over time; the difference of two sets.
 
 #include <fmt/format.h>
+#include <omp.h>
 
+#include <algorithm>
 #include <chrono>
 #include <cmath>
 #include <filesystem>
@@ -78,10 +80,20 @@ std::vector<Vec3> grid_points(const Classified& set, double step) {
   return points;
 }
 
-std::vector<Coverage> cover(const Classified& set, const std::vector<Vec3>& points) {
+std::vector<Coverage> cover(const Classified& set, const std::vector<Vec3>& points, Progress& progress) {
+  constexpr std::size_t run = 64;
   std::vector<Coverage> result(points.size());
-#pragma omp parallel for schedule(dynamic, 64)
-  for (std::size_t i = 0; i < points.size(); ++i) result[i] = set.coverage(points[i]);
+  std::size_t done = 0;
+#pragma omp parallel for schedule(dynamic, 1)
+  for (std::size_t first = 0; first < points.size(); first += run) {
+    for (std::size_t i = first; i < std::min(first + run, points.size()); ++i)
+      result[i] = set.coverage(points[i]);
+    std::size_t now = 0;
+#pragma omp atomic capture
+    now = done += run;
+    if (omp_get_thread_num() == 0)
+      progress.show(std::min(1.0, static_cast<double>(now) / static_cast<double>(points.size())), "points");
+  }
   return result;
 }
 
@@ -260,11 +272,14 @@ int run_classify(const Globals& globals, const ClassifyArguments& arguments) {
   if (!arguments.input.diff.empty()) return classify_diff(globals, arguments);
   if (fs::is_directory(arguments.input.states)) return classify_run(globals, arguments);
   const auto start = std::chrono::steady_clock::now();
+  Progress progress(globals, "classify");
+  progress.show("reading " + arguments.input.states);
   StatesInFrame loaded = load_set(arguments.input.states);
   if (has_sites(loaded)) return classify_sites(globals, arguments, loaded);
   std::vector<Vec3> points;
   if (!arguments.places.points.empty()) points = read_points_csv(arguments.places.points);
   if (!arguments.places.line.empty()) points = parse_line(arguments.places.line);
+  progress.show("spacing and box");
   const Classified set = classify_states(globals, arguments, arguments.input.states, std::move(loaded));
   if (arguments.space.spacing)
     if (const auto line = spacing_beyond("--spacing", set.spacing, set.box, "the states"))
@@ -274,13 +289,15 @@ int run_classify(const Globals& globals, const ClassifyArguments& arguments) {
       !set.box.contains(set.turn * parse_vector(arguments.places.through, "--through")))
     throw InputError("--through", fmt::format("'{}' lies outside the box, expected a place in it",
                                               arguments.places.through));
-  const std::vector<Coverage> found = cover(set, points);
+  const std::vector<Coverage> found = cover(set, points, progress);
   std::optional<HullSpacing> hull;
+  progress.show("spacing of the hull");
   if (set.estimated_dimension == 3 && set.beside.empty())
     hull = hull_spacing(set.places(), set.box, arguments.space.coverage);
   const double seconds = seconds_since(start);
   std::optional<ErrorKnown> errors;
   if (wants_errors(arguments, set)) errors = error_known(globals, arguments, set, points);
+  progress.show("writing " + arguments.output);
   if (!arguments.output.empty()) write_output(set, arguments, points, found, errors, globals);
   std::optional<Agreement> agreement;
   if (arguments.agreement) agreement = agreement_of(set, arguments);

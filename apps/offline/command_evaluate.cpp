@@ -196,6 +196,8 @@ void warn_of_cells(const Globals& globals, const EvaluateArguments& arguments, s
 
 EvaluateResult evaluate_command(const Globals& globals, const EvaluateArguments& arguments) {
   EvaluateOptions options = options_of(arguments.model);
+  Progress progress(globals, "evaluate");
+  progress.show("reading " + arguments.states);
   EvaluateResult result{.points = read_points(arguments.points), .found = {}, .belonging = {}, .mesh = {}};
   EvaluatedStates known = read_known(globals, arguments);
   if (!arguments.output.empty()) check_writable(arguments.output, {arguments.states, arguments.points});
@@ -207,7 +209,6 @@ EvaluateResult evaluate_command(const Globals& globals, const EvaluateArguments&
   result.belonging = known.belonging;
   result.mesh = known.mesh;
   result.value = known.value;
-  Progress progress(globals, "evaluate");
   options.show = stages_of(progress, "evaluate");
   try {
     result.found = evaluate(known.states, result.points, options);

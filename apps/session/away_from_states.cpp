@@ -126,7 +126,7 @@ SessionSummary::AwayFromStates away_from_states(SessionResult& result, const Ses
         rendered.push_back(result.frames[i].elastic);
       }
       for (const std::size_t i : evenly(states.size())) known.push_back(states[i].at);
-      EvaluateOptions options{.bars = true, .show = show};
+      EvaluateOptions options{.bars = true, .field = plan.input.measured_field, .show = show};
       const Told told = told_at(states, hand, options);
       modelled_bars = told.about(modelled);
       away.bar = median_bar(modelled_bars);

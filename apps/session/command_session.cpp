@@ -221,12 +221,13 @@ int run_session_command(const Globals& globals, const SessionArguments& given,
   for (const std::string& warning : result.warnings) warn(globals, warning);
   WriteAttempts files(result.failures);
   progress = std::make_unique<Progress>(globals, "session");
+  progress->show("writing the tables");
   const auto write_tables = [&] {
     files.attempt("the run's tables", [&] { write_run_files(run, result, options); });
   };
   const SessionSummary::AwayFromStates away =
       away_from_states(result, plan, write_tables, stages_of(*progress, "error of the states given"));
-  progress.reset();
+  progress = std::make_unique<Progress>(globals, "session: report and files");
 
   shapes.begin_files(run);
   const RunView view = view_of(space, options, plan.render.safety.force_limit);
@@ -242,6 +243,7 @@ int run_session_command(const Globals& globals, const SessionArguments& given,
   documents.summary.run.failures = files.failures();
   documents.begin(shapes);
   documents.write(run, pictures, files);
+  progress.reset();
   documents.show(shapes.in_words(), run);
   return ended(globals, documents.summary, exit_code(globals, result, plan, files.failures()));
 }

@@ -46,23 +46,25 @@ SessionPlan extend_states(const fs::path& file, const Globals& globals, SessionP
 }
 
 // Measured forces have noise, and no stiffness: the states of their field, which a model renders. None: no field.
-std::vector<State> field_of_measured(const Scene& scene, std::span<const State> measured,
-                                     const std::string& file, const Globals& globals) {
+std::optional<FieldStates> field_of_measured(const Scene& scene, std::span<const State> measured,
+                                             const std::string& file, const Globals& globals) {
   std::vector<State> usable;
   std::ranges::copy_if(measured, std::back_inserter(usable), &State::usable);
   std::optional<FieldStates> field;
   {
     Progress progress(globals, "the field of the measured forces");
+    progress.show("its law");
     field = field_states(usable, scene.space.spacing, [&](double share) { progress.show(share, ""); });
   }
   if (!field) return {};
-  say(globals, fmt::format("{}: forces without stiffness: their field (Gaussian process, noise {:.2g} N) is "
-                           "rendered, with its stiffness at {} of {}{}",
-                           file, field->law.noise, field->states.size(), counted(usable.size(), "place"),
-                           field->states.size() < usable.size()
-                               ? ", a quarter of the spacing apart: between closer ones noise would be slope"
-                               : ""));
-  return std::move(field->states);
+  say(globals,
+      fmt::format("{}: forces without stiffness: their field (Gaussian process, noise {:.2g} N) is "
+                  "rendered, with its stiffness at {} of {}{}",
+                  file, field->field.law.noise, field->states.size(), counted(usable.size(), "place"),
+                  field->states.size() < usable.size()
+                      ? ", a quarter of the spacing apart: between closer ones noise would be slope"
+                      : ""));
+  return field;
 }
 
 SessionPlan with_file(SessionPlan plan, const fs::path& own) {
@@ -87,10 +89,11 @@ SessionPlan take_foreign(const Scene& scene, const std::string& name, std::vecto
   JoinedHeaps joined = join_heaps(std::move(given));
   if (joined.heaps > 0)
     say(globals, fmt::format("{}: {} about one place count as one", name, counted(joined.rows, "row")));
-  std::vector<State> field = field_of_measured(scene, joined.states, name, globals);
-  if (field.empty()) return with_known(std::move(plan), std::move(joined.states));
-  plan = with_known(std::move(plan), std::move(field));
+  std::optional<FieldStates> field = field_of_measured(scene, joined.states, name, globals);
+  if (!field || field->states.empty()) return with_known(std::move(plan), std::move(joined.states));
+  plan = with_known(std::move(plan), std::move(field->states));
   plan.input.measured = std::move(joined.states);
+  plan.input.measured_field = field->field;
   return plan;
 }
 

@@ -191,7 +191,10 @@ void check_arguments(const Globals& globals, const ShowArguments& arguments) {
 ShowResult make(const Globals& globals, const ShowArguments& arguments) {
   const auto begin = std::chrono::steady_clock::now();
   ShowResult result;
+  Progress progress(globals, "show");
+  progress.show("reading " + arguments.request.what);
   result.content = gather(globals, arguments.request);
+  progress.show("writing " + arguments.output);
   const std::string extension = lower_case(fs::path(arguments.output).extension().string());
   if (extension == ".vtu") {
     result.files = write_show_vtu(arguments.output, result.content);

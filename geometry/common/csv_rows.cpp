@@ -74,6 +74,28 @@ bool CsvRows::next() {
   return false;
 }
 
+std::size_t CsvRows::most_rows() const {
+  return (again_ ? 2 : 1) + static_cast<std::size_t>(std::ranges::count(left_, '\n'));
+}
+
+std::vector<CsvRows> CsvRows::parts(std::size_t bytes) const {
+  std::vector<CsvRows> found{*this};
+  if (left_.size() <= bytes || left_.find('"') != std::string_view::npos) return found;
+  for (;;) {
+    std::string_view& left = found.back().left_;
+    const std::size_t end = left.size() > bytes ? left.find('\n', bytes) : std::string_view::npos;
+    if (end == std::string_view::npos) return found;
+    const std::string_view rest = left.substr(end + 1);
+    left = left.substr(0, end + 1);
+    const std::size_t line =
+        found.back().next_line_ + static_cast<std::size_t>(std::ranges::count(left, '\n'));
+    found.push_back(*this);
+    found.back().left_ = rest;
+    found.back().next_line_ = line;
+    found.back().again_ = false;
+  }
+}
+
 CsvText CsvText::read(const std::filesystem::path& file, std::string_view expected) {
   std::error_code error;
   if (!std::filesystem::exists(file, error))

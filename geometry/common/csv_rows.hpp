@@ -30,6 +30,11 @@ class CsvRows {
   bool next();                     // to the next row; false after the last
   void again() { again_ = true; }  // the following next() stays at this row
 
+  // What is left, cut at ends of lines into parts of about so many bytes: whole if it holds a quote, which may hold a
+  // line break. The first part also has the row of again().
+  std::vector<CsvRows> parts(std::size_t bytes) const;
+  std::size_t most_rows() const;  // left: one a line
+
   std::span<const std::string_view> cells() const { return cells_; }  // of this row; views into the content
   std::size_t line() const { return line_; }                          // its first, from 1
   const std::string& name() const { return name_; }

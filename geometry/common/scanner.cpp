@@ -30,8 +30,9 @@ class LineCheck {
  public:
   explicit LineCheck(const std::filesystem::path& file) : file_(file) {}
   void take(std::string_view block) {
+    const bool returns = block.find('\r') != std::string_view::npos;  // rare, and slow to look for as well
     for (;;) {
-      const std::size_t end = block.find_first_of("\r\n");
+      const std::size_t end = returns ? block.find_first_of("\r\n") : block.find('\n');
       length_ += std::min(end, block.size());
       if (length_ > longest_line)
         throw InputError({.file = file_.string(), .line = line_},

@@ -191,24 +191,22 @@ void BlockCover::triangulate() {
     last = delaunay_->insert({i}, task_.states.at[local_[i]], last);
 }
 
-// A state in the ball that is not triangulated. Those in the shell count as inside; the triangulation is exact.
+// A state in the ball that is not triangulated. Those in the shell count as inside; the triangulation is exact. The
+// ball of a cell holds no triangulated state but in its shell, so the search ends soon however many states it holds.
 bool BlockCover::foreign(const Vec3& centre, double radius, std::uint32_t& state) const {
-  const PointOctree::Neighbour nearest = task_.states.points.nearest(centre, radius * (1 - touching));
-  state = nearest.id;
-  if (state != PointOctree::nobody && seen_[state] != runs_) return true;
-  state = PointOctree::nobody;
-  task_.states.points.for_each_within(centre, radius * (1 + touching),
-                                      [&](std::uint32_t id, const Vec3&, double) {
-                                        if (seen_[id] != runs_) state = std::min(state, id);
-                                      });
+  state = task_.states.points.find_within(centre, radius * (1 + touching),
+                                          [&](std::uint32_t id) { return seen_[id] != runs_; });
   return state != PointOctree::nobody;
 }
 
 // Adds a state of the ball of this cell; false if the cell is one of all states.
 bool BlockCover::extend(const Spread& spread) {
   const Vec3 centre = circumcentre(spread.at);
-  std::uint32_t state = PointOctree::nobody;
-  if (!centre.allFinite() || !foreign(centre, (centre - spread.at[0]).norm(), state)) return false;
+  if (!centre.allFinite()) return false;
+  const double radius = (centre - spread.at[0]).norm();
+  std::uint32_t state = task_.states.points.nearest(centre, radius * (1 - touching)).id;
+  if ((state == PointOctree::nobody || seen_[state] == runs_) && !foreign(centre, radius, state))
+    return false;
   seen_[state] = runs_;
   local_.push_back(state);
   delaunay_->insert({static_cast<std::uint32_t>(local_.size() - 1)}, task_.states.at[state],

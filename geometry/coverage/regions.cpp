@@ -14,17 +14,15 @@
 namespace forefeel {
 namespace {
 
-// Along a Z-curve, without those that repeat an earlier one.
+// Along a Z-curve, without those within `apart` of an earlier one that stays.
 CoveredStates index_states(std::span<const Vec3> states, const Box& box, double spacing, double apart) {
   CoveredStates kept;
   kept.at.reserve(states.size());
   for (const std::uint32_t i : morton_order(states, box, spacing)) {
-    const Vec3& at = states[i];
-    if (kept.points.nearest(at, apart).id != PointOctree::nobody) continue;
-    kept.points.insert(static_cast<std::uint32_t>(kept.at.size()), at);
-    kept.at.push_back(at);
-    kept.largest = std::max(kept.largest, at.cwiseAbs().maxCoeff());
+    kept.at.push_back(states[i]);
+    kept.largest = std::max(kept.largest, states[i].cwiseAbs().maxCoeff());
   }
+  kept.points = distinct_points(kept.at, apart);
   return kept;
 }
 

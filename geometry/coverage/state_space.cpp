@@ -176,18 +176,14 @@ constexpr std::size_t most_measured = 20'000, around = 24;
 
 // The states at places of their own, and those near them.
 struct Cloud {
-  PointOctree points;
   std::vector<Vec3> positions;
+  PointOctree points;
   std::size_t step = 1;  // every step-th is measured
 
   explicit Cloud(std::span<const State> states) {
-    std::vector<PointOctree::Neighbour> near;
-    for (const State& state : states) {
-      if (!positions.empty()) points.nearest(state.at, 1, near);
-      if (!near.empty() && near[0].squared == 0) continue;
-      points.insert(static_cast<std::uint32_t>(positions.size()), state.at);
-      positions.push_back(state.at);
-    }
+    positions.reserve(states.size());
+    for (const State& state : states) positions.push_back(state.at);
+    points = distinct_points(positions, 0);
     step += positions.size() / most_measured;
   }
 };
@@ -203,38 +199,47 @@ int local_dimension(const std::vector<Vec3>& offsets) {
   return variance[1] < thin * variance[2] ? 1 : variance[0] < thin * variance[2] ? 2 : 3;
 }
 
-// What the states near each measured one tell.
+// What the states near each measured one tell; NaN where they do not.
 struct NearStates {
   std::vector<double> nearest, second, fourth, radius;  // distances, and of the cells [m]
   std::array<std::size_t, 4> of_dimension{};
 
   explicit NearStates(const Cloud& cloud) {
-    std::vector<PointOctree::Neighbour> near;
+    const std::size_t measured = (cloud.positions.size() + cloud.step - 1) / cloud.step;
+    for (std::vector<double>* values : {&nearest, &second, &fourth, &radius})
+      values->assign(measured, unknown);
+    std::vector<int> dimensions(measured, 0);
+#pragma omp parallel for schedule(dynamic, 64)
+    for (std::size_t k = 0; k < measured; ++k) look(cloud, k, dimensions[k]);
+    for (const int dimension : dimensions) ++of_dimension[static_cast<std::size_t>(dimension)];
+    std::erase_if(radius, [](double r) { return std::isnan(r); });
+  }
+  void look(const Cloud& cloud, std::size_t measured, int& dimension) {
+    thread_local std::vector<PointOctree::Neighbour> near;
+    const std::size_t i = measured * cloud.step;
+    const Vec3& at = cloud.positions[i];
+    cloud.points.nearest(at, around, near);
+    if (near.size() < 2) return;
+    const auto distance = [&](std::size_t k) {
+      return std::sqrt(near[std::min(k, near.size() - 1)].squared);
+    };
+    nearest[measured] = distance(1);
+    second[measured] = distance(2);
+    fourth[measured] = distance(4);
+    const Vec3 q = at + half_way(i, nearest[measured]);
     std::vector<Vec3> offsets;
-    for (std::size_t i = 0; i < cloud.positions.size(); i += cloud.step) {
-      const Vec3& at = cloud.positions[i];
-      cloud.points.nearest(at, around, near);
-      if (near.size() < 2) continue;
-      const auto distance = [&](std::size_t k) {
-        return std::sqrt(near[std::min(k, near.size() - 1)].squared);
-      };
-      nearest.push_back(distance(1));
-      second.push_back(distance(2));
-      fourth.push_back(distance(4));
-      const Vec3 q = at + half_way(i, nearest.back());
-      offsets.clear();
-      for (const PointOctree::Neighbour& n : near) offsets.push_back(cloud.positions[n.id] - q);
-      ++of_dimension[static_cast<std::size_t>(local_dimension(offsets))];
-      const LocalSpread cell = least_spread(offsets, nearest.back());
-      if (!cell.solid) continue;
-      std::array<Vec3, 4> corner;
-      for (std::size_t k = 0; k < 4; ++k) corner[k] = offsets[cell.corner[k]];
-      radius.push_back(circumradius(corner));
-    }
+    for (const PointOctree::Neighbour& n : near) offsets.push_back(cloud.positions[n.id] - q);
+    dimension = local_dimension(offsets);
+    const LocalSpread cell = least_spread(offsets, nearest[measured]);
+    if (!cell.solid) return;
+    std::array<Vec3, 4> corner;
+    for (std::size_t k = 0; k < 4; ++k) corner[k] = offsets[cell.corner[k]];
+    radius[measured] = circumradius(corner);
   }
   int dimension() const {
-    if (2 * of_dimension[1] > nearest.size()) return 1;
-    return 2 * (of_dimension[1] + of_dimension[2]) > nearest.size() ? 2 : 3;
+    const std::size_t all = of_dimension[1] + of_dimension[2] + of_dimension[3];
+    if (2 * of_dimension[1] > all) return 1;
+    return 2 * (of_dimension[1] + of_dimension[2]) > all ? 2 : 3;
   }
 };
 

@@ -4,12 +4,6 @@
 #include <cmath>
 
 namespace forefeel {
-namespace {
-
-constexpr int deepest = 48;
-
-}  // namespace
-
 std::int32_t PointOctree::new_bucket() {
   if (!free_buckets_.empty()) {
     const std::int32_t bucket = free_buckets_.back();

@@ -28,6 +28,10 @@ class PointOctree {
     }
   };
 
+  PointOctree() = default;
+  // Of points with their indices as ids: as if inserted one by one, by all threads. O(n log n).
+  explicit PointOctree(std::span<const Vec3> at);
+
   std::size_t size() const { return size_; }
   void insert(std::uint32_t id, const Vec3& at);
   bool erase(std::uint32_t id, const Vec3& at);  // false: not there
@@ -39,12 +43,25 @@ class PointOctree {
   void nearest(const Vec3& q, std::size_t n, std::vector<StateId>& out) const;
   void within(const Vec3& q, double radius, std::vector<StateId>& out) const;
 
+  bool has_two_within(const Vec3& q, double radius) const {
+    int found = 0;
+    return find_within(q, radius, [&](std::uint32_t) { return ++found > 1; }) != nobody;
+  }
+  // The point farthest along a direction, the lowest id of several; nobody without points.
+  std::uint32_t farthest(const Vec3& direction) const;
+
   // visit(id, offset from q, squared distance) for every point with |x - q| <= radius, in no particular
   // order.
   template <class Visit>
   void for_each_within(const Vec3& q, double radius, Visit&& visit) const {
     if (nodes_.empty()) return;
     visit_within(0, centre_, half_, q, radius * radius, visit);
+  }
+
+  // The first point within the radius that accept(id) takes, in the order of the tree; nobody if there is none.
+  template <class Accept>
+  std::uint32_t find_within(const Vec3& q, double radius, Accept&& accept) const {
+    return nodes_.empty() ? nobody : find_below(0, centre_, half_, q, radius * radius, accept);
   }
 
   // Appends the offsets from q of the points within the radius.
@@ -71,6 +88,7 @@ class PointOctree {
 
  private:
   static constexpr std::uint32_t capacity = 16;
+  static constexpr int deepest = 48;
   struct Bucket {
     std::array<double, capacity> x, y, z;
     std::array<std::uint32_t, capacity> id;
@@ -120,6 +138,26 @@ class PointOctree {
     }
   }
 
+  template <class Accept>
+  std::uint32_t find_below(std::int32_t node, const Vec3& centre, double half, const Vec3& q, double squared,
+                           Accept& accept) const {
+    if (squared_to_cube(centre, half, q) > squared * (1 + 1e-12)) return nobody;
+    const Node& n = nodes_[node];
+    for (int child = 0; n.children >= 0 && child < 8; ++child) {
+      const std::uint32_t found =
+          find_below(n.children + child, child_centre(centre, half, child), 0.5 * half, q, squared, accept);
+      if (found != nobody) return found;
+    }
+    for (std::int32_t b = n.bucket; b >= 0; b = buckets_[b].next) {
+      const Bucket& bucket = buckets_[b];
+      for (std::uint32_t k = 0; k < bucket.count; ++k)
+        if ((Vec3(bucket.x[k], bucket.y[k], bucket.z[k]) - q).squaredNorm() <= squared &&
+            accept(bucket.id[k]))
+          return bucket.id[k];
+    }
+    return nobody;
+  }
+
   template <class Visit>
   bool visit_leaves(std::int32_t node, const Vec3& centre, double half, const Vec3& q, double squared,
                     Visit& visit) const {
@@ -166,6 +204,15 @@ class PointOctree {
   void append(std::int32_t node, std::uint32_t id, const Vec3& at);
   std::int32_t new_bucket();
 
+  struct Part;
+  void take(const Part& part, std::int32_t root);
+  struct Farthest {
+    double along = -std::numeric_limits<double>::infinity();
+    std::uint32_t id = nobody;
+  };
+  void farthest_below(std::int32_t node, const Vec3& centre, double half, const Vec3& direction,
+                      Farthest& best) const;
+
   struct Place {
     std::int32_t node = 0;
     int depth = 0;
@@ -181,5 +228,8 @@ class PointOctree {
   double half_ = 0;
   std::size_t size_ = 0;
 };
+
+// Takes out the positions within `apart` [m] of an earlier one that stays, by all threads; the tree of the others.
+PointOctree distinct_points(std::vector<Vec3>& at, double apart);
 
 }  // namespace forefeel

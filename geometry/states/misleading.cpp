@@ -95,36 +95,99 @@ std::string unlikely_unit(std::span<const State> states, double spacing) {
 
 using Near = std::pair<double, const State*>;  // squared distance
 
-// The n rows nearest to that of place i, at other places, from near to far; equally near ones in their order.
-std::vector<Near> nearest_rows(std::span<const State* const> along_x, std::size_t i, std::size_t n) {
-  const State& one = *along_x[i];
-  std::vector<Near> heap;
-  const auto beyond = [&](std::size_t k) {
-    const double away = along_x[k]->at.x() - one.at.x();
-    return heap.size() == n && away * away > heap.front().first;
-  };
-  const auto take = [&](std::size_t k) {
-    const Near row((along_x[k]->at - one.at).squaredNorm(), along_x[k]);
-    if (row.first == 0 || (heap.size() == n && !(row < heap.front()))) return;
-    if (heap.size() == n) {
-      std::ranges::pop_heap(heap);
-      heap.pop_back();
+// Rows sorted into cubes of a few rows each.
+class RowCubes {
+ public:
+  explicit RowCubes(std::span<const State* const> rows) {
+    Vec3 high = rows.front()->at;
+    low_ = high;
+    for (const State* row : rows) low_ = low_.cwiseMin(row->at), high = high.cwiseMax(row->at);
+    const double most = static_cast<double>(rows.size()) / in_cube;
+    const Vec3 size = high - low_;
+    side_ = std::max(size.maxCoeff() / 64, std::cbrt(size.prod() / most));
+    for (int a = 0; a < 3; ++a)
+      count_[static_cast<std::size_t>(a)] = side_ > 0 ? static_cast<int>(size[a] / side_) + 1 : 1;
+    first_.assign(static_cast<std::size_t>(count_[0]) * static_cast<std::size_t>(count_[1] * count_[2]) + 1,
+                  0);
+    for (const State* row : rows) ++first_[index(cube_of(row->at)) + 1];
+    for (std::size_t c = 1; c < first_.size(); ++c) first_[c] += first_[c - 1];
+    sorted_.resize(rows.size());
+    std::vector<std::size_t> next = first_;
+    for (const State* row : rows) sorted_[next[index(cube_of(row->at))]++] = row;
+  }
+  // The n rows nearest to one, at other places, from near to far; equally near ones in their order.
+  std::vector<Near> nearest(const State& one, std::size_t n) const {
+    std::vector<Near> heap;
+    const auto take = [&](const State* row) {
+      const Near found((row->at - one.at).squaredNorm(), row);
+      if (found.first == 0 || (heap.size() == n && !(found < heap.front()))) return;
+      if (heap.size() == n) {
+        std::ranges::pop_heap(heap);
+        heap.pop_back();
+      }
+      heap.push_back(found);
+      std::ranges::push_heap(heap);
+    };
+    const Cube middle = cube_of(one.at);
+    const int rings = std::max({count_[0], count_[1], count_[2]});
+    for (int ring = 0; ring < rings; ++ring) {
+      const double within = (ring - 1) * side_;  // of rows in this ring, at least
+      if (heap.size() == n && ring > 0 && within * within > heap.front().first) break;
+      for_each_in_ring(middle, ring, take);
     }
-    heap.push_back(row);
-    std::ranges::push_heap(heap);
-  };
-  for (std::size_t k = i; k-- > 0 && !beyond(k);) take(k);
-  for (std::size_t k = i + 1; k < along_x.size() && !beyond(k); ++k) take(k);
-  std::ranges::sort_heap(heap);
-  return heap;
-}
+    std::ranges::sort_heap(heap);
+    return heap;
+  }
 
-// The first row of each place beside that of place i, by distance, sought among the nearest `most_near` rows: many rows
+ private:
+  using Cube = std::array<int, 3>;
+  static constexpr double in_cube = 6;  // rows
+
+  Cube cube_of(const Vec3& x) const {
+    Cube cube{};
+    for (std::size_t a = 0; a < 3; ++a) {
+      const double at = side_ > 0 ? (x[static_cast<int>(a)] - low_[static_cast<int>(a)]) / side_ : 0;
+      cube[a] = std::min(static_cast<int>(at), count_[a] - 1);
+    }
+    return cube;
+  }
+  std::size_t index(const Cube& c) const {
+    return static_cast<std::size_t>((c[2] * count_[1] + c[1]) * count_[0] + c[0]);
+  }
+  // The cubes at this distance from the middle one, by their largest difference.
+  template <class Take>
+  void for_each_in_ring(const Cube& middle, int ring, Take&& take) const {
+    Cube low{}, high{}, c{};
+    for (std::size_t a = 0; a < 3; ++a) {
+      low[a] = std::max(0, middle[a] - ring);
+      high[a] = std::min(count_[a] - 1, middle[a] + ring);
+    }
+    for (c[2] = low[2]; c[2] <= high[2]; ++c[2])
+      for (c[1] = low[1]; c[1] <= high[1]; ++c[1]) {
+        const bool face = std::max(std::abs(c[2] - middle[2]), std::abs(c[1] - middle[1])) == ring;
+        for (c[0] = low[0]; c[0] <= high[0]; ++c[0]) {
+          if (!face && std::abs(c[0] - middle[0]) != ring) {
+            c[0] = std::max(c[0], middle[0] + ring - 1);  // to the other end of the row
+            continue;
+          }
+          for (std::size_t i = first_[index(c)]; i < first_[index(c) + 1]; ++i) take(sorted_[i]);
+        }
+      }
+  }
+
+  Vec3 low_;
+  double side_ = 0;  // [m]
+  Cube count_{};
+  std::vector<std::size_t> first_;  // of sorted_, by cube
+  std::vector<const State*> sorted_;
+};
+
+// The first row of each place beside that of one, by distance, sought among the nearest `most_near` rows: many rows
 // about one place, a dwell, are one neighbour. Empty: there are fewer than `beside` places.
-std::vector<const State*> places_beside(std::span<const State* const> along_x, std::size_t i) {
+std::vector<const State*> places_beside(const RowCubes& rows, const State& one) {
   std::vector<const State*> places;
   for (std::size_t n = 4 * beside;; n = std::min(4 * n, most_near)) {
-    const std::vector<Near> near = nearest_rows(along_x, i, n);
+    const std::vector<Near> near = rows.nearest(one, n);
     places.clear();
     for (const auto& [squared, row] : near) {
       const auto same = [&, squared = squared, row = row](const State* place) {
@@ -138,9 +201,8 @@ std::vector<const State*> places_beside(std::span<const State* const> along_x, s
 }
 
 // How far the force of a row is from the nearest of those about it, if that is far beyond their differences; else 0.
-double alone_by(std::span<const State* const> along_x, std::size_t row) {
-  const State& one = *along_x[row];
-  const std::vector<const State*> near = places_beside(along_x, row);
+double alone_by(const RowCubes& rows, const State& one) {
+  const std::vector<const State*> near = places_beside(rows, one);
   if (near.empty()) return 0;
   double range = 0, off = (near.front()->force - one.force).norm();
   for (std::size_t i = 0; i < near.size(); ++i) {
@@ -155,10 +217,11 @@ std::string lone_forces(std::span<const State> states) {
   for (const State& s : states)
     if (s.usable() && s.force.allFinite() && !s.has_site()) usable.push_back(&s);
   if (usable.size() > most_compared) return {};
-  std::ranges::sort(usable, {}, [](const State* s) { return std::pair(s->at.x(), s); });
+  if (usable.empty()) return {};
+  const RowCubes rows(usable);
   std::vector<double> by(usable.size());
 #pragma omp parallel for schedule(dynamic, 64)
-  for (std::size_t i = 0; i < usable.size(); ++i) by[i] = alone_by(usable, i);
+  for (std::size_t i = 0; i < usable.size(); ++i) by[i] = alone_by(rows, *usable[i]);
   const auto count = static_cast<std::size_t>(std::ranges::count_if(by, [](double off) { return off > 0; }));
   if (count == 0 || count * most_lone_share > usable.size()) return {};
   const auto farthest = static_cast<std::size_t>(std::ranges::max_element(by) - by.begin());

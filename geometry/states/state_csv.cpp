@@ -15,153 +15,11 @@
 #include "geometry/common/scanner.hpp"
 #include "geometry/states/jet_columns.hpp"
 #include "geometry/states/named_columns.hpp"
+#include "geometry/states/named_rows.hpp"
 #include "geometry/states/state_file.hpp"
 
 namespace forefeel {
 namespace {
-
-constexpr std::array<const char*, 6> required_columns{"x", "y", "z", "fx", "fy", "fz"};
-constexpr std::array<const char*, 3> place_columns{"x", "y", "z"};
-
-// A CSV file with a header line: the cells of the current row by the names of their columns.
-class NamedRows {
- public:
-  // required: columns that must be there, and their order in a file without a header line (if that is allowed).
-  NamedRows(const std::filesystem::path& file, std::span<const char* const> required, bool header_optional)
-      : content_(read_text_file(file)), rows_(content_, file.string()) {
-    if (!rows_.next())
-      throw InputError({.file = rows_.name()},
-                       fmt::format("holds no header line, expected {}", fmt::join(required, ",")));
-    if (header_optional && only_numbers())
-      take_order(required);
-    else
-      read_header(required);
-  }
-  // Columns of required_columns, or x,y,z with at most one other: its name is value() then. Without a header line three
-  // or four numbers.
-  explicit NamedRows(const std::filesystem::path& file)
-      : content_(read_text_file(file)), rows_(content_, file.string()) {
-    if (!rows_.next())
-      throw InputError({.file = rows_.name()}, "holds no row, expected x,y,z or x,y,z,VALUE");
-    const std::vector<std::string_view> cells(rows_.cells().begin(), rows_.cells().end());
-    if ((cells.size() == 3 || cells.size() == 4) && only_numbers()) {
-      take_order(place_columns);
-      if (cells.size() == 4) columns_[value_ = "value"] = 3, width_ = 4;
-      return;
-    }
-    const auto is_force = [](std::string_view name) { return name == "fx" || name == "fy" || name == "fz"; };
-    std::vector<std::string_view> others;
-    std::ranges::copy_if(cells, std::back_inserter(others), [](std::string_view name) {
-      return std::ranges::find(place_columns, name) == place_columns.end() && name != "h";
-    });
-    const bool bare = others.size() < 2 && std::ranges::none_of(others, is_force);
-    read_header(bare ? std::span<const char* const>(place_columns) : required_columns);
-    if (bare && !others.empty()) value_ = others[0];
-  }
-  // Only these columns, by the names of required_columns.
-  NamedRows(const std::filesystem::path& file, const NamedColumns& given)
-      : content_(read_text_file(file)), rows_(content_, file.string()) {
-    if (!rows_.next()) throw InputError({.file = rows_.name()}, "holds no header line, expected one");
-    check_separator();
-    const auto cells = rows_.cells();
-    width_ = cells.size();
-    if (given.size() == 4) value_ = given[3].substr(given[3].starts_with('-') ? 1 : 0);
-    for (std::size_t k = 0; k < given.size(); ++k) {
-      const bool turned = given[k].starts_with('-');
-      const std::string_view name = std::string_view(given[k]).substr(turned ? 1 : 0);
-      const auto called = [&](std::string_view cell) { return trimmed(cell) == name; };
-      const auto found = std::ranges::find_if(cells, called);
-      if (found == cells.end())
-        fail(fmt::format("no column {:.40} of --columns, the header has {:.300}", name,
-                         fmt::join(cells, ",")));
-      if (std::ranges::count_if(cells, called) > 1) fail(fmt::format("column {:.40} is there twice", name));
-      const std::string meant = k == 3 && given.size() == 4 ? value_ : required_columns[k];
-      columns_[meant] = static_cast<std::size_t>(found - cells.begin());
-      if (turned) turned_.insert(meant);
-    }
-  }
-
-  bool next() {
-    if (!rows_.next()) return false;
-    if (rows_.cells().size() != width_)
-      fail(fmt::format("{} columns, expected {}", rows_.cells().size(), width_));
-    return true;
-  }
-
-  bool has(const std::string& column) const { return columns_.contains(column); }
-  std::string_view text(const std::string& column) const { return rows_.cells()[columns_.at(column)]; }
-
-  double finite(const std::string& column) const {
-    double value = 0;
-    if (!parse_real(text(column), value))
-      fail(fmt::format("column {}: '{:.40}' is not a number", column, text(column)));
-    if (!std::isfinite(value)) fail(fmt::format("column {}: '{:.40}' is not finite", column, text(column)));
-    return turned_.contains(column) ? -value : value;
-  }
-  // Empty or nan: unknown.
-  double optional(const std::string& column) const {
-    if (text(column).empty() || lower_case(text(column)) == "nan") return unknown;
-    return finite(column);
-  }
-  // The same, but a distance may be infinite.
-  double distance(const std::string& column) const {
-    const std::string word = lower_case(text(column));
-    return word == "inf" || word == "infinity" ? std::numeric_limits<double>::infinity() : optional(column);
-  }
-  Vec3 vector(const char* x, const char* y, const char* z) const {
-    const double a = finite(x), b = finite(y), c = finite(z);
-    return {a, b, c};
-  }
-  [[noreturn]] void fail(const std::string& problem) const { rows_.fail(problem); }
-  const std::string& name() const { return rows_.name(); }
-
-  const std::string& value() const { return value_; }  // the only column beside x,y,z; empty: none
-
- private:
-  bool only_numbers() const {
-    double number = 0;
-    return std::ranges::all_of(rows_.cells(),
-                               [&](std::string_view cell) { return parse_real(cell, number); });
-  }
-  // The row at hand is the first one, its columns are these.
-  void take_order(std::span<const char* const> names) {
-    for (std::size_t i = 0; i < names.size(); ++i) columns_[names[i]] = i;
-    width_ = names.size();
-    rows_.again();
-  }
-  void check_separator() const {
-    const auto cells = rows_.cells();
-    if (cells.size() == 1 && cells[0].find_first_of(";\t") != std::string_view::npos)
-      fail("columns are not separated by commas, expected a comma-separated file");
-  }
-
-  void read_header(std::span<const char* const> required) {
-    check_separator();
-    const auto cells = rows_.cells();
-    std::string_view twice;
-    width_ = cells.size();
-    for (std::size_t i = 0; i < width_; ++i)
-      if (!columns_.emplace(std::string(cells[i]), i).second) twice = cells[i];
-    for (const char* column : required)
-      if (!columns_.contains(column))
-        fail(fmt::format(
-            "no column {}, expected a header line with {}{}; this one begins with '{:.40}'", column,
-            fmt::join(required, ","),
-            required.front() == required_columns.front() && required.size() == 6
-                ? " (import --columns takes other names; classify and import take x,y,z alone, or "
-                  "with one value)"
-                : "",
-            cells[0]));
-    if (!twice.empty()) fail(fmt::format("column {:.40} is there twice", twice));
-  }
-
-  std::string content_;
-  CsvRows rows_;
-  std::map<std::string, std::size_t> columns_;
-  std::string value_;
-  std::set<std::string> turned_;  // columns of the other sign
-  std::size_t width_ = 0;
-};
 
 Mat3 read_stiffness(NamedRows& in) {
   Mat3 stiffness;
@@ -234,31 +92,30 @@ std::vector<State> read_rows(NamedRows& in) {
       !missing.empty())
     in.fail(missing);
   const bool jets = in.has(jet_names().front()), sites = has_sites(in);
-  std::vector<State> states;
-  while (in.next()) {
+  std::vector<State> states = in.read_all<State>([&](NamedRows& row) {
     State state;
-    state.at = in.vector("x", "y", "z");
-    state.solve.status = read_status(in);
-    if (!in.value().empty())
-      state.force = {in.finite(in.value()), 0, 0};
-    else if (!in.has("fx"))
+    state.at = row.vector("x", "y", "z");
+    state.solve.status = read_status(row);
+    if (!row.value().empty())
+      state.force = {row.finite(row.value()), 0, 0};
+    else if (!row.has("fx"))
       state.force.setConstant(unknown);
     else if (state.usable())
-      state.force = in.vector("fx", "fy", "fz");
+      state.force = row.vector("fx", "fy", "fz");
     else
-      state.force = {in.optional("fx"), in.optional("fy"), in.optional("fz")};
-    if (sites) state.site = read_site(in);
-    if (given == 9) state.stiffness = read_stiffness(in);
-    check_size(in, state);
-    if (in.has("h")) {
-      state.spacing = in.optional("h");
+      state.force = {row.optional("fx"), row.optional("fy"), row.optional("fz")};
+    if (sites) state.site = read_site(row);
+    if (given == 9) state.stiffness = read_stiffness(row);
+    check_size(row, state);
+    if (row.has("h")) {
+      state.spacing = row.optional("h");
       if (state.spacing <= 0)
-        in.fail(fmt::format("column h: {} is not a spacing, expected a positive number", state.spacing));
+        row.fail(fmt::format("column h: {} is not a spacing, expected a positive number", state.spacing));
     }
-    if (in.has("energy")) state.energy = in.optional("energy");
-    if (jets) state.jet = read_jet(in);
-    states.push_back(std::move(state));
-  }
+    if (row.has("energy")) state.energy = row.optional("energy");
+    if (jets) state.jet = read_jet(row);
+    return state;
+  });
   if (states.empty())
     throw InputError({.file = in.name()}, "holds no states, expected rows after the header line");
   return states;
@@ -311,8 +168,8 @@ NamedColumns named_columns(std::string_view text) {
 
 std::vector<Vec3> read_points_csv(const std::filesystem::path& file) {
   NamedRows in(file, place_columns, true);
-  std::vector<Vec3> points;
-  while (in.next()) points.push_back(in.vector("x", "y", "z"));
+  const std::vector<Vec3> points =
+      in.read_all<Vec3>([](NamedRows& row) { return row.vector("x", "y", "z"); });
   if (points.empty()) throw InputError({.file = in.name()}, "holds no points, expected rows x,y,z");
   return points;
 }
@@ -320,8 +177,9 @@ std::vector<Vec3> read_points_csv(const std::filesystem::path& file) {
 std::vector<SitedPoint> read_sited_points_csv(const std::filesystem::path& file) {
   constexpr std::array<const char*, 6> required{"sx", "sy", "sz", "x", "y", "z"};
   NamedRows in(file, required, true);
-  std::vector<SitedPoint> points;
-  while (in.next()) points.push_back({in.vector("sx", "sy", "sz"), in.vector("x", "y", "z")});
+  const std::vector<SitedPoint> points = in.read_all<SitedPoint>([](NamedRows& row) {
+    return SitedPoint{row.vector("sx", "sy", "sz"), row.vector("x", "y", "z")};
+  });
   if (points.empty()) throw InputError({.file = in.name()}, "holds no points, expected rows sx,sy,sz,x,y,z");
   return points;
 }

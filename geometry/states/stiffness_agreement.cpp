@@ -15,7 +15,7 @@ namespace forefeel {
 namespace {
 
 constexpr std::size_t most_pairs = 500, neighbours = 8, fewest = 3, enough_to_fit = 6;
-constexpr double like = 0.7, surely = 0.9, linear = 0.95;  // correlations
+constexpr double like = 0.7, clearly_alike = 0.9, linear = 0.95;  // correlations
 
 struct NearState {
   double distance2 = std::numeric_limits<double>::infinity();
@@ -92,7 +92,7 @@ StiffnessAgreement stiffness_agreement(std::span<const State> states) {
     }
     ++found.compared;
     found.opposite += fit->scale < 0;
-    found.surely_opposite += fit->scale < 0 && fit->correlation < -surely;
+    found.surely_opposite += fit->scale < 0 && fit->correlation < -clearly_alike;
     scales.push_back(std::abs(fit->scale));
   }
   if (scales.empty()) return found;

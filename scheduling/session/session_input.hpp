@@ -7,6 +7,7 @@
 #include <string>
 #include <vector>
 
+#include "approx/model/model_options.hpp"
 #include "approx/switch/relaxation.hpp"
 #include "geometry/coverage/state_space.hpp"
 #include "geometry/states/state_header.hpp"
@@ -67,6 +68,7 @@ struct SessionInput {
   // renders them alone: it solves neither states nor references, and writes no state file.
   bool foreign = false;
   std::vector<State> measured = {};  // whose field the known states are (approx/methods/field_states.hpp)
+  std::optional<FieldOptions> measured_field = {};  // the law of that field
   SessionFiles files = {};
   SessionParts parts = {};
   // A service shared by sessions of the same body, spacing and displacements, which may run at the same time.

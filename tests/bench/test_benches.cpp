@@ -116,6 +116,37 @@ TEST_CASE("bench solver: a shrunk lattice and a single state, where all solvers 
   }
 }
 
+TEST_CASE("bench scale: shares, bounds and forces hold",
+          "[bench]" SLOW("runs forefeel-bench, which only run.sh all builds")) {
+  const Workshop shop;
+  shop.write("beam.toml", beam_scene());
+  const Workshop::Outcome outcome =
+      shop.forefeel_bench("scale beam.toml --threads 2 --set state_space.spacing=0.003 --json -o out");
+  INFO(outcome.err);
+  REQUIRE(outcome.code == 0);
+  const json found = outcome.json();
+  CHECK_THAT(outcome.err, Contains("threads"));
+  CHECK_THAT(shop.files(), Contains("out/scale.svg"));
+  REQUIRE(found["rows"].size() ==
+          10);  // generate, classify and evaluate of two sizes, each on 1 and 2 threads
+  for (const json& row : found["rows"]) {
+    INFO(row.dump());
+    CHECK(row["per_s"].get<double>() > 0);
+    CHECK(row["serial_share"].get<double>() >= 0);
+    CHECK(row["serial_share"].get<double>() <= 1);
+    if (row["name"].get<std::string>().starts_with("generate")) {
+      CHECK(row["parallel"]["work_s"].get<double>() >= row["parallel"]["path_s"].get<double>());
+      CHECK(row["parallel"]["path_s"].get<double>() > 0);
+      CHECK(row["error"]["max"] == 0.0);  // the same states on two threads
+    } else if (found["scipy"] == true) {
+      CHECK(row["error"]["max"].get<double>() < 1e-8);
+      CHECK(row["ratio"].get<double>() > 0);
+    } else {
+      CHECK(row["ratio"].is_null());
+    }
+  }
+}
+
 TEST_CASE("the help of forefeel-bench lists the keys of solver of one state --json",
           "[bench]" SLOW("runs forefeel-bench, which only run.sh all builds")) {
   const Workshop shop;
