@@ -1,0 +1,78 @@
+"""States needed for an error, by sampler, body and model: needed.py STUDY.toml [--part K/N] -o FOLDER; then --merge.
+
+Each script of this folder that the study names runs on each body; its table is a file of FOLDER, kept when the run is
+repeated. --merge reads them all. States needed: where the line through (log n, log p95) crosses the error, after which
+it stays below; more than the last n: "> n". Ratios to Halton's points on the same body and model, where both numbers are
+known; the interval is a 95 % bootstrap over bodies.
+"""
+import argparse
+import csv
+import pathlib
+import subprocess
+import sys
+import tomllib
+
+import numpy as np
+
+parser = argparse.ArgumentParser()
+parser.add_argument("study", type=pathlib.Path)
+parser.add_argument("-o", "--output", type=pathlib.Path, required=True)
+parser.add_argument("--part", default="1/1", metavar="K/N")
+parser.add_argument("--merge", action="store_true")
+args = parser.parse_args()
+study = tomllib.loads(args.study.read_text())
+args.output.mkdir(parents=True, exist_ok=True)
+tables = {(body["name"], sampler): args.output / f"{body['name']}, {sampler}.csv".replace(" ", "_")
+          for sampler in study["samplers"] for body in study["body"]}
+
+
+def run(body, sampler, table):
+    command = [sys.executable, str(pathlib.Path(__file__).with_name(sampler + ".py")),
+               str(args.study.parent / body["scene"]), "--seeds", str(study["seeds"]), "--states",
+               *map(str, study["states"])]
+    command += [word for key in body["set"] for word in ("--set", key)] + (["--alone"] if sampler != "common" else [])
+    done = subprocess.run(command, capture_output=True, text=True)
+    if done.returncode == 0:
+        part = table.with_suffix(".part")
+        part.write_text(done.stdout)
+        part.rename(table)
+    print(f"{body['name']}, {sampler}: {'done' if done.returncode == 0 else done.stderr.strip()}", flush=True)
+
+
+def needed(errors, wanted):
+    """errors: {n: p95}"""
+    n, p95 = np.array(sorted(errors.items())).T
+    above = np.flatnonzero(p95 > wanted)
+    if len(above) == 0 or above[-1] == len(n) - 1:
+        return n[0] if len(above) == 0 else np.inf
+    k = above[-1]
+    share = np.log(p95[k] / wanted) / np.log(p95[k] / p95[k + 1])
+    return n[k] * (n[k + 1] / n[k]) ** share
+
+
+if not args.merge:
+    part, parts = map(int, args.part.split("/"))
+    for job, ((name, sampler), table) in enumerate(tables.items()):
+        if job % parts == part - 1 and not table.exists():
+            run(next(body for body in study["body"] if body["name"] == name), sampler, table)
+    sys.exit()
+
+found, out = {}, csv.writer(sys.stdout)
+for (body, _), table in tables.items():
+    for row in csv.DictReader(table.open()) if table.exists() else []:
+        key = row["sampler"], row["model"], body, row["seed"]
+        found.setdefault(key, {})[int(row["states"])] = float(row["p95_percent"])
+out.writerow(["sampler", "model", "error_percent", *(body["name"] for body in study["body"]), "over_halton", "low", "high"])
+for wanted in study["errors"]:
+    for sampler, model in dict.fromkeys(key[:2] for key in found):
+        def median(sampler, model, body):
+            over = [needed(errors, wanted) for key, errors in found.items() if key[:3] == (sampler, model, body)]
+            return np.median(over) if over else np.nan
+        here = np.array([median(sampler, model, body["name"]) for body in study["body"]])
+        halton = np.array([median("halton", model, body["name"]) for body in study["body"]])
+        logs = np.log(here / halton) if model != "own" else np.full(len(here), np.nan)
+        logs = logs[np.isfinite(logs)]
+        drawn = np.random.default_rng(1).choice(logs, (2000, len(logs))).mean(axis=1) if len(logs) else [np.nan]
+        words = ["" if np.isnan(n) else f"{n:.0f}" if np.isfinite(n) else f"> {max(study['states'])}" for n in here]
+        ratios = np.exp([np.mean(logs) if len(logs) else np.nan, *np.percentile(drawn, [2.5, 97.5])])
+        out.writerow([sampler, model, wanted, *words, *(f"{ratio:.2f}" for ratio in ratios)])
