@@ -2,7 +2,6 @@
 
 #include <fmt/format.h>
 
-#include <Eigen/Geometry>
 #include <algorithm>
 #include <cmath>
 #include <fstream>
@@ -182,26 +181,17 @@ InputError at_key(const InputError& error, const BodySections& sections, const s
   return error;
 }
 
-// Edges of linear elements far from a pad, over those of a mesh of one size, (8/7)^(1/3): the smallest ones then have an
-// eighth of the elements. Smaller ones crease when a pad presses them sideways: with a third, a state of the liver takes
-// 2.6 ms and its force is 16 % off (p50); with an eighth 1.3 ms and 19 %; of one size 0.7 ms and 25 %.
-constexpr double linear_far = 1.0455;
-
 // The ball of the pad, before there is a mesh. tip: of a phantom, at its own size.
 Pressed pressed_of(const BodySections& sections, const BodyKeys& keys, bool is_phantom) {
   const SceneTable& contact = sections.contact;
   if (!contact.has("pad") || is_anywhere(contact)) return {};
   const std::optional<Vec3> place = contact.vector("nearest");
   if (!place && !is_phantom) return {};  // read_pad() says what is missing
-  Toward toward{.radius = contact.number("radius", positive()).value_or(Pad().radius)};
-  if (keys.element == Element::linear) toward.far = linear_far;
-  if (place) {
-    toward.site = *place;
-    return toward;
-  }
-  chosen_word(sections.body, "phantom", keys.phantom, phantom_names());
-  toward.site = scale_of(keys, phantom_surface(keys.phantom)) * phantom_tip(keys.phantom);
-  return toward;
+  if (!place) chosen_word(sections.body, "phantom", keys.phantom, phantom_names());
+  return Toward{
+      .site = place ? *place : scale_of(keys, phantom_surface(keys.phantom)) * phantom_tip(keys.phantom),
+      .radius = contact.number("radius", positive()).value_or(Pad().radius),
+      .far = keys.element == Element::linear ? linear_far : third_far};
 }
 
 struct BodyInput {  // owns what it names: a finer body is made later
@@ -224,8 +214,8 @@ Body assemble(const BodyInput& in, const BodyKeys& keys, std::vector<std::string
                   : read_volume_or_surface(in.sections.body, keys, in.folder, pressed, rim, warnings);
   const std::string mesh_where =
       in.is_phantom ? in.file + ": body.phantom" : (in.folder / keys.mesh).string();
-  const MeshCheck mesh_check = check_and_orient(body.mesh, mesh_where);
-  for (const std::string& warning : mesh_check.warnings) warnings.push_back(mesh_where + ": " + warning);
+  for (const std::string& warning : check_and_orient(body.mesh, mesh_where).warnings)
+    warnings.push_back(mesh_where + ": " + warning);
   if (!body.mesh.second_order.middle_nodes.empty() && !in.sections.body.has("element")) {
     body.element = Element::quadratic;
     warnings.push_back(mesh_where +

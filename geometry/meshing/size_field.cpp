@@ -8,7 +8,7 @@
 namespace forefeel {
 namespace {
 
-constexpr double shape = 0.15;          // volume of a tetrahedron over h^3
+constexpr double shape = 0.15;  // volume of a tetrahedron over h^3
 constexpr int shells = 256;
 
 double cube(double x) {

@@ -70,7 +70,7 @@ struct PathAnchor {
 };
 
 // The fine states of one cell under way. Four steps solve them: solve_together(), correct() for each of `open`,
-// find_paths(), follow_path() for each of `open`. A worker may take each step and each place of `open`: hard states then
+// find_paths(), follow_path() for each of `open`. Any worker may take a step, or one place of `open`: hard states then
 // do not wait for each other.
 struct SweepCell {
   std::vector<SweepNode> nodes;
