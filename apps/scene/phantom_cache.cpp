@@ -31,7 +31,6 @@ fs::path file_of(const PhantomRequest& request) {
   if (request.toward) {
     for (const double value : request.toward->site) hash.add(value);
     hash.add(request.toward->radius);
-    hash.add(request.toward->far);
   }
   if (request.rim) hash.add(static_cast<std::int64_t>(request.rim->axis)).add(request.rim->share);
   return folder / (hash.hex().substr(0, 32) + ".mesh");

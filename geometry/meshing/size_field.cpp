@@ -8,7 +8,8 @@
 namespace forefeel {
 namespace {
 
-constexpr double shape = 0.15;  // volume of a tetrahedron over h^3
+constexpr double shape = 0.15;          // volume of a tetrahedron over h^3
+constexpr double far_share = 1.144714;  // of the uniform edge: 1.5^(1/3)
 constexpr int shells = 256;
 
 double cube(double x) {
@@ -94,7 +95,7 @@ SizeField size_field(const Surface& closed, const Toward& toward, std::size_t el
   const auto wanted = static_cast<double>(elements);
   const double uniform = uniform_edge(closed, elements);
   const Shells body(closed, toward.site);
-  SizeField field{.site = toward.site, .radius = toward.radius, .near = uniform, .far = toward.far * uniform};
+  SizeField field{.site = toward.site, .radius = toward.radius, .near = uniform, .far = far_share * uniform};
   const double least = std::min(uniform, least_near * toward.radius);
   const auto with_near = [&](double near) {
     field.near = near;

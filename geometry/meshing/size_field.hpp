@@ -28,10 +28,10 @@ struct SizeField {
 // Edge l of the tetrahedra if `elements` of about equal size fill the body [m].
 double uniform_edge(const Surface& closed, std::size_t elements);
 
-// The field that gives about `elements` tetrahedra. The far edge is `toward.far` of the uniform one, and `near` takes
-// the elements that this leaves: a third at 1.5^(1/3). Of 1.15, 1.3, 1.6, 2 and 3 for 1.5, 1.3 and 1.6 gave the least
-// errors of the stiffness, of linear and quadratic elements, 900 to 3,500 in number. Where `near` would then fall below
-// `least_near` of the radius, the far edge is smaller instead. `near` never exceeds the uniform edge.
+// The field that gives about `elements` tetrahedra. The far edge is 1.5^(1/3) of the uniform one, and `near` takes the
+// third of the elements that this leaves; of 1.15, 1.3, 1.6, 2 and 3 for 1.5, 1.3 and 1.6 gave the least errors of the
+// stiffness, of linear and quadratic elements, 900 to 3,500 in number. Where `near` would then fall below `least_near`
+// of the radius, the far edge is smaller instead. `near` never exceeds the uniform edge.
 SizeField size_field(const Surface& closed, const Toward& toward, std::size_t elements);
 
 inline constexpr double least_near = 0.1;

@@ -62,16 +62,10 @@ Surface repair_surface(const Surface& surface, RepairReport& report);
 // `step` [m]; 0: a 300th of the diagonal.
 double hausdorff_distance(const Surface& a, const Surface& b, double step = 0);
 
-// Edges far from a contact over those of a mesh of one size: (3/2)^(1/3) leaves it a third of the elements, (8/7)^(1/3)
-// an eighth. Small linear elements crease when a pad presses them sideways: with a third, a state of the liver of 1,777
-// takes 2.6 ms and its force is 16 % off (p50, to 24 mm); with an eighth 1.3 ms and 19 %; of one size 0.7 ms and 25 %.
-inline constexpr double third_far = 1.144714, linear_far = 1.0455;
-
 // The ball of a contact. Elements are small in it and grow with the distance from it (size_field.hpp).
 struct Toward {
   Vec3 site = Vec3::Zero();  // [m]; taken to the nearest point of the surface
   double radius = 0;         // [m]
-  double far = third_far;    // edge far from it, over that of a mesh of one size
 };
 
 // The part of a body at the low end of an axis, as nodes_below() chooses its nodes (tet_mesh.hpp). Its rim is the
