@@ -2,7 +2,6 @@
 
 #include <fmt/format.h>
 
-#include <Eigen/Geometry>
 #include <algorithm>
 #include <cmath>
 #include <fstream>
@@ -112,9 +111,8 @@ const SceneRows<BodyKeys>& rows_of_body() {
   return rows;
 }
 
-// Small linear elements crease long before large ones do: a state of the built-in body costs two to four times as much,
-// by its law. Under a fine body its force is no better; without one its error is 16 % instead of 25 % (p50, to 24 mm), on
-// a ball 16 % instead of 10 %.
+// Small linear elements crease long before large ones do: a state costs two to four times as much. Under a fine body its
+// force is no better; without one the error is 16 instead of 25 % on the liver, 16 instead of 10 % on the ball (p50).
 bool is_uniform(const BodyKeys& keys) {
   return keys.uniform.value_or(keys.element == Element::linear);
 }
@@ -216,8 +214,8 @@ Body assemble(const BodyInput& in, const BodyKeys& keys, std::vector<std::string
                   : read_volume_or_surface(in.sections.body, keys, in.folder, pressed, rim, warnings);
   const std::string mesh_where =
       in.is_phantom ? in.file + ": body.phantom" : (in.folder / keys.mesh).string();
-  const MeshCheck mesh_check = check_and_orient(body.mesh, mesh_where);
-  for (const std::string& warning : mesh_check.warnings) warnings.push_back(mesh_where + ": " + warning);
+  for (const std::string& warning : check_and_orient(body.mesh, mesh_where).warnings)
+    warnings.push_back(mesh_where + ": " + warning);
   if (!body.mesh.second_order.middle_nodes.empty() && !in.sections.body.has("element")) {
     body.element = Element::quadratic;
     warnings.push_back(mesh_where +
