@@ -111,7 +111,7 @@ const SceneRows<BodyKeys>& rows_of_body() {
   return rows;
 }
 
-// Small linear elements crease long before large ones do: a state costs two to four times as much. Under a fine body its
+// Small linear elements crease long before large ones: a state costs two to four times as much. Under a fine body its
 // force is no better; without one the error is 16 instead of 25 % on the liver, 16 instead of 10 % on the ball (p50).
 bool is_uniform(const BodyKeys& keys) {
   return keys.uniform.value_or(keys.element == Element::linear);
