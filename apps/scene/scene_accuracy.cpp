@@ -66,7 +66,10 @@ std::filesystem::path file_of(double wanted, std::span<const AccuracyTrial> tria
   const std::filesystem::path folder = cache_folder();
   if (folder.empty()) return {};
   Sha256 hash;
-  hash.add(std::string_view("accuracy")).add(solver_revision()).add(about).add(wanted);
+  hash.add(std::string_view("accuracy, linear elements of one size"))
+      .add(solver_revision())
+      .add(about)
+      .add(wanted);
   for (const AccuracyTrial& t : trials)
     hash.add(static_cast<std::int64_t>(t.element))
         .add(static_cast<std::int64_t>(t.elements))
