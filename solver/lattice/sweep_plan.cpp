@@ -25,8 +25,7 @@ std::optional<CellAround> cell_around(const CoarsePlanes& planes, const Vec3& q)
 
 std::vector<LatticeIndex> sorted_once(std::vector<LatticeIndex> some) {
   std::ranges::sort(some);
-  const auto rest = std::ranges::unique(some);
-  some.erase(rest.begin(), rest.end());
+  some.erase(std::unique(some.begin(), some.end()), some.end());
   return some;
 }
 
