@@ -104,7 +104,7 @@ TEST_CASE("coverage-regions: the worth of a state is that of the volumes of the 
   const PlannerView view{.space = space, .hip = {.velocity = Vec3::Zero()}, .predicted = {}, .pending = {}};
   policy->look(view);
   for (const Vec3& at : {Vec3(0, 0, 0), Vec3(h, h, h), Vec3(0, -h, 0.5 * h)}) {
-    double worth = 0, at_points = 0;
+    double worth = 0;
     const double priors[] = {0.9, 0.5,
                              0.15};  // of 4 h, 2 h and h with stiffness, before any state was missed
     for (std::size_t s = 0; s < 3; ++s) {
@@ -123,7 +123,6 @@ TEST_CASE("coverage-regions: the worth of a state is that of the volumes of the 
       for (const Label label : all_labels) mean += lack(label) * summary.volume[label] / box.size().prod();
       const double reached = std::max(0.0, 1 - at.squaredNorm() / (4 * H * H));
       worth += 0.25 * priors[s] * mean * reached;
-      at_points += 0.25 * priors[s] * lack(StateSpace(space.options()).label(Vec3::Zero())) * reached;
     }
     const double got = policy->priority({.at = at}, view);
     CAPTURE(at.transpose(), got, worth);
