@@ -70,9 +70,9 @@ for wanted in study["errors"]:
             return np.median(over) if over else np.nan
         here = np.array([median(sampler, model, body["name"]) for body in study["body"]])
         halton = np.array([median("halton", model, body["name"]) for body in study["body"]])
-        logs = np.log(here / halton) if model != "own" else np.full(len(here), np.nan)
-        logs = logs[np.isfinite(logs)]
+        known = np.isfinite(here) & np.isfinite(halton)    # a model "own" has no row of Halton's points
+        logs = np.log(here[known] / halton[known])
         drawn = np.random.default_rng(1).choice(logs, (2000, len(logs))).mean(axis=1) if len(logs) else [np.nan]
         words = ["" if np.isnan(n) else f"{n:.0f}" if np.isfinite(n) else f"> {max(study['states'])}" for n in here]
         ratios = np.exp([np.mean(logs) if len(logs) else np.nan, *np.percentile(drawn, [2.5, 97.5])])
-        out.writerow([sampler, model, wanted, *words, *(f"{ratio:.2f}" for ratio in ratios)])
+        out.writerow([sampler, model, wanted, *words, *("" if np.isnan(r) else f"{r:.2f}" for r in ratios)])
