@@ -61,11 +61,17 @@ FOREFEEL_INLINE void gather(const std::int32_t* node, const double* u, Lanes* ou
     }
 }
 
+// `size` numbers at the place of a vector, or of its tail (ElementView::row and block).
+FOREFEEL_INLINE double* at_place(std::int32_t place, int size, double* vector, double* tail) {
+  return place >= 0 ? vector + static_cast<std::int64_t>(size) * place
+                    : tail + static_cast<std::int64_t>(size) * (-1 - place);
+}
+
 template <int nodes>
-FOREFEEL_INLINE void scatter(const std::int32_t* node, const Lanes* sum, double* r) {
+FOREFEEL_INLINE void scatter(const std::int32_t* row, const Lanes* sum, double* r, double* tail) {
   for (int e = 0; e < lane_count; ++e)
     for (int a = 0; a < nodes; ++a) {
-      double* to = r + 3 * static_cast<std::int64_t>(node[a * lane_count + e]);
+      double* to = at_place(row[a * lane_count + e], 3, r, tail);
       for (int i = 0; i < 3; ++i) to[i] += sum[3 * a + i][e];
     }
 }
@@ -110,7 +116,7 @@ FieldSummary gradient_of(const ElementView& view, const double* u, double* r) {
         for (int i = 0; i < 3; ++i)
           sum[3 * a + i] += p[3 * i] * g[3 * a] + p[3 * i + 1] * g[3 * a + 1] + p[3 * i + 2] * g[3 * a + 2];
     }
-    scatter<nodes>(of.node, sum, r);
+    scatter<nodes>(view.row + group * nodes * lane_count, sum, r, view.tail);
   }
   FieldSummary summary;
   summary.min_jacobian = __builtin_inf();
@@ -149,7 +155,7 @@ void hessian_of(const ElementView& view, const double* u, double* blocks) {
     const std::int8_t* kind = view.block_kind + group * pairs * lane_count;
     for (int pair = 0; pair < pairs; ++pair)
       for (int e = 0; e < lane_count; ++e) {
-        double* to = blocks + 9 * static_cast<std::int64_t>(block[pair * lane_count + e]);
+        double* to = at_place(block[pair * lane_count + e], 9, blocks, view.tail);
         const int how = kind[pair * lane_count + e];
         for (int i = 0; i < 3; ++i)
           for (int k = 0; k < 3; ++k) {
@@ -184,7 +190,9 @@ void product_of(const ElementView& view, std::int64_t stride, const double* u, c
                 p[3 * i] * g[3 * a] + p[3 * i + 1] * g[3 * a + 1] + p[3 * i + 2] * g[3 * a + 2];
       }
     }
-    for (int c = 0; c < 3; ++c) scatter<nodes>(of.node, sum[c], y + c * stride);
+    for (int c = 0; c < 3; ++c)
+      scatter<nodes>(view.row + group * nodes * lane_count, sum[c], y + c * stride,
+                     view.tail + c * view.tail_stride);
   }
 }
 
@@ -225,9 +233,10 @@ void gradient_lanes_of(const ElementView& view, const double* u, double* r, doub
           for (int i = 0; i < 3; ++i) sum[3 * a + i] += p[3 * i] * ga + p[3 * i + 1] * gb + p[3 * i + 2] * gc;
         }
       }
+      const std::int32_t* row = view.row + group * nodes * lane_count + e;
       for (int a = 0; a < nodes; ++a)
         for (int i = 0; i < 3; ++i) {
-          double* to = r + (3 * static_cast<std::int64_t>(node[a * lane_count]) + i) * lane_count;
+          double* to = at_place(row[a * lane_count], 3 * lane_count, r, view.tail) + i * lane_count;
           store(to, load(to) + sum[3 * a + i]);
         }
     }
@@ -244,6 +253,7 @@ void product_lanes_of(const ElementView& view, std::int64_t stride, const double
   for (std::int64_t group = 0; group < view.groups; ++group)
     for (int e = 0; e < lane_count; ++e) {
       const std::int32_t* node = view.node + group * nodes * lane_count + e;
+      const std::int32_t* row = view.row + group * nodes * lane_count + e;
       const double volume = view.volume[group * lane_count + e];
       if (volume == 0) continue;
       double rest[12];
@@ -272,8 +282,9 @@ void product_lanes_of(const ElementView& view, std::int64_t stride, const double
           for (int a = 0; a < nodes; ++a) {
             const double ga = weight * g[3 * a], gb = weight * g[3 * a + 1], gc = weight * g[3 * a + 2];
             for (int i = 0; i < 3; ++i) {
-              double* to =
-                  y + c * stride + (3 * static_cast<std::int64_t>(node[a * lane_count]) + i) * lane_count;
+              double* to = at_place(row[a * lane_count], 3 * lane_count, y + c * stride,
+                                    view.tail + c * view.tail_stride) +
+                           i * lane_count;
               store(to, load(to) + p[3 * i] * ga + p[3 * i + 1] * gb + p[3 * i + 2] * gc);
             }
           }

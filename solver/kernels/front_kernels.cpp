@@ -1,5 +1,5 @@
 // Multifrontal factorisation and substitution, compiled once per instruction set: see kernels.hpp.
-#include "solver/kernels/element_lanes.hpp"
+#include "solver/kernels/substitution.hpp"
 
 #ifndef FOREFEEL_ISA
 #define FOREFEEL_ISA portable
@@ -17,40 +17,10 @@ constexpr int block_rows = 2, block_vectors = 1;
 #endif
 
 template <class Real>
-struct Vectors;
-template <>
-struct Vectors<double> {
-  using Wide = Lanes;
-  using Eight = Lanes;
-  static constexpr double largest = 1e300;  // of a pivot
-};
-template <>
-struct Vectors<float> {
-  using Wide = float __attribute__((vector_size(64)));
-  using Eight = float __attribute__((vector_size(32)));
-  static constexpr float largest = 1e37F;
-};
-
-template <class Real>
-struct Fronts : Vectors<Real> {
-  using typename Vectors<Real>::Wide, typename Vectors<Real>::Eight;
-  using Vectors<Real>::largest;
-  static constexpr int wide = row_padding<Real>;
-
-  static FOREFEEL_INLINE Wide load_wide(const Real* p) {
-    Wide v;
-    __builtin_memcpy(&v, p, sizeof v);
-    return v;
-  }
-  static FOREFEEL_INLINE Eight load_eight(const Real* p) {
-    Eight v;
-    __builtin_memcpy(&v, p, sizeof v);
-    return v;
-  }
-  template <class V>
-  static FOREFEEL_INLINE void store(Real* p, V v) {
-    __builtin_memcpy(p, &v, sizeof v);
-  }
+struct Fronts : FrontVectors<Real> {
+  using Base = FrontVectors<Real>;
+  using Base::wide, Base::load_wide, Base::store, Base::largest;
+  using typename Base::Wide;
 
   // C[i][j .. j + v vectors) -= sum_p A[p][i] B[p][j .. ), i < rows: the inner kernel; this part of C stays in
   // registers.
@@ -79,20 +49,21 @@ struct Fronts : Vectors<Real> {
     for (; j < width; j += wide) rank_update<rows, 1>(depth, a, b + j, ld, c + j, ldc);
   }
 
-  // Upper triangle of C (rows x width) -= A^T B over `depth` rows of one panel; row i of C starts at its column
-  // i. Rows are padded to whole vectors, so the last vector may be processed whole.
+  // Upper triangle of C (width columns) -= A^T B over `depth` rows of one panel, of some of its rows; row i of C starts
+  // at its column i. Rows are padded to whole vectors, so the last vector may be processed whole.
   // Large fronts are processed in parts of the panel that fit into the cache.
   static constexpr std::int64_t depth_block = 96, width_block = 60 * wide;
 
-  static void symmetric_update(std::int64_t depth, std::int64_t rows, std::int64_t width, const Real* panel,
+  static void symmetric_update(std::int64_t depth, Part rows, std::int64_t width, const Real* panel,
                                std::int64_t ld, Real* c, std::int64_t ldc) {
+    const std::int64_t all = rows.first + rows.count;
     for (std::int64_t p = 0; p < depth; p += depth_block)
       for (std::int64_t first = 0; first < width; first += width_block) {
         const std::int64_t deep = depth - p < depth_block ? depth - p : depth_block;
         const std::int64_t last = width - first < width_block ? width : first + width_block;
         const Real* piece = panel + p * ld;
-        const std::int64_t end = rows < last ? rows : last;  // rows below are zero in these columns
-        std::int64_t i = 0;
+        const std::int64_t end = all < last ? all : last;  // rows below are zero in these columns
+        std::int64_t i = rows.first;
         const auto from = [&](std::int64_t row) {
           const std::int64_t start = row / wide * wide;
           return start < first ? first : start;
@@ -127,7 +98,7 @@ struct Fronts : Vectors<Real> {
       }
       const Real* done = panel + first * ld + last;
       if (last < end)
-        symmetric_update(last - first, end - last, width - last, done, ld, panel + last * ld + last, ld);
+        symmetric_update(last - first, {0, end - last}, width - last, done, ld, panel + last * ld + last, ld);
     }
     return true;
   }
@@ -138,10 +109,55 @@ struct Fronts : Vectors<Real> {
       const std::int64_t last = first + depth_block < pivots ? first + depth_block : pivots;
       if (!eliminate_rows(panel, first, last, ld, width)) return false;
       if (last < pivots)
-        symmetric_update(last - first, pivots - last, width - last, panel + first * ld + last, ld,
+        symmetric_update(last - first, {0, pivots - last}, width - last, panel + first * ld + last, ld,
                          panel + last * ld + last, ld);
     }
     return true;
+  }
+
+  // A large front in steps: these give the values of eliminate() and of the update matrix, whatever the parts.
+  // The columns right of the diagonal block of the rows `block` of a panel, once eliminate_rows() has done that.
+  static void eliminate_columns(const Front& front, Part block, Part columns, Real* panel) {
+    const std::int64_t ld = front.ld, end = block.first + block.count, to = columns.first + columns.count;
+    for (std::int64_t first = block.first; first < end; first += wide) {
+      const std::int64_t last = first + wide < end ? first + wide : end;
+      for (std::int64_t p = first; p < last; ++p) {
+        Real* row = panel + p * ld;
+        const Real inverse = row[p];
+        for (std::int64_t j = columns.first; j < to; j += wide) store(row + j, load_wide(row + j) * inverse);
+        for (std::int64_t q = p + 1; q < last; ++q) {
+          Real* below = panel + q * ld;
+          const Real factor = row[q];
+          for (std::int64_t j = columns.first; j < to; j += wide)
+            store(below + j, load_wide(below + j) - load_wide(row + j) * factor);
+        }
+      }
+      const Real* done = panel + first * ld;
+      std::int64_t i = last;
+      for (; i + block_rows <= end; i += block_rows)
+        update_rows<block_rows>(last - first, done + i, done, ld, panel + i * ld, ld, columns.first, to);
+      for (; i < end; ++i)
+        update_rows<1>(last - first, done + i, done, ld, panel + i * ld, ld, columns.first, to);
+    }
+  }
+  static bool eliminate_diagonal(const Front& front, Part block, Real* panel) {
+    const std::int64_t end = block.first + block.count;
+    return eliminate_rows(panel, block.first, end, front.ld, (end + wide - 1) / wide * wide);
+  }
+  // Rows of the front, pivots first and then its update matrix, from which the rows `block` are subtracted.
+  static void update(const Front& front, Part block, Part rows, Real* panel, Real* update) {
+    const std::int64_t pivots = 3 * static_cast<std::int64_t>(front.pivots),
+                       rest = 3 * static_cast<std::int64_t>(front.rest), end = block.first + block.count,
+                       last = rows.first + rows.count;
+    const Real* done = panel + block.first * front.ld;
+    const std::int64_t in_panel = last < pivots ? last : pivots;
+    if (rows.first < in_panel)
+      symmetric_update(block.count, {rows.first - end, in_panel - rows.first}, front.ld - end, done + end,
+                       front.ld, panel + end * front.ld + end, front.ld);
+    const std::int64_t first = rows.first < pivots ? pivots : rows.first;
+    if (first < last)
+      symmetric_update(block.count, {first - pivots, last - first}, rest, done + pivots, front.ld, update,
+                       front.update_ld);
   }
 
   static FOREFEEL_INLINE void add_rows(const Real* from, Real* to, std::int64_t count) {
@@ -151,8 +167,8 @@ struct Fronts : Vectors<Real> {
   }
 
   // Adds the update matrix of a child at the places of its nodes in the parent: pivot rows to the panel, the
-  // others to the parent's update matrix.
-  static void extend_add(const FrontTree& tree, const Front& child, const Front& parent,
+  // others to the parent's update matrix. rows: of the parent.
+  static void extend_add(const FrontTree& tree, const Front& child, const Front& parent, Part rows,
                          const Real* stack_from, Real* panel, Real* update) {
     const ExtendRun* runs = tree.runs + child.runs.first;
     const std::int64_t pivots = 3 * static_cast<std::int64_t>(parent.pivots);
@@ -160,6 +176,7 @@ struct Fronts : Vectors<Real> {
       for (std::int64_t i = 0; i < 3 * runs[r].length; ++i) {
         const Real* from = stack_from + (3 * runs[r].from + i) * child.update_ld;
         const std::int64_t row = 3 * runs[r].to + i;
+        if (row < rows.first || row >= rows.first + rows.count) continue;
         Real* to =
             row < pivots ? panel + row * parent.ld : update + (row - pivots) * parent.update_ld - pivots;
         add_rows(from + 3 * runs[r].from + i, to + row, 3 * runs[r].length - i);
@@ -168,200 +185,53 @@ struct Fronts : Vectors<Real> {
       }
   }
 
-  static bool factor(const FrontTree& tree, const double* blocks, Real* panels, Real* stack, double* corner) {
-    const double* last = blocks + 9 * tree.row_start[tree.free_nodes];
-    for (int i = 0; i < 9; ++i) corner[i] = last[i];
-    for (std::int64_t s = 0; s < tree.count; ++s) {
+  // Rows of a front before its elimination: blocks of H and the update matrices of its children.
+  static void assemble(const FrontTree& tree, const Front& front, Part rows, const double* blocks,
+                       Real* panels, Real* stack) {
+    const std::int64_t pivots = 3 * static_cast<std::int64_t>(front.pivots), last = rows.first + rows.count;
+    Real* panel = panels + front.panel;
+    Real* update = stack + front.update;
+    const std::int64_t in_panel = last < pivots ? last : pivots;
+    if (rows.first < in_panel)
+      __builtin_memset(panel + rows.first * front.ld, 0,
+                       static_cast<std::size_t>((in_panel - rows.first) * front.ld) * sizeof(Real));
+    for (std::int64_t row = rows.first < pivots ? pivots : rows.first; row < last; ++row) {
+      const std::int64_t i = row - pivots;  // the upper triangle, in whole vectors
+      const std::int64_t from = i / wide * wide - (i < wide ? 0 : wide);
+      __builtin_memset(update + i * front.update_ld + from, 0,
+                       static_cast<std::size_t>(front.update_ld - from) * sizeof(Real));
+    }
+    for (std::int64_t i = rows.first / 3; 3 * i < in_panel; ++i)
+      for (std::int64_t block = tree.row_start[front.first + i]; block < tree.row_start[front.first + i + 1];
+           ++block) {
+        Real* to = panel + 3 * i * front.ld + 3 * tree.place[block];
+        for (int a = 0; a < 3; ++a)
+          for (int b = 0; b < 3; ++b) to[a * front.ld + b] = static_cast<Real>(blocks[9 * block + 3 * a + b]);
+      }
+    for (std::int64_t c = 0; c < front.children.count; ++c) {
+      const Front& child = tree.fronts[tree.children[front.children.first + c]];
+      extend_add(tree, child, front, rows, stack + child.update, panel, update);
+    }
+  }
+
+  static bool factor(const FrontTree& tree, Part fronts, const double* blocks, Real* panels, Real* stack) {
+    for (std::int64_t s = fronts.first; s < fronts.first + fronts.count; ++s) {
       const Front& front = tree.fronts[s];
       const std::int64_t pivots = 3 * static_cast<std::int64_t>(front.pivots),
                          rest = 3 * static_cast<std::int64_t>(front.rest);
       Real* panel = panels + front.panel;
-      Real* update = stack + front.update;
-      __builtin_memset(panel, 0, static_cast<std::size_t>(pivots * front.ld) * sizeof(Real));
-      for (std::int64_t i = 0; i < rest; ++i) {  // the upper triangle, in whole vectors
-        const std::int64_t from = i / wide * wide - (i < wide ? 0 : wide);
-        __builtin_memset(update + i * front.update_ld + from, 0,
-                         static_cast<std::size_t>(front.update_ld - from) * sizeof(Real));
-      }
-      for (std::int64_t i = 0; i < front.pivots; ++i)
-        for (std::int64_t block = tree.row_start[front.first + i];
-             block < tree.row_start[front.first + i + 1]; ++block) {
-          Real* to = panel + 3 * i * front.ld + 3 * tree.place[block];
-          for (int a = 0; a < 3; ++a)
-            for (int b = 0; b < 3; ++b)
-              to[a * front.ld + b] = static_cast<Real>(blocks[9 * block + 3 * a + b]);
-        }
-      for (std::int64_t c = 0; c < front.children.count; ++c) {
-        const Front& child = tree.fronts[tree.children[front.children.first + c]];
-        extend_add(tree, child, front, stack + child.update, panel, update);
-      }
+      assemble(tree, front, {0, pivots + rest}, blocks, panels, stack);
       if (!eliminate(panel, pivots, front.ld, front.ld)) return false;
-      symmetric_update(pivots, rest, rest, panel + pivots, front.ld, update, front.update_ld);
-      if (front.parent < 0 && front.rest > 0)
-        for (int i = 0; i < 9; ++i) {
-          const int a = i / 3 < i % 3 ? i / 3 : i % 3, b = i / 3 + i % 3 - a;
-          corner[i] += update[a * front.update_ld + b];
-        }
+      symmetric_update(pivots, {0, rest}, rest, panel + pivots, front.ld, stack + front.update,
+                       front.update_ld);
     }
-    for (int a = 0; a < 3; ++a)
-      for (int b = 0; b < a; ++b) corner[3 * a + b] = corner[3 * b + a];
     return true;
   }
 
-  // Front s in a substitution: its panel, the local nodes of its rest, and its part of `lanes` right-hand sides.
-  struct Solving {
-    const Front& front;
-    std::int64_t pivots, rest;  // rows
-    const Real* panel;
-    const std::int32_t* rows;
-    Real* x;
-  };
-  static FOREFEEL_INLINE Solving solving(const FrontTree& tree, std::int64_t s, const Real* panels, Real* b,
-                                         std::int64_t lanes) {
-    const Front& front = tree.fronts[s];
-    return {front,
-            3 * std::int64_t{front.pivots},
-            3 * std::int64_t{front.rest},
-            panels + front.panel,
-            tree.rows + front.rows,
-            b + 3 * std::int64_t{front.first} * lanes};
-  }
-  // take(i, row) for each of the `rest` rows, and its row in a local vector.
-  template <class Take>
-  static FOREFEEL_INLINE void each_row(const std::int32_t* node, std::int64_t rest, const Take& take) {
-    for (std::int64_t i = 0; i < rest; i += 3, ++node)
-      for (int a = 0; a < 3; ++a) take(i + a, 3 * std::int64_t{*node} + a);
-  }
-
-  static void forward(const FrontTree& tree, const Real* panels, Real* b, Real* work) {
-    for (std::int64_t s = 0; s < tree.count; ++s) {
-      const auto [front, pivots, rest, panel, rows, x] = solving(tree, s, panels, b, 1);
-      for (std::int64_t j = 0; j < rest; j += wide) store(work + j, Wide{});
-      for (std::int64_t p = 0; p < pivots; ++p) {
-        const Real* row = panel + p * front.ld;
-        const Real value = x[p] *= row[p];
-        for (std::int64_t q = p + 1; q < pivots; ++q) x[q] -= row[q] * value;
-      }
-      std::int64_t p = 0;
-      for (; p + 4 <= pivots; p += 4) {
-        const Real* row = panel + p * front.ld + pivots;
-        for (std::int64_t j = 0; j < rest; j += wide) {
-          Wide sum = load_wide(work + j);
-          for (int i = 0; i < 4; ++i) sum += load_wide(row + i * front.ld + j) * x[p + i];
-          store(work + j, sum);
-        }
-      }
-      for (; p < pivots; ++p)
-        for (std::int64_t j = 0; j < rest; j += wide)
-          store(work + j, load_wide(work + j) + load_wide(panel + p * front.ld + pivots + j) * x[p]);
-      each_row(rows, rest, [&](std::int64_t i, std::int64_t row) { b[row] -= work[i]; });
-    }
-  }
-
-  static void backward(const FrontTree& tree, const Real* panels, Real* b, Real* work) {
-    for (std::int64_t s = tree.count - 1; s >= 0; --s) {
-      const auto [front, pivots, rest, panel, rows, x] = solving(tree, s, panels, b, 1);
-      each_row(rows, rest, [&](std::int64_t i, std::int64_t row) { work[i] = b[row]; });
-      const std::int64_t whole = rest / wide * wide;
-      for (std::int64_t p = pivots - 1; p >= 0; --p) {
-        const Real* row = panel + p * front.ld;
-        Wide sum{};
-        for (std::int64_t j = 0; j < whole; j += wide)
-          sum += load_wide(row + pivots + j) * load_wide(work + j);
-        Real value = x[p];
-        for (std::int64_t j = whole; j < rest; ++j) value -= row[pivots + j] * work[j];
-        for (int i = 0; i < wide; ++i) value -= sum[i];
-        for (std::int64_t q = p + 1; q < pivots; ++q) value -= row[q] * x[q];
-        x[p] = value * row[p];
-      }
-    }
-  }
-
-  // sum_i -= panel[p][i] x_p for `rows` entries side by side, eight right-hand sides each.
-  template <int rows>
-  static FOREFEEL_INLINE void forward_piece(std::int64_t pivots, const Real* panel, std::int64_t ld,
-                                            const Real* x, Real* out) {
-    Eight sum[rows];
-    for (int i = 0; i < rows; ++i) sum[i] = load_eight(out + i * lane_count);
-    for (std::int64_t p = 0; p < pivots; ++p) {
-      const Eight value = load_eight(x + p * lane_count);
-      for (int i = 0; i < rows; ++i) sum[i] -= value * panel[p * ld + i];
-    }
-    for (int i = 0; i < rows; ++i) store(out + i * lane_count, sum[i]);
-  }
-
-  static void forward_lanes(const FrontTree& tree, const Real* panels, Real* b, Real* work) {
-    for (std::int64_t s = 0; s < tree.count; ++s) {
-      const auto [front, pivots, rest, panel, rows, x] = solving(tree, s, panels, b, lane_count);
-      for (std::int64_t first = 0; first < pivots; first += 6) {
-        const std::int64_t last = first + 6 < pivots ? first + 6 : pivots;
-        for (std::int64_t p = first; p < last; ++p) {
-          const Eight value = load_eight(x + p * lane_count) * panel[p * front.ld + p];
-          store(x + p * lane_count, value);
-          for (std::int64_t q = p + 1; q < last; ++q)
-            store(x + q * lane_count, load_eight(x + q * lane_count) - value * panel[p * front.ld + q]);
-        }
-        std::int64_t q = last;
-        for (; q + 6 <= pivots; q += 6)
-          forward_piece<6>(last - first, panel + first * front.ld + q, front.ld, x + first * lane_count,
-                           x + q * lane_count);
-        for (; q < pivots; ++q)
-          forward_piece<1>(last - first, panel + first * front.ld + q, front.ld, x + first * lane_count,
-                           x + q * lane_count);
-      }
-      each_row(rows, rest, [&](std::int64_t i, std::int64_t row) {
-        store(work + i * lane_count, load_eight(b + row * lane_count));
-      });
-      std::int64_t i = 0;
-      for (; i + 12 <= rest; i += 12)
-        forward_piece<12>(pivots, panel + pivots + i, front.ld, x, work + i * lane_count);
-      for (; i + 3 <= rest; i += 3)
-        forward_piece<3>(pivots, panel + pivots + i, front.ld, x, work + i * lane_count);
-      each_row(rows, rest, [&](std::int64_t k, std::int64_t row) {
-        store(b + row * lane_count, load_eight(work + k * lane_count));
-      });
-    }
-  }
-
-  // out_p -= sum_q panel[p][q] x_q for `rows` pivots side by side.
-  template <int rows>
-  static FOREFEEL_INLINE void backward_piece(std::int64_t count, const Real* panel, std::int64_t ld,
-                                             const Real* x, Real* out) {
-    Eight sum[rows];
-    for (int i = 0; i < rows; ++i) sum[i] = load_eight(out + i * lane_count);
-    for (std::int64_t q = 0; q < count; ++q) {
-      const Eight value = load_eight(x + q * lane_count);
-      for (int i = 0; i < rows; ++i) sum[i] -= value * panel[i * ld + q];
-    }
-    for (int i = 0; i < rows; ++i) store(out + i * lane_count, sum[i]);
-  }
-
-  static void backward_lanes(const FrontTree& tree, const Real* panels, Real* b, Real* work) {
-    for (std::int64_t s = tree.count - 1; s >= 0; --s) {
-      const auto [front, pivots, rest, panel, rows, x] = solving(tree, s, panels, b, lane_count);
-      each_row(rows, rest, [&](std::int64_t i, std::int64_t row) {
-        store(work + i * lane_count, load_eight(b + row * lane_count));
-      });
-      std::int64_t p = 0;
-      for (; p + 6 <= pivots; p += 6)
-        backward_piece<6>(rest, panel + p * front.ld + pivots, front.ld, work, x + p * lane_count);
-      for (; p < pivots; ++p)
-        backward_piece<1>(rest, panel + p * front.ld + pivots, front.ld, work, x + p * lane_count);
-      // pivots is a multiple of three: blocks of three from the end
-      for (std::int64_t first = pivots - 3; first >= 0; first -= 3) {
-        backward_piece<3>(pivots - first - 3, panel + first * front.ld + first + 3, front.ld,
-                          x + (first + 3) * lane_count, x + first * lane_count);
-        for (std::int64_t q = first + 2; q >= first; --q) {
-          Eight value = load_eight(x + q * lane_count);
-          for (std::int64_t r = q + 1; r < first + 3; ++r)
-            value -= load_eight(x + r * lane_count) * panel[q * front.ld + r];
-          store(x + q * lane_count, value * panel[q * front.ld + q]);
-        }
-      }
-    }
-  }
-
-  static constexpr FactorKernels<Real> table{factor, forward, backward, forward_lanes, backward_lanes};
+  using Solve = Substitution<Real>;
+  static constexpr FactorKernels<Real> table{
+      factor,      assemble,       eliminate_diagonal, eliminate_columns,    update,
+      depth_block, Solve::forward, Solve::backward,    Solve::forward_lanes, Solve::backward_lanes};
 };
 
 void dot_lanes(std::int64_t rows, const double* a, const double* b, double* out) {

@@ -24,10 +24,15 @@ struct ElementView {
   std::int64_t groups = 0;
   int nodes_per_element = 4;           // 4 linear, 10 quadratic
   const std::int32_t* node = nullptr;  // groups x nodes x 8, local node numbers
-  const double* gradient = nullptr;    // groups x 12 x 8: gradients of the four barycentric coordinates [1/m]
-  const double* volume = nullptr;      // groups x 8 [m^3]
-  const std::int32_t* block = nullptr;  // groups x pairs x 8: block of the pair (a <= b), or the dummy block
+  // Where they are added to: rows of r or y; -1 - t: row t of the tail, as other threads may add to their row.
+  const std::int32_t* row = nullptr;
+  const double* gradient = nullptr;  // groups x 12 x 8: gradients of the four barycentric coordinates [1/m]
+  const double* volume = nullptr;    // groups x 8 [m^3]
+  // groups x pairs x 8: block of the pair (a <= b), or the dummy block; -1 - t: block t of the tail
+  const std::int32_t* block = nullptr;
   const std::int8_t* block_kind = nullptr;  // 0 plain, 1 transposed, 2 both (a pair within the contact)
+  double* tail = nullptr;
+  std::int64_t tail_stride = 0;  // of product: between the tails of the three directions
   LawConstants constants;
 };
 
@@ -107,7 +112,7 @@ struct ExtendRun {
   std::int32_t from = 0, to = 0, length = 0;
 };
 struct FrontTree {
-  std::int64_t count = 0, free_nodes = 0;
+  std::int64_t free_nodes = 0;
   const Front* fronts = nullptr;  // in elimination order
   const std::int32_t* rows = nullptr;
   const std::int32_t* children = nullptr;
@@ -120,13 +125,23 @@ struct FrontTree {
 // and memory; it is for uses that correct its errors, such as a preconditioner.
 template <class Real>
 struct FactorKernels {
-  // False if a pivot is not positive. corner (3 x 3, row-major) receives K.
-  bool (*factor)(const FrontTree&, const double* blocks, Real* panels, Real* stack, double* corner);
-  // U^T y = b, then U x = y - U_c x_c, where x_c is the row of the contact (0: a plain solve).
-  void (*forward)(const FrontTree&, const Real* panels, Real* b, Real* work);
-  void (*backward)(const FrontTree&, const Real* panels, Real* b, Real* work);
-  void (*forward_lanes)(const FrontTree&, const Real* panels, Real* b, Real* work);  // (n+1) x 3 x 8
-  void (*backward_lanes)(const FrontTree&, const Real* panels, Real* b, Real* work);
+  // Fronts one after another. False if a pivot is not positive.
+  bool (*factor)(const FrontTree&, Part fronts, const double* blocks, Real* panels, Real* stack);
+  // A large front in steps whose parts threads may share, to the same values: assemble() all its rows (multiples of
+  // three); then, for each block of at most block_rows pivots, its diagonal, the columns to the right of it (from and to
+  // multiples of row_padding), and the update of all later rows of the panel and the update matrix.
+  void (*assemble)(const FrontTree&, const Front&, Part rows, const double* blocks, Real* panels,
+                   Real* stack);
+  bool (*eliminate_diagonal)(const Front&, Part block, Real* panel);
+  void (*eliminate_columns)(const Front&, Part block, Part columns, Real* panel);
+  void (*update)(const Front&, Part block, Part rows, Real* panel, Real* update);
+  std::int64_t block_rows;
+  // For some fronts: U^T y = b, upwards, then U x = y - U_c x_c, downwards, where x_c is the row of the contact (0: a
+  // plain solve); lanes: (n+1) x 3 x 8.
+  void (*forward)(const FrontTree&, Part fronts, const Real* panels, Real* b, Real* work);
+  void (*backward)(const FrontTree&, Part fronts, const Real* panels, Real* b, Real* work);
+  void (*forward_lanes)(const FrontTree&, Part fronts, const Real* panels, Real* b, Real* work);
+  void (*backward_lanes)(const FrontTree&, Part fronts, const Real* panels, Real* b, Real* work);
 };
 // Numbers of a vector register; rows of panels and update matrices are padded to a multiple of it.
 template <class Real>

@@ -3,15 +3,11 @@
 #include <algorithm>
 #include <atomic>
 #include <chrono>
-#include <condition_variable>
-#include <ctime>
 #include <exception>
 #include <functional>
 #include <map>
 #include <mutex>
 #include <optional>
-#include <queue>
-#include <tuple>
 #include <utility>
 
 #include "geometry/coverage/state_space.hpp"
@@ -20,124 +16,10 @@
 #include "solver/lattice/generate.hpp"
 #include "solver/lattice/node_states.hpp"
 #include "solver/lattice/sweep_plan.hpp"
+#include "solver/lattice/task_queue.hpp"
 
 namespace forefeel {
 namespace {
-
-double lattice_seconds_since(std::chrono::steady_clock::time_point start) {
-  return std::chrono::duration<double>(std::chrono::steady_clock::now() - start).count();
-}
-
-// Processor time of this thread: other programs do not lengthen it [s].
-double thread_seconds() {
-  timespec t{};
-  clock_gettime(CLOCK_THREAD_CPUTIME_ID, &t);
-  return static_cast<double>(t.tv_sec) + 1e-9 * static_cast<double>(t.tv_nsec);
-}
-
-// What a thread does without a pause. The steps of a cell are those of SweepCell: its hard states do not wait for each
-// other.
-enum class TaskStep {
-  all,
-  correct,
-  find_paths,
-  follow_path
-};  // all: of a coarse node; of a cell the first step
-struct LatticeTask {
-  std::size_t piece = 0;
-  TaskStep step = TaskStep::all;
-  std::size_t place = 0;                      // in SweepCell::open
-  double begins = 0;                          // the earliest time with any number of threads [s]
-  std::shared_ptr<SweepCell> cell = nullptr;  // once begun
-
-  // Those of a cell begun come first, as nothing else may be left to share out at the end; then outward from rest.
-  auto order() const { return std::tuple(step == TaskStep::all, piece, place); }
-};
-
-// What may start once a task is done: so many tasks of that step, side by side.
-struct NextTasks {
-  TaskStep step = TaskStep::all;
-  std::size_t count = 0;
-  std::shared_ptr<SweepCell> cell = nullptr;
-};
-
-// Hands each task to a thread as soon as those that it waits for are done: coarse nodes first, outward from rest.
-class TaskQueue {
- public:
-  explicit TaskQueue(std::vector<SweepPiece> pieces)
-      : pieces_(std::move(pieces)), at_(pieces_.size()), left_(pieces_.size()) {
-    for (std::size_t i = 0; i < pieces_.size(); ++i)
-      if (pieces_[i].waits_for == 0) ready_.push({.piece = i});
-  }
-
-  const SweepPiece& piece(std::size_t id) const { return pieces_[id]; }
-
-  // Waits for a task. Nothing if all are done, or once `stopped` is true.
-  std::optional<LatticeTask> take(const std::function<bool()>& stopped) {
-    std::unique_lock lock(mutex_);
-    const auto start = std::chrono::steady_clock::now();
-    changed_.wait(lock, [&] { return !ready_.empty() || left_ == 0 || stopped(); });
-    idle_ += lattice_seconds_since(start);
-    if (ready_.empty() || stopped()) return {};
-    const LatticeTask task = ready_.top();
-    ready_.pop();
-    return task;
-  }
-
-  // next: of the same piece, once all tasks beside this one are done too; none: the piece is solved then
-  void done(const LatticeTask& task, double seconds, const NextTasks& next) {
-    const std::lock_guard lock(mutex_);
-    work_ += seconds;
-    Progress& at = at_[task.piece];
-    at.end = std::max(at.end, task.begins + seconds);
-    longest_ = std::max(longest_, at.end);
-    if (at.open > 1) {
-      --at.open;
-      return;
-    }
-    at.open = next.count;
-    for (std::size_t place = 0; place < next.count; ++place)
-      ready_.push({task.piece, next.step, place, at.end, next.cell});
-    if (next.count == 0) finish(task.piece, at.end);
-    changed_.notify_all();
-  }
-
-  // After `stopped` became true. Under the lock, so that no thread falls asleep between its look and this call.
-  void wake() {
-    const std::lock_guard lock(mutex_);
-    changed_.notify_all();
-  }
-
-  // before: seconds before the first piece; in_sink: seconds in the sink, one call after another
-  ParallelTimes times(double before, double in_sink) const {
-    return {.work = before + work_, .path = before + std::max(longest_, in_sink), .idle = idle_};
-  }
-
- private:
-  struct Progress {
-    std::size_t open = 1;  // tasks of the step under way that are not done
-    double end = 0;        // of those done, with any number of threads [s]
-  };
-  struct Later {
-    bool operator()(const LatticeTask& a, const LatticeTask& b) const { return b.order() < a.order(); }
-  };
-
-  void finish(std::size_t id, double end) {
-    --left_;
-    for (const std::size_t other : pieces_[id].before) {
-      at_[other].end = std::max(at_[other].end, end);
-      if (--pieces_[other].waits_for == 0) ready_.push({.piece = other, .begins = at_[other].end});
-    }
-  }
-
-  std::vector<SweepPiece> pieces_;
-  std::priority_queue<LatticeTask, std::vector<LatticeTask>, Later> ready_;
-  std::vector<Progress> at_;  // by piece
-  std::size_t left_;          // pieces not solved
-  double work_ = 0, longest_ = 0, idle_ = 0;
-  std::mutex mutex_;
-  std::condition_variable changed_;
-};
 
 // Solves the missing states by threads and gives them to the sink.
 class Sweep {
@@ -158,7 +40,7 @@ class Sweep {
   GenerateReport run() {
     if (!plan_.missing().empty()) is_linear(*body_) ? run_linear() : run_sweep();
     if (failure_.first) std::rethrow_exception(failure_.first);
-    report_.seconds = lattice_seconds_since(began_);
+    report_.seconds = wall_seconds(began_);
     if (const double all = thread_seconds() - began_at_; report_.parallel.work == 0)
       report_.parallel = {.work = all, .path = all};
     return report_;
@@ -188,7 +70,7 @@ class Sweep {
       const auto start = std::chrono::steady_clock::now();
       node.state = linear.state(position_of(k, options_.spacing), node.field);
       node.state.solve.parent = Vec3::Zero();
-      node.state.solve.seconds = lattice_seconds_since(start);
+      node.state.solve.seconds = wall_seconds(start);
       emit(states.of(node));
     }
   }
@@ -204,10 +86,12 @@ class Sweep {
     {
       try {
         Worker worker(d_, sweep, *body_, options_);
+        TaskQueue::Member member(queue);
+        const WithCrew together(&member);
         while (const std::optional<LatticeTask> task = queue.take([this] { return stopped(); })) {
           const double start = thread_seconds();
           const NextTasks next = solve(worker, queue.piece(task->piece), *task);
-          queue.done(*task, thread_seconds() - start, next);
+          queue.done(*task, thread_seconds() - start, member, next);
         }
       } catch (...) {
         keep_failure();

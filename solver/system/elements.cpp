@@ -2,9 +2,12 @@
 
 #include <algorithm>
 #include <array>
+#include <map>
+#include <utility>
 
 #include "solver/body/law.hpp"
 #include "solver/kernels/kernels.hpp"
+#include "solver/system/share_out.hpp"
 
 namespace forefeel {
 
@@ -105,6 +108,7 @@ ElementView ElementGroups::view(const MaterialGroups& of) const {
   v.groups = of.count;
   v.nodes_per_element = nodes_per_element;
   v.node = node.data() + first * nodes * lanes;
+  v.row = row.data() + first * nodes * lanes;
   v.gradient = gradient_of_node.data() + first * 12 * lanes;
   v.volume = volume.data() + first * lanes;
   v.block = block.data() + first * pairs * lanes;
@@ -113,12 +117,92 @@ ElementView ElementGroups::view(const MaterialGroups& of) const {
   return v;
 }
 
+namespace {
+
+constexpr std::int64_t worth_sharing = 500, most_ranges = 8;  // groups; ranges of the largest material
+
+// Moves the places that several ranges use to the tail: -1 - t is place met[t].
+void move_to_tail(const std::vector<MaterialGroups>& ranges, std::size_t per_group,
+                  std::vector<std::int32_t>& places, std::vector<std::int32_t>& met) {
+  constexpr std::int32_t nobody = -1, several = -2;
+  std::vector<std::int32_t> owner(1 + static_cast<std::size_t>(*std::ranges::max_element(places)), nobody);
+  const auto each = [&](std::size_t range, const auto& use) {
+    const auto first = places.begin() + ranges[range].first * static_cast<std::int64_t>(per_group);
+    std::for_each(first, first + ranges[range].count * static_cast<std::int64_t>(per_group), use);
+  };
+  for (std::size_t range = 0; range < ranges.size(); ++range)
+    each(range, [&](std::int32_t place) {
+      std::int32_t& of = owner[static_cast<std::size_t>(place)];
+      of =
+          of == nobody || of == static_cast<std::int32_t>(range) ? static_cast<std::int32_t>(range) : several;
+    });
+  for (std::size_t range = 0; range < ranges.size(); ++range) {
+    std::map<std::int32_t, std::int32_t> tail;
+    each(range, [&](std::int32_t& place) {
+      if (owner[static_cast<std::size_t>(place)] != several) return;
+      const auto [known, is_new] = tail.emplace(place, -1 - static_cast<std::int32_t>(met.size()));
+      if (is_new) met.push_back(place);
+      place = known->second;
+    });
+  }
+}
+
+// v[met[t]] += tail[t], `size` numbers each
+void add_tail(const std::vector<std::int32_t>& met, std::int64_t size, const double* tail, double* v) {
+  for (const std::int32_t place : met)
+    for (double* to = v + size * place; to < v + size * (place + std::int64_t{1}); ++to, ++tail) *to += *tail;
+}
+
+double* cleared(std::int64_t size) {
+  static thread_local std::vector<double> space;
+  space.assign(static_cast<std::size_t>(size), 0.0);
+  return space.data();
+}
+
+}  // namespace
+
+bool ElementGroups::is_large() const {
+  return materials.back().first + materials.back().count >= worth_sharing;
+}
+
+void ElementGroups::share() {
+  row = node;
+  if (!is_large()) return;
+  const std::int64_t each = (static_cast<std::int64_t>(count()) + most_ranges - 1) / most_ranges;
+  std::vector<MaterialGroups> ranges;
+  for (const MaterialGroups& of : materials)
+    for (std::int64_t first = 0; first < of.count; first += each) {
+      ranges.push_back(of);
+      ranges.back().first = of.first + first;
+      ranges.back().count = std::min(each, of.count - first);
+    }
+  materials = std::move(ranges);
+  const auto nodes = static_cast<std::size_t>(nodes_per_element);
+  move_to_tail(materials, nodes * lane_count, row, met_rows);
+  move_to_tail(materials, nodes * (nodes + 1) / 2 * lane_count, block, met_blocks);
+}
+
+template <class Loop>
+void ElementGroups::each_range(double* tail, std::int64_t stride, const Loop& loop) const {
+  share_out(materials.size(), [&](std::size_t i) {
+    ElementView its = view(materials[i]);
+    its.tail = tail;
+    its.tail_stride = stride;
+    loop(materials[i].law->kernels, i, its);
+  });
+}
+
 FieldSummary ElementGroups::gradient(const double* u, double* r) const {
-  FieldSummary all = materials.front().law->kernels.gradient(view(materials.front()), u, r);
-  for (std::size_t m = 1; m < materials.size(); ++m) {
-    const FieldSummary its = materials[m].law->kernels.gradient(view(materials[m]), u, r);
-    all.energy += its.energy;
-    all.min_jacobian = std::min(all.min_jacobian, its.min_jacobian);
+  double* tail = cleared(3 * std::ssize(met_rows));
+  std::vector<FieldSummary> of(materials.size());
+  each_range(tail, 0, [&](const ElementKernels& kernels, std::size_t i, const ElementView& its) {
+    of[i] = kernels.gradient(its, u, r);
+  });
+  add_tail(met_rows, 3, tail, r);
+  FieldSummary all = of.front();
+  for (std::size_t i = 1; i < of.size(); ++i) {
+    all.energy += of[i].energy;
+    all.min_jacobian = std::min(all.min_jacobian, of[i].min_jacobian);
   }
   all.energy += pad.energy(u);
   pad.apply(u, r);
@@ -127,20 +211,31 @@ FieldSummary ElementGroups::gradient(const double* u, double* r) const {
 }
 
 void ElementGroups::hessian(const double* u, double* blocks) const {
-  for (const MaterialGroups& of : materials) of.law->kernels.hessian(view(of), u, blocks);
+  double* tail = cleared(9 * std::ssize(met_blocks));
+  each_range(tail, 0, [&](const ElementKernels& kernels, std::size_t, const ElementView& its) {
+    kernels.hessian(its, u, blocks);
+  });
+  add_tail(met_blocks, 9, tail, blocks);
   pad.add_to(blocks);
   fine.add_hessian(u, blocks);
 }
 
 void ElementGroups::gradient_lanes(const double* u, double* r, double* energy, double* min_jacobian) const {
-  materials.front().law->kernels.gradient_lanes(view(materials.front()), u, r, energy, min_jacobian);
-  std::array<double, lane_count> its_energy{}, its_jacobian{};
-  for (std::size_t m = 1; m < materials.size(); ++m) {
-    materials[m].law->kernels.gradient_lanes(view(materials[m]), u, r, its_energy.data(),
-                                             its_jacobian.data());
-    for (std::size_t lane = 0; lane < lane_count; ++lane) {
-      energy[lane] += its_energy[lane];
-      min_jacobian[lane] = std::min(min_jacobian[lane], its_jacobian[lane]);
+  double* tail = cleared(3 * lane_count * std::ssize(met_rows));
+  struct Lanes {
+    std::array<double, lane_count> energy, min_jacobian;
+  };
+  std::vector<Lanes> of(materials.size());
+  each_range(tail, 0, [&](const ElementKernels& kernels, std::size_t i, const ElementView& its) {
+    kernels.gradient_lanes(its, u, r, of[i].energy.data(), of[i].min_jacobian.data());
+  });
+  add_tail(met_rows, 3 * lane_count, tail, r);
+  for (std::size_t lane = 0; lane < lane_count; ++lane) {
+    energy[lane] = of.front().energy[lane];
+    min_jacobian[lane] = of.front().min_jacobian[lane];
+    for (std::size_t i = 1; i < of.size(); ++i) {
+      energy[lane] += of[i].energy[lane];
+      min_jacobian[lane] = std::min(min_jacobian[lane], of[i].min_jacobian[lane]);
     }
   }
   pad.energy_lanes(u, energy);
@@ -149,14 +244,28 @@ void ElementGroups::gradient_lanes(const double* u, double* r, double* energy, d
 }
 
 void ElementGroups::product(std::int64_t stride, const double* u, const double* d, double* y) const {
-  for (const MaterialGroups& of : materials) of.law->kernels.product(view(of), stride, u, d, y);
-  for (std::int64_t c = 0; c < 3; ++c) pad.apply(d + c * stride, y + c * stride);
+  const std::int64_t size = 3 * std::ssize(met_rows);
+  double* tail = cleared(3 * size);
+  each_range(tail, size, [&](const ElementKernels& kernels, std::size_t, const ElementView& its) {
+    kernels.product(its, stride, u, d, y);
+  });
+  for (std::int64_t c = 0; c < 3; ++c) {
+    add_tail(met_rows, 3, tail + c * size, y + c * stride);
+    pad.apply(d + c * stride, y + c * stride);
+  }
   fine.add_product(stride, u, d, y);
 }
 
 void ElementGroups::product_lanes(std::int64_t stride, const double* u, const double* d, double* y) const {
-  for (const MaterialGroups& of : materials) of.law->kernels.product_lanes(view(of), stride, u, d, y);
-  for (std::int64_t c = 0; c < 3; ++c) pad.apply_lanes(d + c * stride, y + c * stride);
+  const std::int64_t size = 3 * lane_count * std::ssize(met_rows);
+  double* tail = cleared(3 * size);
+  each_range(tail, size, [&](const ElementKernels& kernels, std::size_t, const ElementView& its) {
+    kernels.product_lanes(its, stride, u, d, y);
+  });
+  for (std::int64_t c = 0; c < 3; ++c) {
+    add_tail(met_rows, 3 * lane_count, tail + c * size, y + c * stride);
+    pad.apply_lanes(d + c * stride, y + c * stride);
+  }
   fine.add_product_lanes(stride, u, d, y);
 }
 

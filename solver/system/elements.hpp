@@ -51,7 +51,7 @@ struct PadSprings {
   void add_to(double* blocks) const;                         // blocks += M
 };
 
-// Consecutive groups of one material.
+// Consecutive groups of one material. Large bodies have several of each material, for threads to share (share_out.hpp).
 struct MaterialGroups {
   std::int64_t first = 0, count = 0;
   LawConstants constants;
@@ -62,7 +62,9 @@ struct ElementGroups {
   int nodes_per_element = 4;
   std::vector<MaterialGroups> materials;
   // Padded with elements of no volume up to the end of each material's last group; shapes: ElementView.
-  std::vector<std::int32_t> node, block;
+  std::vector<std::int32_t> node, row, block;
+  // What several of `materials` add to: the rows and blocks of their tails, which are added up in this order.
+  std::vector<std::int32_t> met_rows, met_blocks;
   std::vector<double> gradient_of_node, volume;
   std::vector<std::int8_t> block_kind;
   PadSprings pad;
@@ -70,6 +72,9 @@ struct ElementGroups {
 
   std::size_t count() const { return volume.size() / lane_count; }  // groups
   ElementView view(const MaterialGroups& of) const;
+  bool is_large() const;
+  // Cuts a large body's groups into ranges; all else must be set.
+  void share();
 
   // The loops of ElementKernels (kernels.hpp) over all materials, the pad's springs and the fine jet.
   FieldSummary gradient(const double* u, double* r) const;
@@ -82,6 +87,11 @@ struct ElementGroups {
                  const JetDirections& directions) const;
   void path(std::int64_t stride, const double* u, const double* tangent, const double* v, double* out,
             const JetDirections& directions) const;
+
+ private:
+  // loop(kernels, i, view) for each of `materials`, with the tails of what they add to
+  template <class Loop>
+  void each_range(double* tail, std::int64_t stride, const Loop& loop) const;
 };
 
 // Groups without elements, one range for each material of the body.

@@ -1,191 +1,15 @@
 #include "solver/system/factorisation.hpp"
 
 #include <algorithm>
+#include <atomic>
 #include <cmath>
 #include <type_traits>
 #include <variant>
 
+#include "solver/system/factor_layout.hpp"
+#include "solver/system/share_out.hpp"
+
 namespace forefeel {
-namespace {
-
-// A supernode before layout: nodes first .. first + pivots - 1, which share the later nodes in `rest`.
-struct Supernode {
-  std::uint32_t first = 0, pivots = 0;
-  std::vector<std::uint32_t> rest;  // sorted; the contact, numbered n, is last where present
-};
-
-double elimination_flops(double pivots, double rest) {
-  const double k = 3 * pivots, m = 3 * (pivots + rest);
-  return k * m * m - k * k * m + k * k * k / 3;
-}
-
-// Cost of a front besides its flops: bookkeeping, and adding its update matrix to the parent.
-double front_cost(const Supernode& s) {
-  const double rest = static_cast<double>(s.rest.size());
-  return 10000 + 150 * rest * rest + elimination_flops(s.pivots, rest);
-}
-
-std::vector<Supernode> supernodes(const BlockPattern& pattern, std::int64_t free_nodes) {
-  const auto n = static_cast<std::size_t>(free_nodes);
-  std::vector<std::vector<std::uint32_t>> column(n), children(n);
-  std::vector<std::size_t> mark(n + 1, n + 1);
-  std::vector<Supernode> result;
-  for (std::uint32_t j = 0; j < n; ++j) {
-    const auto take = [&](std::uint32_t i) {
-      if (i <= j || mark[i] == j) return;
-      mark[i] = j;
-      column[j].push_back(i);
-    };
-    for (const std::uint32_t i : pattern.row(j)) take(i);
-    for (const std::uint32_t child : children[j])
-      for (const std::uint32_t i : column[child]) take(i);
-    std::sort(column[j].begin(), column[j].end());
-    if (!column[j].empty() && column[j][0] < n) children[column[j][0]].push_back(j);
-    Supernode fresh{j, 1, column[j]};
-    // Joins a supernode with the one before it while that is a child and the joint front is cheaper.
-    while (!result.empty()) {
-      const Supernode& last = result.back();
-      const bool child =
-          !last.rest.empty() && last.rest[0] >= fresh.first && last.rest[0] < fresh.first + fresh.pivots;
-      if (!child) break;
-      Supernode joint{last.first, last.pivots + fresh.pivots, fresh.rest};
-      const bool same = last.rest.size() == fresh.rest.size() + fresh.pivots;
-      if (!same && front_cost(joint) > front_cost(last) + front_cost(fresh)) break;
-      result.pop_back();
-      fresh = std::move(joint);
-    }
-    result.push_back(std::move(fresh));
-    for (const std::uint32_t child : children[j]) std::vector<std::uint32_t>().swap(column[child]);
-  }
-  return result;
-}
-
-std::int64_t padded(std::int64_t count, std::int64_t multiple) {
-  return (count + multiple - 1) / multiple * multiple;
-}
-
-}  // namespace
-
-// The layout of all fronts: fixed by the pattern, shared by all factors of one body.
-struct FactorLayout {
-  std::vector<Front> fronts;
-  std::vector<std::int32_t> rows, children, place;
-  std::vector<ExtendRun> runs;
-  std::vector<std::int64_t> row_start;
-  std::int64_t free_nodes = 0, panel_size = 0, stack_size = 0, most_rest = 0;
-  double flops = 0;
-
-  std::int64_t padding;  // of rows
-
-  FactorLayout(const BlockPattern& pattern, std::int64_t n, std::int64_t pad)
-      : row_start(pattern.row_start), free_nodes(n), padding(pad) {
-    place_fronts(supernodes(pattern, n));
-    place_blocks(pattern);
-    place_stack();
-  }
-
-  std::size_t panels() const { return static_cast<std::size_t>(panel_size + 2 * padding); }
-  std::size_t stacks() const { return static_cast<std::size_t>(stack_size + 2 * padding); }
-
-  FrontTree tree() const {
-    return {.count = static_cast<std::int64_t>(fronts.size()),
-            .free_nodes = free_nodes,
-            .fronts = fronts.data(),
-            .rows = rows.data(),
-            .children = children.data(),
-            .runs = runs.data(),
-            .row_start = row_start.data(),
-            .place = place.data()};
-  }
-
- private:
-  const Front* parent_of(const Front& f) const { return f.parent < 0 ? nullptr : fronts.data() + f.parent; }
-  const Front& first_child_of(const Front& f) const {
-    return *(fronts.data() + *(children.data() + f.children.first));
-  }
-
-  // Position of a node within a front: pivots first, then the rest.
-  std::int32_t position(const Front& f, std::int32_t node) const {
-    if (node < f.first + f.pivots) return node - f.first;
-    const auto begin = rows.begin() + f.rows, end = begin + f.rest;
-    return f.pivots + static_cast<std::int32_t>(std::lower_bound(begin, end, node) - begin);
-  }
-
-  void place_fronts(const std::vector<Supernode>& supernode) {
-    std::vector<std::int32_t> owner;  // of the nodes in elimination order
-    for (std::size_t s = 0; s < supernode.size(); ++s)
-      owner.insert(owner.end(), supernode[s].pivots, static_cast<std::int32_t>(s));
-    for (const Supernode& s : supernode) {
-      Front f;
-      f.first = static_cast<std::int32_t>(s.first);
-      f.pivots = static_cast<std::int32_t>(s.pivots);
-      f.rest = static_cast<std::int32_t>(s.rest.size());
-      f.rows = static_cast<std::int64_t>(rows.size());
-      rows.insert(rows.end(), s.rest.begin(), s.rest.end());
-      if (!s.rest.empty() && s.rest[0] < owner.size()) f.parent = owner[s.rest[0]];
-      f.ld = padded(3 * (f.pivots + f.rest), padding);
-      f.panel = panel_size;
-      panel_size += 3 * f.pivots * f.ld;
-      f.update_ld = padded(3 * f.rest, padding);
-      most_rest = std::max<std::int64_t>(most_rest, f.rest);
-      flops += elimination_flops(f.pivots, f.rest);
-      fronts.push_back(f);
-    }
-    std::vector<std::vector<std::int32_t>> of(fronts.size());
-    for (std::size_t s = 0; s < fronts.size(); ++s)
-      if (fronts[s].parent >= 0) (of.begin() + fronts[s].parent)->push_back(static_cast<std::int32_t>(s));
-    for (std::size_t s = 0; s < fronts.size(); ++s) {
-      fronts[s].children = {static_cast<std::int64_t>(children.size()),
-                            static_cast<std::int64_t>(of[s].size())};
-      children.insert(children.end(), of[s].begin(), of[s].end());
-    }
-    for (Front& f : fronts) {
-      f.runs.first = static_cast<std::int64_t>(runs.size());
-      const Front* const parent = parent_of(f);
-      if (!parent) continue;
-      const std::int32_t* const rest = rows.data() + f.rows;
-      for (std::int32_t i = 0; i < f.rest; ++i) {
-        const std::int32_t to = position(*parent, rest[i]);
-        const bool goes_on = f.runs.count > 0 && runs.back().to + runs.back().length == to;
-        if (goes_on)
-          ++runs.back().length;
-        else
-          runs.push_back({i, to, 1}), ++f.runs.count;
-      }
-    }
-  }
-
-  void place_blocks(const BlockPattern& pattern) {
-    place.reserve(pattern.column.size());
-    std::uint32_t i = 0;
-    for (const Front& f : fronts)
-      for (std::int32_t pivot = 0; pivot < f.pivots; ++pivot, ++i)
-        for (const std::uint32_t j : pattern.row(i))
-          place.push_back(position(f, static_cast<std::int32_t>(j)));
-    place.resize(pattern.column.size());  // and the diagonal of the contact, which no front holds
-  }
-
-  // Two stacks, for fronts of even and odd depth: a front's update matrix is made on one stack while those of
-  // its children are on top of the other, so that nothing has to be moved.
-  void place_stack() {
-    std::vector<char> odd(fronts.size(), 0);
-    for (std::size_t s = fronts.size(); s-- > 0;)
-      if (fronts[s].parent >= 0) odd[s] = *(odd.begin() + fronts[s].parent) == 0;
-    std::int64_t top[2] = {0, 0}, size[2] = {0, 0};
-    for (std::size_t s = 0; s < fronts.size(); ++s) {
-      Front& f = fronts[s];
-      const std::size_t mine = odd[s] != 0 ? 1 : 0;
-      f.update = top[mine];
-      size[mine] = std::max(size[mine], f.update + 3 * f.rest * f.update_ld);
-      if (f.children.count > 0) top[1 - mine] = first_child_of(f).update;
-      if (f.parent >= 0) top[mine] = f.update + 3 * f.rest * f.update_ld;
-    }
-    for (std::size_t s = 0; s < fronts.size(); ++s)
-      if (odd[s] != 0) fronts[s].update += size[0];
-    stack_size = size[0] + size[1];
-  }
-};
-
 namespace {
 
 std::shared_ptr<const FactorLayout> make_layout(const Discretisation& d, Precision precision) {
@@ -200,6 +24,26 @@ const FactorKernels<float>& kernels_of(const float*) {
   return front_kernels().single;
 }
 
+constexpr double flops_of_a_part = 1e6;  // some 30 microseconds
+constexpr std::int64_t most_parts = 12;
+
+// 0 to `count` in ranges for threads to share, in multiples of `unit`, as many as the work is worth.
+struct Ranges {
+  std::int64_t count, each;
+
+  Ranges(std::int64_t entries, std::int64_t unit, double flops) : count(entries) {
+    const auto wanted =
+        std::clamp(static_cast<std::int64_t>(flops / flops_of_a_part), std::int64_t{1}, most_parts);
+    each = std::max<std::int64_t>(1, (count + wanted * unit - 1) / (wanted * unit)) * unit;
+  }
+  void share(const std::function<void(Part)>& part) const {
+    share_out(static_cast<std::size_t>((count + each - 1) / each), [&](std::size_t i) {
+      const std::int64_t first = static_cast<std::int64_t>(i) * each;
+      part({first, std::min(each, count - first)});
+    });
+  }
+};
+
 // The numbers of a factor, and the vectors that are solved with it.
 template <class Real>
 struct Numbers {
@@ -212,52 +56,135 @@ struct Numbers {
       : layout(its_layout),
         panels(layout.panels()),
         stack(layout.stacks()),
-        work(static_cast<std::size_t>((3 * layout.most_rest + layout.padding) * lane_count)) {}
+        work(static_cast<std::size_t>(layout.size.work * lane_count)) {}
+
+  bool compute(const double* blocks, double* corner) {
+    const FrontTree tree = layout.tree();
+    std::atomic<bool> positive = true;
+    share_out(layout.parts.size(), [&](std::size_t i) {
+      if (!kernels.factor(tree, layout.parts[i].fronts, blocks, panels.data(), stack.data()))
+        positive = false;
+    });
+    for (const std::int64_t s : layout.top)
+      if (!positive || !share_front(tree, tree.fronts[s], blocks)) return false;
+    if (!positive) return false;
+    std::copy_n(blocks + 9 * layout.row_start[static_cast<std::size_t>(layout.size.free_nodes)], 9, corner);
+    for (const Front& front : layout.fronts)
+      for (std::int64_t i = 0; front.parent < 0 && front.rest > 0 && i < 9; ++i) {
+        const std::int64_t a = std::min(i / 3, i % 3), b = std::max(i / 3, i % 3);
+        corner[i] +=
+            static_cast<double>(stack[static_cast<std::size_t>(front.update + a * front.update_ld + b)]);
+      }
+    for (std::int64_t a = 0; a < 3; ++a)
+      for (std::int64_t b = 0; b < a; ++b) corner[3 * a + b] = corner[3 * b + a];
+    return true;
+  }
 
   // b: local vectors, `count` of them side by side
   void solve(double* b, int count) const {
-    const FrontTree tree = layout.tree();
-    const auto rows = static_cast<std::size_t>(3 * layout.free_nodes * count),
-               contact = 3 * static_cast<std::size_t>(count);
-    Real* v = taken(b, rows + contact);
-    std::fill_n(v + rows, contact, Real(0));
-    (count == 1 ? kernels.forward : kernels.forward_lanes)(tree, panels.data(), v, work.data());
-    std::fill_n(v + rows, contact, Real(0));
-    (count == 1 ? kernels.backward : kernels.backward_lanes)(tree, panels.data(), v, work.data());
-    give(v, b, rows + contact);
+    Real* v = taken(b, count);
+    upwards(v, count);
+    downwards(v, count);
+    give(v, b, count);
   }
   void half_solve_lanes(double* b) const {
-    const auto rows = static_cast<std::size_t>(3 * layout.free_nodes * lane_count),
-               contact = std::size_t{3 * lane_count};
-    Real* v = taken(b, rows + contact);
-    std::fill_n(v + rows, contact, Real(0));
-    kernels.forward_lanes(layout.tree(), panels.data(), v, work.data());
-    std::fill_n(v + rows, contact, Real(0));
-    give(v, b, rows + contact);
+    Real* v = taken(b, lane_count);
+    upwards(v, lane_count);
+    give(v, b, lane_count);
   }
   void tangent(double* v) const {
-    const auto n = static_cast<std::size_t>(3 * layout.free_nodes);
-    vectors.assign((n + 6) * lane_count, Real(0));
+    const auto n = static_cast<std::size_t>(3 * layout.size.free_nodes);
+    vectors.assign(rows(lane_count) + 3 * lane_count, Real(0));
     for (std::size_t c = 0; c < 3; ++c) vectors[(n + c) * lane_count + c] = 1;
-    kernels.backward_lanes(layout.tree(), panels.data(), vectors.data(), work.data());
+    downwards(vectors.data(), lane_count);
     for (std::size_t c = 0; c < 3; ++c)
       for (std::size_t i = 0; i < n + 6; ++i)
-        v[c * (n + 6) + i] = static_cast<double>(vectors[i * lane_count + c]);
+        v[c * (n + 6) + i] = i < n + 3 ? static_cast<double>(vectors[i * lane_count + c]) : 0.0;
   }
 
  private:
-  Real* taken(double* b, std::size_t size) const {
-    if constexpr (std::is_same_v<Real, double>) {
-      return b;
-    } else {
-      vectors.resize(std::max(vectors.size(), size));
-      for (std::size_t i = 0; i < size; ++i) vectors[i] = static_cast<Real>(b[i]);
-      return vectors.data();
+  // A front of the top, in steps.
+  bool share_front(const FrontTree& tree, const Front& front, const double* blocks) {
+    Real *panel = panels.data() + front.panel, *update = stack.data() + front.update;
+    const std::int64_t pivots = 3 * std::int64_t{front.pivots}, all = pivots + 3 * std::int64_t{front.rest};
+    const double width = static_cast<double>(all);
+    Ranges(all, 3, 8 * width * width).share([&](Part rows) {
+      kernels.assemble(tree, front, rows, blocks, panels.data(), stack.data());
+    });
+    for (std::int64_t first = 0; first < pivots; first += kernels.block_rows) {
+      const Part block{first, std::min(kernels.block_rows, pivots - first)};
+      if (!kernels.eliminate_diagonal(front, block, panel)) return false;
+      const std::int64_t end = first + block.count,
+                         from = (end + layout.size.padding - 1) / layout.size.padding * layout.size.padding;
+      const double deep = static_cast<double>(block.count), right = static_cast<double>(front.ld - from);
+      if (from < front.ld)
+        Ranges(front.ld - from, layout.size.padding, 0.5 * deep * deep * right).share([&](Part columns) {
+          kernels.eliminate_columns(front, block, {from + columns.first, columns.count}, panel);
+        });
+      // rows of a triangle: the first are the longest
+      if (end < all)
+        Ranges(all - end, row_unit, 0.5 * deep * right * right).share([&](Part rows) {
+          kernels.update(front, block, {end + rows.first, rows.count}, panel, update);
+        });
     }
+    return true;
   }
-  void give(const Real* v, double* b, std::size_t size) const {
-    if constexpr (!std::is_same_v<Real, double>)
-      for (std::size_t i = 0; i < size; ++i) b[i] = static_cast<double>(v[i]);
+
+  static constexpr std::int64_t row_unit = 24;
+
+  std::size_t rows(int count) const {  // of v: free nodes, contact and tails
+    return static_cast<std::size_t>(3 * (layout.size.free_nodes + 1 + layout.size.tails) * count);
+  }
+  Part tops(std::size_t i) const { return {layout.top[i], 1}; }
+  Real* work_of(std::int64_t offset) const { return work.data() + offset * lane_count; }
+
+  // Rows of the nodes that a part meets, between the vector and the part's tail.
+  template <class Move>
+  void each_met(int count, Real* v, const Move& move) const {
+    for (const FactorLayout::Subtree& part : layout.parts)
+      for (std::int64_t i = 0; i < part.nodes.count; ++i) {
+        Real* in_tail = v + 3 * count * (part.tail + i);
+        Real* in_vector = v + 3 * count * layout.met[static_cast<std::size_t>(part.nodes.first + i)];
+        for (int k = 0; k < 3 * count; ++k) move(in_tail[k], in_vector[k]);
+      }
+  }
+  void clear_behind(Real* v, int count) const {  // the contact and the tails
+    const auto first = static_cast<std::size_t>(3 * layout.size.free_nodes * count);
+    std::fill(v + first, v + rows(count), Real(0));
+  }
+  void upwards(Real* v, int count) const {
+    const FrontTree tree = layout.tree();
+    const auto run = count == 1 ? kernels.forward : kernels.forward_lanes;
+    clear_behind(v, count);
+    share_out(layout.parts.size(), [&](std::size_t i) {
+      run(tree, layout.parts[i].fronts, panels.data(), v, work_of(layout.parts[i].work));
+    });
+    each_met(count, v, [](Real& tail, Real& row) { row += tail; });
+    for (std::size_t i = 0; i < layout.top.size(); ++i)
+      run(tree, tops(i), panels.data(), v, work_of(layout.size.top_work));
+    clear_behind(v, count);
+  }
+  void downwards(Real* v, int count) const {
+    const FrontTree tree = layout.tree();
+    const auto run = count == 1 ? kernels.backward : kernels.backward_lanes;
+    for (std::size_t i = layout.top.size(); i-- > 0;)
+      run(tree, tops(i), panels.data(), v, work_of(layout.size.top_work));
+    each_met(count, v, [](Real& tail, Real& row) { tail = row; });
+    share_out(layout.parts.size(), [&](std::size_t i) {
+      run(tree, layout.parts[i].fronts, panels.data(), v, work_of(layout.parts[i].work));
+    });
+  }
+
+  bool in_place() const { return std::is_same_v<Real, double> && layout.size.tails == 0; }
+  Real* taken(double* b, int count) const {
+    if constexpr (std::is_same_v<Real, double>)
+      if (in_place()) return b;
+    vectors.resize(std::max(vectors.size(), rows(count)));
+    std::copy_n(b, 3 * layout.size.free_nodes * count, vectors.begin());
+    return vectors.data();
+  }
+  void give(const Real* v, double* b, int count) const {
+    if (!in_place()) std::copy_n(v, 3 * (layout.size.free_nodes + 1) * count, b);
   }
 };
 
@@ -290,11 +217,7 @@ Precision Factorisation::precision() const {
 
 bool Factorisation::compute(const double* blocks) {
   Impl& f = *impl_;
-  return std::visit(
-      [&](auto& n) {
-        return n.kernels.factor(f.layout->tree(), blocks, n.panels.data(), n.stack.data(), f.corner);
-      },
-      f.numbers);
+  return std::visit([&](auto& n) { return n.compute(blocks, f.corner); }, f.numbers);
 }
 
 void Factorisation::solve(double* b) const {
@@ -325,8 +248,8 @@ std::shared_ptr<const Discretisation> analyse(const Body& body) {
 
 FactorCost cost_of_factor(const Discretisation& discretisation) {
   const FactorLayout& l = *discretisation.layout;
-  const auto bytes = l.padding == row_padding<float> ? sizeof(float) : sizeof(double);
-  return {l.flops, static_cast<std::int64_t>(bytes * l.panels()),
+  const auto bytes = l.size.padding == row_padding<float> ? sizeof(float) : sizeof(double);
+  return {l.size.flops, static_cast<std::int64_t>(bytes * l.panels()),
           static_cast<std::int64_t>(bytes * l.stacks())};
 }
 
