@@ -308,10 +308,9 @@ void LaneSolver::finish(const Factorisation& factor, int count, int rounds,
   d_->elements.product_lanes(stride, u_.data(), tangent_.data(), product_.data());
   for (int round = 0;; ++round) {
     for (std::size_t i = 0; i < 3 * size_; ++i) z[i] = -product_[i];
-    for (std::size_t c = 0; c < 3; ++c) {
-      factor.solve_lanes(&z[c * size_]);
+    factor.solve_lanes(z, 3, stride);
+    for (std::size_t c = 0; c < 3; ++c)
       std::fill_n(&z[c * size_ + static_cast<std::size_t>(rows) * lane_count], 6 * lane_count, 0.0);
-    }
     std::array<LaneMask, 3> square;
     const bool settled = condense_lanes(z, count, results, square);
     if (settled || round + 1 >= rounds) break;

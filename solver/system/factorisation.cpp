@@ -1,8 +1,10 @@
 #include "solver/system/factorisation.hpp"
 
 #include <algorithm>
+#include <array>
 #include <atomic>
 #include <cmath>
+#include <span>
 #include <type_traits>
 #include <variant>
 
@@ -26,6 +28,7 @@ const FactorKernels<float>& kernels_of(const float*) {
 
 constexpr double flops_of_a_part = 1e6;  // some 30 microseconds
 constexpr std::int64_t most_parts = 12;
+constexpr std::size_t most_fields = 3;  // solved at once
 
 // 0 to `count` in ranges for threads to share, in multiples of `unit`, as many as the work is worth.
 struct Ranges {
@@ -56,7 +59,7 @@ struct Numbers {
       : layout(its_layout),
         panels(layout.panels()),
         stack(layout.stacks()),
-        work(static_cast<std::size_t>(layout.size.work * lane_count)) {}
+        work(static_cast<std::size_t>(most_fields * layout.size.work * lane_count)) {}
 
   bool compute(const double* blocks, double* corner) {
     const FrontTree tree = layout.tree();
@@ -80,23 +83,28 @@ struct Numbers {
     return true;
   }
 
-  // b: local vectors, `count` of them side by side
-  void solve(double* b, int count) const {
-    Real* v = taken(b, count);
-    upwards(v, count);
-    downwards(v, count);
-    give(v, b, count);
+  // b: `fields` times local vectors, `count` of them side by side, `stride` numbers apart
+  void solve(double* b, int count, std::size_t fields = 1, std::int64_t stride = 0) const {
+    std::array<Real*, most_fields> v{};
+    if (!in_place()) vectors.resize(std::max(vectors.size(), fields * rows(count)));
+    for (std::size_t f = 0; f < fields; ++f)
+      v[f] = taken(b + static_cast<std::int64_t>(f) * stride, count, f);
+    upwards({v.data(), fields}, count);
+    downwards({v.data(), fields}, count);
+    for (std::size_t f = 0; f < fields; ++f) give(v[f], b + static_cast<std::int64_t>(f) * stride, count);
   }
   void half_solve_lanes(double* b) const {
-    Real* v = taken(b, lane_count);
-    upwards(v, lane_count);
+    if (!in_place()) vectors.resize(std::max(vectors.size(), rows(lane_count)));
+    Real* v = taken(b, lane_count, 0);
+    upwards({&v, 1}, lane_count);
     give(v, b, lane_count);
   }
   void tangent(double* v) const {
     const auto n = static_cast<std::size_t>(3 * layout.size.free_nodes);
-    vectors.assign(rows(lane_count) + 3 * lane_count, Real(0));
+    vectors.assign(rows(lane_count), Real(0));
     for (std::size_t c = 0; c < 3; ++c) vectors[(n + c) * lane_count + c] = 1;
-    downwards(vectors.data(), lane_count);
+    Real* const all = vectors.data();
+    downwards({&all, 1}, lane_count);
     for (std::size_t c = 0; c < 3; ++c)
       for (std::size_t i = 0; i < n + 6; ++i)
         v[c * (n + 6) + i] = i < n + 3 ? static_cast<double>(vectors[i * lane_count + c]) : 0.0;
@@ -135,8 +143,10 @@ struct Numbers {
   std::size_t rows(int count) const {  // of v: free nodes, contact and tails
     return static_cast<std::size_t>(3 * (layout.size.free_nodes + 1 + layout.size.tails) * count);
   }
-  Part tops(std::size_t i) const { return {layout.top[i], 1}; }
-  Real* work_of(std::int64_t offset) const { return work.data() + offset * lane_count; }
+  using Fields = std::span<Real* const>;
+  Real* work_of(std::int64_t offset, std::size_t field) const {
+    return work.data() + (static_cast<std::int64_t>(field) * layout.size.work + offset) * lane_count;
+  }
 
   // Rows of the nodes that a part meets, between the vector and the part's tail.
   template <class Move>
@@ -152,36 +162,45 @@ struct Numbers {
     const auto first = static_cast<std::size_t>(3 * layout.size.free_nodes * count);
     std::fill(v + first, v + rows(count), Real(0));
   }
-  void upwards(Real* v, int count) const {
+  template <class Run>
+  void run_parts(Fields v, const Run& run) const {
+    const FrontTree tree = layout.tree();
+    share_out(layout.parts.size() * v.size(), [&](std::size_t i) {
+      const std::size_t field = i % v.size();
+      const FactorLayout::Subtree& part = layout.parts[i / v.size()];
+      run(tree, part.fronts, panels.data(), v[field], work_of(part.work, field));
+    });
+  }
+  void upwards(Fields v, int count) const {
     const FrontTree tree = layout.tree();
     const auto run = count == 1 ? kernels.forward : kernels.forward_lanes;
-    clear_behind(v, count);
-    share_out(layout.parts.size(), [&](std::size_t i) {
-      run(tree, layout.parts[i].fronts, panels.data(), v, work_of(layout.parts[i].work));
+    for (Real* const one : v) clear_behind(one, count);
+    run_parts(v, run);
+    share_out(v.size(), [&](std::size_t i) {
+      each_met(count, v[i], [](Real& tail, Real& row) { row += tail; });
+      for (const std::int64_t s : layout.top)
+        run(tree, {s, 1}, panels.data(), v[i], work_of(layout.size.top_work, i));
+      clear_behind(v[i], count);
     });
-    each_met(count, v, [](Real& tail, Real& row) { row += tail; });
-    for (std::size_t i = 0; i < layout.top.size(); ++i)
-      run(tree, tops(i), panels.data(), v, work_of(layout.size.top_work));
-    clear_behind(v, count);
   }
-  void downwards(Real* v, int count) const {
+  void downwards(Fields v, int count) const {
     const FrontTree tree = layout.tree();
     const auto run = count == 1 ? kernels.backward : kernels.backward_lanes;
-    for (std::size_t i = layout.top.size(); i-- > 0;)
-      run(tree, tops(i), panels.data(), v, work_of(layout.size.top_work));
-    each_met(count, v, [](Real& tail, Real& row) { tail = row; });
-    share_out(layout.parts.size(), [&](std::size_t i) {
-      run(tree, layout.parts[i].fronts, panels.data(), v, work_of(layout.parts[i].work));
+    share_out(v.size(), [&](std::size_t i) {
+      for (std::size_t s = layout.top.size(); s-- > 0;)
+        run(tree, {layout.top[s], 1}, panels.data(), v[i], work_of(layout.size.top_work, i));
+      each_met(count, v[i], [](Real& tail, Real& row) { tail = row; });
     });
+    run_parts(v, run);
   }
 
   bool in_place() const { return std::is_same_v<Real, double> && layout.size.tails == 0; }
-  Real* taken(double* b, int count) const {
+  Real* taken(double* b, int count, std::size_t field) const {
     if constexpr (std::is_same_v<Real, double>)
       if (in_place()) return b;
-    vectors.resize(std::max(vectors.size(), rows(count)));
-    std::copy_n(b, 3 * layout.size.free_nodes * count, vectors.begin());
-    return vectors.data();
+    Real* const v = vectors.data() + field * rows(count);
+    std::copy_n(b, 3 * layout.size.free_nodes * count, v);
+    return v;
   }
   void give(const Real* v, double* b, int count) const {
     if (!in_place()) std::copy_n(v, 3 * (layout.size.free_nodes + 1) * count, b);
@@ -224,8 +243,8 @@ void Factorisation::solve(double* b) const {
   std::visit([&](const auto& n) { n.solve(b, 1); }, impl_->numbers);
 }
 
-void Factorisation::solve_lanes(double* b) const {
-  std::visit([&](const auto& n) { n.solve(b, lane_count); }, impl_->numbers);
+void Factorisation::solve_lanes(double* b, std::size_t fields, std::int64_t stride) const {
+  std::visit([&](const auto& n) { n.solve(b, lane_count, fields, stride); }, impl_->numbers);
 }
 
 void Factorisation::half_solve_lanes(double* b) const {

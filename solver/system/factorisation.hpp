@@ -37,7 +37,8 @@ class Factorisation {
   // nothing below.
   bool compute(const double* blocks);
   void solve(double* b) const;  // b: local vector; its free part becomes H_ff^{-1} b, the contact's part 0
-  void solve_lanes(double* b) const;  // the same for eight right-hand sides side by side
+  // The same for eight right-hand sides side by side, up to three times, so many numbers apart.
+  void solve_lanes(double* b, std::size_t fields = 1, std::int64_t stride = 0) const;
   // H_ff = U^T U: eight b become U^-T b, whose squares sum to b^T H_ff^{-1} b; the contact's part 0.
   void half_solve_lanes(double* b) const;
   Mat3 stiffness() const;         // K [N/m]
