@@ -28,7 +28,7 @@ class Sweep {
         const std::function<void(State)>& sink, const std::function<void(std::size_t, std::size_t)>& progress)
       : began_(std::chrono::steady_clock::now()),
         body_(std::move(body)),
-        d_(std::make_shared<const Discretisation>(discretise(*body_))),
+        d_(analyse(*body_, Precision::single)),
         options_(options),
         sink_(sink),
         progress_(progress),

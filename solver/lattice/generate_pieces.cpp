@@ -196,7 +196,7 @@ struct LatticeWorker::Impl {
   Impl(std::shared_ptr<const Body> its_body, const LatticeOptions& its_options,
        std::shared_ptr<CoarseNodes> its_nodes)
       : body(std::move(its_body)),
-        d(std::make_shared<const Discretisation>(discretise(*body))),
+        d(analyse(*body, Precision::single)),
         options(its_options),
         nodes(std::move(its_nodes)),
         worker(d, fitting(d, sweep_options(*body, options, options.stop, solved))),

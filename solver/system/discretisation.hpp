@@ -39,7 +39,7 @@ struct Discretisation {
   double force_floor = 0;  // 1e-12 E L^2 [N], E of the stiffest material
   double round_off = 0;    // smaller residuals are rounding error [N]
   ElementGroups elements;
-  std::shared_ptr<const FactorLayout> layout = {};  // of its factors; null: each factor makes its own
+  std::shared_ptr<const FactorLayout> layout = {};  // of factors of one precision; the others make their own
 
   std::int64_t local_size() const { return 3 * (free_nodes + 2); }
   // #V x 3 by node (mesh nodes, then mid-edge nodes) <-> local vector. A node that no element uses stays at

@@ -14,8 +14,14 @@
 namespace forefeel {
 namespace {
 
+std::int64_t padding_of(Precision precision) {
+  return precision == Precision::exact ? row_padding<double> : row_padding<float>;
+}
+
+// That of the discretisation if it fits.
 std::shared_ptr<const FactorLayout> make_layout(const Discretisation& d, Precision precision) {
-  const int padding = precision == Precision::exact ? row_padding<double> : row_padding<float>;
+  const std::int64_t padding = padding_of(precision);
+  if (d.layout && d.layout->size.padding == padding) return d.layout;
   return std::make_shared<const FactorLayout>(d.pattern, d.free_nodes, padding);
 }
 
@@ -215,8 +221,7 @@ struct Factorisation::Impl {
   double corner[9] = {};
 
   Impl(const Discretisation& d, Precision precision)
-      : layout(d.layout && precision == Precision::exact ? d.layout : make_layout(d, precision)),
-        numbers(make_numbers(*layout, precision)) {}
+      : layout(make_layout(d, precision)), numbers(make_numbers(*layout, precision)) {}
 
   static std::variant<Numbers<double>, Numbers<float>> make_numbers(const FactorLayout& layout,
                                                                     Precision precision) {
@@ -259,15 +264,15 @@ void Factorisation::tangent(double* v) const {
   std::visit([&](const auto& n) { n.tangent(v); }, impl_->numbers);
 }
 
-std::shared_ptr<const Discretisation> analyse(const Body& body) {
+std::shared_ptr<const Discretisation> analyse(const Body& body, Precision precision) {
   auto made = std::make_shared<Discretisation>(discretise(body));
-  made->layout = make_layout(*made, Precision::exact);
+  made->layout = make_layout(*made, precision);
   return made;
 }
 
 FactorCost cost_of_factor(const Discretisation& discretisation) {
   const FactorLayout& l = *discretisation.layout;
-  const auto bytes = l.size.padding == row_padding<float> ? sizeof(float) : sizeof(double);
+  const auto bytes = l.size.padding == padding_of(Precision::single) ? sizeof(float) : sizeof(double);
   return {l.size.flops, static_cast<std::int64_t>(bytes * l.panels()),
           static_cast<std::int64_t>(bytes * l.stacks())};
 }
