@@ -21,15 +21,20 @@ TaskQueue::TaskQueue(std::vector<SweepPiece> pieces)
     if (pieces_[i].waits_for == 0) ready_.push({.piece = i});
 }
 
-double TaskQueue::Share::run() {
-  double most = 0, before = thread_seconds();
+// Processor time of the parts that this thread runs, and of the longest of them. A clock of the processor's own for each
+// part would cost as much as a small part does, so the sum is divided as the wall time is.
+TaskQueue::Share::Times TaskQueue::Share::run() {
+  const double start = thread_seconds();
+  double most = 0, sum = 0;
   for (std::size_t i = next++; i < count; i = next++) {
+    const auto begun = std::chrono::steady_clock::now();
     part(i);
-    const double now = thread_seconds();
-    most = std::max(most, now - before);
-    before = now;
+    const double seconds = wall_seconds(begun);
+    most = std::max(most, seconds);
+    sum += seconds;
   }
-  return most;
+  const double all = thread_seconds() - start;
+  return {all, sum > 0 ? all * most / sum : 0};
 }
 
 TaskQueue::Share* TaskQueue::open_share() {
@@ -40,12 +45,11 @@ TaskQueue::Share* TaskQueue::open_share() {
 void TaskQueue::help(Share& share, std::unique_lock<std::mutex>& lock) {
   ++share.helpers;
   lock.unlock();
-  const double start = thread_seconds();
-  const double most = share.run(), seconds = thread_seconds() - start;
+  const Share::Times its = share.run();
   lock.lock();
-  share.longest = std::max(share.longest, most);
-  times_.work += seconds;
-  times_.idle -= seconds;
+  share.longest = std::max(share.longest, its.longest);
+  times_.work += its.all;
+  times_.idle -= its.all;
   if (--share.helpers == 0) changed_.notify_all();
 }
 
@@ -57,9 +61,9 @@ void TaskQueue::Member::share(std::size_t count, const std::function<void(std::s
     queue_.shares_.push_back(&share);
     queue_.changed_.notify_all();
   }
-  const double start = thread_seconds();
-  double most = share.run();
-  shared_ += thread_seconds() - start;
+  const Share::Times its = share.run();
+  shared_ += its.all;
+  double most = its.longest;
   if (with_others) {
     std::unique_lock lock(queue_.mutex_);
     std::erase(queue_.shares_, &share);

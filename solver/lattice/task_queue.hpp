@@ -93,8 +93,11 @@ class TaskQueue {
     std::size_t count;
     std::atomic<std::size_t> next = 0;
     std::size_t helpers = 0;
-    double longest = 0;  // part [s]
-    double run();        // those that are left; the longest of them
+    double longest = 0;  // of the helpers' parts [s]
+    struct Times {
+      double all, longest;
+    };
+    Times run();  // the parts that are left
   };
 
   void finish(std::size_t id, double end);

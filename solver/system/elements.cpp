@@ -119,7 +119,8 @@ ElementView ElementGroups::view(const MaterialGroups& of) const {
 
 namespace {
 
-constexpr std::int64_t worth_sharing = 500, most_ranges = 8;  // groups; ranges of the largest material
+constexpr std::int64_t worth_sharing = 500,
+                       most_ranges = 16;  // groups; ranges, and one more for each material
 
 // Moves the places that several ranges use to the tail: -1 - t is place met[t].
 void move_to_tail(const std::vector<MaterialGroups>& ranges, std::size_t per_group,

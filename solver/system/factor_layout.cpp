@@ -58,8 +58,8 @@ std::int64_t padded(std::int64_t count, std::int64_t multiple) {
   return (count + multiple - 1) / multiple * multiple;
 }
 
-constexpr double least_shared_flops = 1e8;  // flops: some milliseconds
-constexpr double largest_part = 1.0 / 16;   // of the flops
+constexpr double least_shared_flops = 1e8;  // some milliseconds
+constexpr double largest_part = 1.0 / 24;   // of the flops
 
 }  // namespace
 

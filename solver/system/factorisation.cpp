@@ -32,8 +32,8 @@ const FactorKernels<float>& kernels_of(const float*) {
   return front_kernels().single;
 }
 
-constexpr double flops_of_a_part = 1e6;  // some 30 microseconds
-constexpr std::int64_t most_parts = 12;
+constexpr double flops_of_a_part = 4e5;  // some 15 microseconds
+constexpr std::int64_t most_parts = 16;
 constexpr std::size_t most_fields = 3;  // solved at once
 
 // 0 to `count` in ranges for threads to share, in multiples of `unit`, as many as the work is worth.
