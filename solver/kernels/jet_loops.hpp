@@ -42,6 +42,28 @@ FOREFEEL_INLINE void transpose(Lanes* m) {
   for (int i = 0; i < 8; ++i) m[i] = t[i];
 }
 
+// A group with the displacements of U: fields of JetKernels.
+template <int nodes>
+struct JetGroup : Group<nodes> {
+  Lanes along[3][3 * nodes];
+
+  FOREFEEL_INLINE JetGroup(const ElementView& view, std::int64_t group, const double* fields)
+      : Group<nodes>(view, group) {
+    for (int b = 0; b < nodes; ++b) {
+      Lanes m[2][8];
+      for (int e = 0; e < lane_count; ++e) {
+        const double* from = fields + jet_row * static_cast<std::int64_t>(this->node[b * lane_count + e]);
+        for (int half = 0; half < 2; ++half) m[half][e] = load(from + half * lane_count);
+      }
+      for (Lanes* half : m) transpose(half);
+      for (int i = 0; i < 3; ++i) {
+        this->local[3 * b + i] = m[0][i];
+        for (int c = 0; c < 3; ++c) along[c][3 * b + i] = m[(3 * c + 3 + i) / 8][(3 * c + 3 + i) % 8];
+      }
+    }
+  }
+};
+
 FOREFEEL_INLINE double largest(Lanes a) {
   double most = a[0];
   for (int e = 1; e < lane_count; ++e) most = a[e] > most ? a[e] : most;
@@ -58,17 +80,15 @@ inline std::int64_t hardest(const ElementView& view, const JetDirections& direct
 
 // The limit without V. The hardest group first: few others can then be nearer.
 template <class Law, int nodes>
-void first_order_limit(const ElementView& view, std::int64_t stride, const double* u, const double* d,
-                       const JetDirections& directions) {
+void first_order_limit(const ElementView& view, const double* fields, const JetDirections& directions) {
   StretchSearch<Law> search(directions);
   const auto over = [&](std::int64_t group) {
-    const Group<nodes> of(view, group, u);
-    Lanes along[3][3 * nodes], g[3 * nodes], a[9][3];
-    for (int c = 0; c < 3; ++c) gather<nodes>(of.node, d + c * stride, along[c]);
+    const JetGroup<nodes> of(view, group, fields);
+    Lanes g[3 * nodes], a[9][3];
     for (int point_at = 0; point_at < Shape<nodes>::points; ++point_at) {
       Point<Lanes> point;
       of.template at<Law>(view, point_at, g, point);
-      field_gradient<nodes, 3>(along, g, a);
+      field_gradient<nodes, 3>(of.along, g, a);
       search.all(point, directions, a, nullptr);
     }
   };
@@ -81,19 +101,17 @@ void first_order_limit(const ElementView& view, std::int64_t stride, const doubl
 }
 
 template <class Law, int nodes>
-void curvature_of(const ElementView& view, std::int64_t stride, const double* u, const double* d, double* q,
-                  const JetDirections& directions) {
+void curvature_of(const ElementView& view, const double* fields, double* q, const JetDirections& directions) {
   if constexpr (Law::of_invariants) {
     using S = Shape<nodes>;
     for (std::int64_t group = 0; group < view.groups; ++group) {
-      const Group<nodes> of(view, group, u);
-      Lanes along[3][3 * nodes], sum[6][3 * nodes]{}, hard{};
-      for (int c = 0; c < 3; ++c) gather<nodes>(of.node, d + c * stride, along[c]);
+      const JetGroup<nodes> of(view, group, fields);
+      Lanes sum[6][3 * nodes]{}, hard{};
       for (int point_at = 0; point_at < S::points; ++point_at) {
         Lanes g[3 * nodes], a[9][3], p[9][6];
         Point<Lanes> point;
         of.template at<Law>(view, point_at, g, point);
-        field_gradient<nodes, 3>(along, g, a);
+        field_gradient<nodes, 3>(of.along, g, a);
         if constexpr (StretchSearch<Law>::wanted) {
           const Lanes here = StretchSearch<Law>::hardness(point, a);
           hard = here > hard ? here : hard;
@@ -120,22 +138,21 @@ void curvature_of(const ElementView& view, std::int64_t stride, const double* u,
       }
     }
     if constexpr (StretchSearch<Law>::wanted)
-      if (directions.reached) first_order_limit<Law, nodes>(view, stride, u, d, directions);
+      if (directions.reached) first_order_limit<Law, nodes>(view, fields, directions);
   }
 }
 
 // v: null or six fields V_p in lanes, as q of curvature_of.
 template <class Law, int nodes>
-void path_of(const ElementView& view, std::int64_t stride, const double* u, const double* tangent,
-             const double* v, double* out, const JetDirections& directions) {
+void path_of(const ElementView& view, const double* fields, const double* v, double* out,
+             const JetDirections& directions) {
   if constexpr (Law::of_invariants) {
     constexpr bool limited = StretchSearch<Law>::wanted;
     StretchSearch<Law> search(directions);
     Lanes sums[path_terms]{};
     const auto over = [&](std::int64_t group, bool only_limit) {
-      const Group<nodes> of(view, group, u);
-      Lanes first[3][3 * nodes], second[6][3 * nodes];
-      for (int c = 0; c < 3; ++c) gather<nodes>(of.node, tangent + c * stride, first[c]);
+      const JetGroup<nodes> of(view, group, fields);
+      Lanes second[6][3 * nodes];
       if (v)
         for (int b = 0; b < nodes; ++b) {
           Lanes by_field[3][8];
@@ -152,7 +169,7 @@ void path_of(const ElementView& view, std::int64_t stride, const double* u, cons
         Lanes g[3 * nodes], a[9][3], bent[9][6];
         Point<Lanes> point;
         of.template at<Law>(view, point_at, g, point);
-        field_gradient<nodes, 3>(first, g, a);
+        field_gradient<nodes, 3>(of.along, g, a);
         if (v) field_gradient<nodes, 6>(second, g, bent);
         const MatrixForm<2> b = v ? bent : nullptr;
         if (!only_limit) path_forms<Law>(view.constants, point, a, b, of.weight, sums);
@@ -173,15 +190,15 @@ void path_of(const ElementView& view, std::int64_t stride, const double* u, cons
 
 template <class Law>
 struct Jets {
-  static void curvature(const ElementView& view, std::int64_t stride, const double* u, const double* d,
-                        double* q, const JetDirections& directions) {
-    view.nodes_per_element == 4 ? curvature_of<Law, 4>(view, stride, u, d, q, directions)
-                                : curvature_of<Law, 10>(view, stride, u, d, q, directions);
+  static void curvature(const ElementView& view, const double* fields, double* q,
+                        const JetDirections& directions) {
+    view.nodes_per_element == 4 ? curvature_of<Law, 4>(view, fields, q, directions)
+                                : curvature_of<Law, 10>(view, fields, q, directions);
   }
-  static void path(const ElementView& view, std::int64_t stride, const double* u, const double* tangent,
-                   const double* v, double* out, const JetDirections& directions) {
-    view.nodes_per_element == 4 ? path_of<Law, 4>(view, stride, u, tangent, v, out, directions)
-                                : path_of<Law, 10>(view, stride, u, tangent, v, out, directions);
+  static void path(const ElementView& view, const double* fields, const double* v, double* out,
+                   const JetDirections& directions) {
+    view.nodes_per_element == 4 ? path_of<Law, 4>(view, fields, v, out, directions)
+                                : path_of<Law, 10>(view, fields, v, out, directions);
   }
   static constexpr JetKernels table{curvature, path};
 };

@@ -63,15 +63,15 @@ struct JetDirections {
 };
 // Coefficients of the forms of degree 4 (15) and 5 (21) in d, in the order of EnergyJet.
 inline constexpr int path_terms = 36;
+// Numbers of a node in `fields`: u and the three fields of U, and nothing.
+inline constexpr int jet_row = 16;
 struct JetKernels {
-  // q += second Taylor coefficient of dW/du along the fields d_c, c = 0..2, which are `stride` apart. q: (n+2) x 3 x 8,
-  // six fields side by side: of d_1^2, d_1 d_2, d_1 d_3, d_2^2, d_2 d_3, d_3^2.
-  void (*curvature)(const ElementView&, std::int64_t stride, const double* u, const double* d, double* q,
-                    const JetDirections&);
+  // q += second Taylor coefficient of dW/du along U d. fields: (n+2) x 16. q: (n+2) x 3 x 8, six fields side by side:
+  // of d_1^2, d_1 d_2, d_1 d_3, d_2^2, d_2 d_3, d_3^2.
+  void (*curvature)(const ElementView&, const double* fields, double* q, const JetDirections&);
   // out += the forms E_4(d), the coefficient of t^4 of W along u + t U d, and E_5(d), that of t^5 along u + t U d +
-  // t^2 V[d, d]. tangent: U, as d above; v: V, as q above, or null for E_4 alone.
-  void (*path)(const ElementView&, std::int64_t stride, const double* u, const double* tangent,
-               const double* v, double* out, const JetDirections&);
+  // t^2 V[d, d]. v: V, as q above, or null for E_4 alone.
+  void (*path)(const ElementView&, const double* fields, const double* v, double* out, const JetDirections&);
 };
 
 // What one law's file defines, once per instruction set.
