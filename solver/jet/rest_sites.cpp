@@ -312,19 +312,6 @@ struct SiteJets::Impl {
     spread(here, here.system.solve(here.springs_times(at_pad)));
     for (std::size_t i = 0; i < lanes.size(); ++i) b[i] -= lanes[i];
   }
-
-  PadSprings springs(const Local& here) const {
-    PadSprings springs;
-    const auto local = [&](Index i) {
-      return sites.local[static_cast<std::size_t>(here.pad.nodes[static_cast<std::size_t>(i)])];
-    };
-    for (Index j = 0; j < here.size(); ++j)
-      for (Index i = 0; i <= j; ++i)
-        if (here.pad.springs(i, j) != 0)
-          springs.pairs.push_back(
-              {std::min(local(i), local(j)), std::max(local(i), local(j)), 0, here.pad.springs(i, j)});
-    return springs;
-  }
 };
 
 SiteJets::SiteJets(const RestSites& sites) : impl_(std::make_unique<Impl>(*sites.impl_)) {}
@@ -334,8 +321,7 @@ SiteJets::SiteJets(SiteJets&&) noexcept = default;
 RestJet SiteJets::at(const SurfacePlace& site) {
   const Local here = impl_->sites.at(site, false);
   impl_->set_tangent(here);
-  const PadSprings springs = impl_->springs(here);
-  const JetSolves solves{[&](double* b) { impl_->solve(here, b); }, {}, springs};
+  const JetSolves solves{[&](double* b) { impl_->solve(here, b); }, {}};
   return {RestSites::Impl::stiffness(here),
           impl_->maker.at(impl_->rest, impl_->tangent, solves, most_jet_order)};
 }

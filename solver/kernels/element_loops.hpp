@@ -82,10 +82,12 @@ struct Group {
   const std::int32_t* node;
   Lanes rest[12], local[3 * nodes], weight;
 
-  FOREFEEL_INLINE Group(const ElementView& view, std::int64_t group, const double* u)
+  FOREFEEL_INLINE Group(const ElementView& view, std::int64_t group)
       : node(view.node + group * nodes * lane_count) {
     for (int i = 0; i < 12; ++i) rest[i] = load(view.gradient + (group * 12 + i) * lane_count);
     weight = load(view.volume + group * lane_count) * (1.0 / Shape<nodes>::points);
+  }
+  FOREFEEL_INLINE Group(const ElementView& view, std::int64_t group, const double* u) : Group(view, group) {
     gather<nodes>(node, u, local);
   }
   // The gradients of the shape functions and the material at quadrature point q.

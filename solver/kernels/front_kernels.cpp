@@ -249,10 +249,19 @@ void add_lanes(std::int64_t rows, const double* factor, const double* x, double*
     store(y + i * lane_count, load(y + i * lane_count) + f * load(x + i * lane_count));
 }
 
+void cross_lanes(std::int64_t rows, const double* a, std::int64_t row_step, std::int64_t field_step,
+                 const double* b, double* out) {
+  Lanes sum[3]{};
+  for (std::int64_t i = 0; i < rows; ++i)
+    for (int c = 0; c < 3; ++c) sum[c] += a[i * row_step + c * field_step] * load(b + i * lane_count);
+  for (int c = 0; c < 3; ++c) store(out + c * lane_count, sum[c]);
+}
+
 }  // namespace
 
 namespace FOREFEEL_ISA {
 extern const FrontKernels front_kernels;
-const FrontKernels front_kernels{Fronts<double>::table, Fronts<float>::table, dot_lanes, add_lanes};
+const FrontKernels front_kernels{Fronts<double>::table, Fronts<float>::table, dot_lanes, add_lanes,
+                                 cross_lanes};
 }  // namespace FOREFEEL_ISA
 }  // namespace forefeel

@@ -55,7 +55,7 @@ struct ElementKernels {
   void (*product_lanes)(const ElementView&, std::int64_t stride, const double* u, const double* d, double* y);
 };
 
-// Loops for energy jets; the formulas are in jet_loops.hpp.
+// Loops for energy jets; the formulas are in law_forms.hpp.
 inline constexpr int most_directions = 21;
 struct JetDirections {
   int count = 0;                    // at most most_directions
@@ -66,15 +66,17 @@ struct JetDirections {
   // change of F that cannot reach the limit: U alone does not reach it below 1 / sqrt of this [m].
   double* hardness = nullptr;
 };
+// Coefficients of the forms of degree 4 (15) and 5 (21) in d, in the order of EnergyJet.
+inline constexpr int path_terms = 36;
+// Numbers of a node in `fields`: u and the three fields of U, and nothing.
+inline constexpr int jet_row = 16;
 struct JetKernels {
-  // q += second Taylor coefficient of dW/du along the fields d_c, c = 0..2, which are `stride` apart. q: (n+2) x 3 x 8,
-  // six fields side by side: of the pairs 11, 22, 33, 12, 13, 23.
-  void (*curvature)(const ElementView&, std::int64_t stride, const double* u, const double* d, double* q,
-                    const JetDirections&);
-  // out (count x 2) += coefficients of t^4 and t^5 of W along u + t U d + t^2 V[d, d] for each direction. tangent: U,
-  // as d above; v: V, as q above, or null for 0.
-  void (*path)(const ElementView&, std::int64_t stride, const double* u, const double* tangent,
-               const double* v, double* out, const JetDirections&);
+  // q += second Taylor coefficient of dW/du along U d. fields: (n+2) x 16. q: (n+2) x 3 x 8, six fields side by side:
+  // of d_1^2, d_1 d_2, d_1 d_3, d_2^2, d_2 d_3, d_3^2.
+  void (*curvature)(const ElementView&, const double* fields, double* q, const JetDirections&);
+  // out += the forms E_4(d), the coefficient of t^4 of W along u + t U d, and E_5(d), that of t^5 along u + t U d +
+  // t^2 V[d, d]. v: V, as q above, or null for E_4 alone.
+  void (*path)(const ElementView&, const double* fields, const double* v, double* out, const JetDirections&);
 };
 
 // What one law's file defines, once per instruction set.
@@ -154,6 +156,10 @@ struct FrontKernels {
   // factor.
   void (*dot_lanes)(std::int64_t rows, const double* a, const double* b, double* out);
   void (*add_lanes)(std::int64_t rows, const double* factor, const double* x, double* y);
+  // out (3 x 8) = products of three vectors with eight side by side, b; entry i of vector c is a[i row_step + c
+  // field_step].
+  void (*cross_lanes)(std::int64_t rows, const double* a, std::int64_t row_step, std::int64_t field_step,
+                      const double* b, double* out);
 };
 
 const FrontKernels& front_kernels();  // for instruction_set_in_use()

@@ -272,6 +272,18 @@ void ElementGroups::product_lanes(std::int64_t stride, const double* u, const do
 
 namespace {
 
+// The fields of JetKernels.
+std::vector<double> jet_fields(std::int64_t stride, const double* u, const double* d) {
+  const std::int64_t nodes = stride / 3;
+  std::vector<double> fields(static_cast<std::size_t>(jet_row * nodes));
+  for (std::int64_t node = 0; node < nodes; ++node) {
+    double* const row = fields.data() + jet_row * node;
+    std::copy_n(u + 3 * node, 3, row);
+    for (std::int64_t c = 0; c < 3; ++c) std::copy_n(d + c * stride + 3 * node, 3, row + 3 * (c + 1));
+  }
+  return fields;
+}
+
 JetDirections of_groups(JetDirections directions, const MaterialGroups& of) {
   if (directions.hardness) directions.hardness += of.first;
   return directions;
@@ -281,14 +293,16 @@ JetDirections of_groups(JetDirections directions, const MaterialGroups& of) {
 
 void ElementGroups::curvature(std::int64_t stride, const double* u, const double* d, double* q,
                               const JetDirections& directions) const {
+  const std::vector<double> fields = jet_fields(stride, u, d);
   for (const MaterialGroups& of : materials)
-    of.law->jets.curvature(view(of), stride, u, d, q, of_groups(directions, of));
+    of.law->jets.curvature(view(of), fields.data(), q, of_groups(directions, of));
 }
 
 void ElementGroups::path(std::int64_t stride, const double* u, const double* tangent, const double* v,
                          double* out, const JetDirections& directions) const {
+  const std::vector<double> fields = jet_fields(stride, u, tangent);
   for (const MaterialGroups& of : materials)
-    of.law->jets.path(view(of), stride, u, tangent, v, out, of_groups(directions, of));
+    of.law->jets.path(view(of), fields.data(), v, out, of_groups(directions, of));
 }
 
 ElementGroups empty_groups(const Body& body, const std::vector<MaterialPart>& parts) {

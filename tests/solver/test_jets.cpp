@@ -103,8 +103,8 @@ double least_stretch_at(Solver& solver, const Equilibrium& start, double distanc
     return solver.from(start, start.at + d, exact).equilibrium->displacements;
   };
   double least = HUGE_VAL;
-  for (std::size_t k = 0; k < path_direction_count; ++k) {
-    const Vec3 way = Vec3(path_directions().data() + 3 * k).normalized();
+  for (std::size_t k = 0; k < limit_direction_count; ++k) {
+    const Vec3 way = Vec3(limit_directions().data() + 3 * k).normalized();
     std::vector<double> bend(start.displacements.size(), 0.0);
     if (bent) {
       const std::vector<double> up = displaced(h * way), down = displaced(-h * way);
