@@ -114,13 +114,20 @@ std::vector<Pair> safe_neighbours(const VoxelLabels& voxels, const VoxelRuns& ru
 
 // ---- leaves and components
 
-// Increases along the order in which leaves are listed.
+// The low 16 bits of a number, each two places after the one before.
+std::uint64_t spread(std::int32_t number) {
+  auto bits = static_cast<std::uint64_t>(number) & 0xffff;
+  bits = (bits | bits << 16) & 0x0000ff0000ff;
+  bits = (bits | bits << 8) & 0x00f00f00f00f;
+  bits = (bits | bits << 4) & 0x0c30c30c30c3;
+  return (bits | bits << 2) & 0x249249249249;
+}
+
+// Increases along the order in which leaves are listed: the root, then the octants from the largest cube down.
 std::uint64_t key_of(const RootCubes& roots, const Voxel& v) {
-  auto value = static_cast<std::uint64_t>(roots.root_of(v));
-  for (int bit = roots.level - 1; bit >= 0; --bit)
-    value = value << 3 |
-            static_cast<std::uint64_t>((v[0] >> bit & 1) | (v[1] >> bit & 1) << 1 | (v[2] >> bit & 1) << 2);
-  return value;
+  const std::int32_t within = (1 << roots.level) - 1;
+  return static_cast<std::uint64_t>(roots.root_of(v)) << (3 * roots.level) | spread(v[0] & within) |
+         spread(v[1] & within) << 1 | spread(v[2] & within) << 2;
 }
 
 // Of the leaves of a component: their number, and the largest, the first of several.

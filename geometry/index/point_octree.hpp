@@ -205,7 +205,7 @@ class PointOctree {
   std::int32_t new_bucket();
 
   struct Part;
-  void take(const Part& part, std::int32_t root);
+  void take(const Part& part, std::int32_t root, std::int32_t first_node, std::int32_t first_bucket);
   struct Farthest {
     double along = -std::numeric_limits<double>::infinity();
     std::uint32_t id = nobody;

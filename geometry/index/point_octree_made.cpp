@@ -3,6 +3,7 @@
 
 #include <algorithm>
 #include <array>
+#include <utility>
 #include <vector>
 
 #include "geometry/index/point_octree.hpp"
@@ -81,19 +82,20 @@ struct PointOctree::Part {
   }
 };
 
-void PointOctree::take(const Part& part, std::int32_t root) {
-  const std::int32_t node_shift = nodes_.count() - 1,
-                     bucket_shift = buckets_.count();  // its node 0 is `root`
+// Into the nodes and buckets of the tree, from the given ones on; its node 0 is `root`.
+void PointOctree::take(const Part& part, std::int32_t root, std::int32_t first_node,
+                       std::int32_t first_bucket) {
   const auto shifted = [&](Node node) {
-    if (node.children >= 0) node.children += node_shift;
-    if (node.bucket >= 0) node.bucket += bucket_shift;
+    if (node.children >= 0) node.children += first_node - 1;
+    if (node.bucket >= 0) node.bucket += first_bucket;
     return node;
   };
   nodes_[root] = shifted(part.nodes[0]);
-  for (std::int32_t i = 1; i < part.nodes.count(); ++i) nodes_.push_back(shifted(part.nodes[i]));
-  for (Bucket bucket : part.buckets) {
-    if (bucket.next >= 0) bucket.next += bucket_shift;
-    buckets_.push_back(bucket);
+  for (std::int32_t i = 1; i < part.nodes.count(); ++i) nodes_[first_node + i - 1] = shifted(part.nodes[i]);
+  for (std::int32_t i = 0; i < part.buckets.count(); ++i) {
+    Bucket& bucket = buckets_[first_bucket + i];
+    bucket = part.buckets[i];
+    if (bucket.next >= 0) bucket.next += first_bucket;
   }
 }
 
@@ -131,8 +133,17 @@ PointOctree::PointOctree(std::span<const Vec3> at) : size_(at.size()) {
     range.place.node = 0;
     parts[r].build(points, spare, range);
   }
+  std::vector<std::int32_t> first_node(ranges.size()), first_bucket(ranges.size());
+  std::int32_t nodes = nodes_.count(), buckets = 0;
   for (std::size_t r = 0; r < ranges.size(); ++r) {
-    take(parts[r], ranges[r].place.node);
+    first_node[r] = std::exchange(nodes, nodes + parts[r].nodes.count() - 1);
+    first_bucket[r] = std::exchange(buckets, buckets + parts[r].buckets.count());
+  }
+  nodes_.resize(static_cast<std::size_t>(nodes));
+  buckets_.resize(static_cast<std::size_t>(buckets));
+#pragma omp parallel for schedule(dynamic, 1)
+  for (std::size_t r = 0; r < ranges.size(); ++r) {
+    take(parts[r], ranges[r].place.node, first_node[r], first_bucket[r]);
     parts[r] = {};
   }
 }
