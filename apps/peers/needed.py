@@ -2,8 +2,8 @@
 
 Each script of this folder that the study names runs on each body; its table is a file of FOLDER, kept when the run is
 repeated. --merge reads them all. States needed: where the line through (log n, log p95) crosses the error, after which
-it stays below; "> n", "<= n" beyond the last and the first n. Then the error and the seconds of planning (CPU) of the
-last n. Medians over seeds. Ratios to Halton's points on the same body and model, where both numbers are known; the
+it stays below; "> n", "<= n" beyond the last and the first n. Then the error and the seconds (CPU) of planning and of
+solving, of the last n. Medians over seeds. Ratios to Halton's points on the same body and model, where both are known; the
 interval is a 95 % bootstrap over bodies.
 """
 import argparse
@@ -62,13 +62,14 @@ if not args.merge:
 first, last = min(study["states"]), max(study["states"])
 quantities = {f"states for {wanted} %": lambda rows, wanted=wanted: needed(rows, wanted) for wanted in study["errors"]}
 quantities |= {f"{column} of {last}": lambda rows, column=column: float(rows[last][column])
-               for column in ("p95_percent", "planning_s")}
+               for column in ("p95_percent", "planning_s", "solving_s")}
 found, out, bodies = {}, csv.writer(sys.stdout), [body["name"] for body in study["body"]]
 for (body, _), table in tables.items():
     for row in csv.DictReader(table.open()) if table.exists() else []:
         found.setdefault((row["sampler"], row["model"], body, row["seed"]), {})[int(row["states"])] = row
 out.writerow(["quantity", "sampler", "model", *bodies, "over_halton", "low", "high"])
-for (name, quantity), (sampler, model) in itertools.product(quantities.items(), dict.fromkeys(key[:2] for key in found)):
+names = dict.fromkeys(key[:2] for key in found)
+for (name, quantity), (sampler, model) in itertools.product(quantities.items(), names):
     def medians(sampler):
         each = [[quantity(rows) for key, rows in found.items() if key[:3] == (sampler, model, body)] for body in bodies]
         return np.array([np.median(values) if values else np.nan for values in each])
