@@ -3,8 +3,8 @@
 Each script of this folder that the study names runs on each body; its table is a file of FOLDER, kept when the run is
 repeated. --merge reads them all. States needed: where the line through (log n, log p95) crosses the error, after which
 it stays below; "> n", "<= n" beyond the last and the first n. Then the error and the seconds (CPU) of planning and of
-solving, of the last n. Medians over seeds. Ratios to Halton's points on the same body and model, where both are known; the
-interval is a 95 % bootstrap over bodies.
+solving, of the last n. Medians over seeds. Ratios to Halton's points on the same body and model, if both are known; the
+interval is a 95 % bootstrap over bodies, none below four.
 """
 import argparse
 import csv
@@ -43,7 +43,7 @@ def run(body, sampler, table):
 
 def needed(rows, wanted):
     """rows: {n: row}. Infinite if it is not between two n."""
-    n, p95 = np.array([(n, float(row["p95_percent"])) for n, row in sorted(rows.items())]).T
+    n, p95 = np.array([(n, row["p95_percent"]) for n, row in sorted(rows.items())]).T
     above = np.flatnonzero(p95 > wanted)
     if len(above) == 0 or above[-1] == len(n) - 1:
         return np.inf if len(above) else -np.inf
@@ -61,23 +61,23 @@ if not args.merge:
 
 first, last = min(study["states"]), max(study["states"])
 quantities = {f"states for {wanted} %": lambda rows, wanted=wanted: needed(rows, wanted) for wanted in study["errors"]}
-quantities |= {f"{column} of {last}": lambda rows, column=column: float(rows[last][column])
-               for column in ("p95_percent", "planning_s", "solving_s")}
+columns = "p95_percent", "planning_s", "solving_s"
+quantities |= {f"{column} of {last}": lambda rows, column=column: rows[last][column] for column in columns}
 found, out, bodies = {}, csv.writer(sys.stdout), [body["name"] for body in study["body"]]
 for (body, _), table in tables.items():
     for row in csv.DictReader(table.open()) if table.exists() else []:
-        found.setdefault((row["sampler"], row["model"], body, row["seed"]), {})[int(row["states"])] = row
+        of_n = found.setdefault((row["sampler"], row["model"], body), {}).setdefault(int(row["states"]), [])
+        of_n.append([float(row[column]) for column in columns])    # of each seed
+found = {key: {n: dict(zip(columns, np.median(seeds, axis=0))) for n, seeds in rows.items()}
+         for key, rows in found.items()}
 out.writerow(["quantity", "sampler", "model", *bodies, "over_halton", "low", "high"])
 names = dict.fromkeys(key[:2] for key in found)
-for (name, quantity), (sampler, model) in itertools.product(quantities.items(), names):
-    def medians(sampler):
-        each = [[quantity(rows) for key, rows in found.items() if key[:3] == (sampler, model, body)] for body in bodies]
-        return np.array([np.median(values) if values else np.nan for values in each])
-
-    here, halton = medians(sampler), medians("halton")
+for (what, quantity), (sampler, model) in itertools.product(quantities.items(), names):
+    here, halton = (np.array([quantity(found[key]) if (key := (name, model, body)) in found else np.nan
+                              for body in bodies]) for name in (sampler, "halton"))
     known = np.isfinite(here) & np.isfinite(halton)    # a model "own" has no row of Halton's points
     logs = np.log(here[known] / halton[known])
-    drawn = np.random.default_rng(1).choice(logs, (2000, len(logs))).mean(axis=1) if len(logs) else [np.nan]
+    drawn = np.random.default_rng(1).choice(logs, (2000, len(logs))).mean(axis=1) if len(logs) > 3 else [np.nan]
     words = [{np.inf: f"> {last}", -np.inf: f"<= {first}"}.get(v, "" if np.isnan(v) else f"{v:.3g}") for v in here]
     ratios = np.exp([np.mean(logs) if len(logs) else np.nan, *np.percentile(drawn, [2.5, 97.5])])
-    out.writerow([name, sampler, model, *words, *("" if np.isnan(r) else f"{r:.2f}" for r in ratios)])
+    out.writerow([what, sampler, model, *words, *("" if np.isnan(r) else f"{r:.2f}" for r in ratios)])
