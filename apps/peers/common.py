@@ -2,7 +2,7 @@
 
 Each script places states with a sampler that other people use, by the interface of forefeel.Placement: ask(1) gives a
 position (1, 3) [m], tell(x, force, stiffness) takes a state. Its predict(points), if any, is the model "own" of the
-table, beside Forefeel's "cubic" (of forces) and "hermite" (r^5, also of stiffnesses).
+table, beside Forefeel's "cubic" (of forces), "hermite" (r^5, also of stiffnesses) and "jets" (energy jets of order 4).
 
     python3 SCRIPT.py [SCENE ...] [--states 64 125] [--seeds 3] [--set KEY.PATH=VALUE] [--alone] > table.csv
     python3 SCRIPT.py --check      # what was published of the method; ends with 1 if it does not hold
@@ -14,6 +14,7 @@ import csv
 import itertools
 import pathlib
 import sys
+import tempfile
 import time
 
 import numpy as np
@@ -38,6 +39,19 @@ def run(make, solve, n):
     return states, sampler, time.process_time() - started - solving, solving
 
 
+def jets(ff, scene, keys, at, places):
+    """Forces (m, 3) at places by jets at the same positions: a list for `generate`, then `evaluate`."""
+    with tempfile.TemporaryDirectory() as folder:
+        names = "at.csv", "asked.csv", "known.states", "forces.csv"
+        known, asked, states, forces = (f"{folder}/{name}" for name in names)
+        for file, positions in (known, at), (asked, places):
+            np.savetxt(file, positions, delimiter=",", header="x,y,z", comments="")
+        keys = [*keys, f"state_space.design='list:{known}'", "state_space.jet=4"]
+        ff.command("generate", scene.file, *(word for key in keys for word in ("--set", key)), "--quiet", "-o", states)
+        ff.command("evaluate", states, "--points", asked, "--data", "jet", "--no-bars", "--quiet", "-o", forces)
+        return np.loadtxt(forces, delimiter=",", skiprows=1, usecols=(3, 4, 5))
+
+
 def rows(scene, ff, samplers, args):
     body, (low, high), converged = scene.body, scene.box, ff.status_names.index("converged")
 
@@ -58,6 +72,7 @@ def rows(scene, ff, samplers, args):
         settled |= set() if getattr(sampler, "random", False) else {name}
         known = states["at"], states["force"], places, states["stiffness"]
         made = {model: ff.evaluate(*known, method="rbf", **options) for model, options in MODELS.items()}
+        made["jets"] = jets(ff, scene, args.set, states["at"], places)
         made |= {"own": sampler.predict(places)} if hasattr(sampler, "predict") else {}
         for model, force in made.items():
             p95 = 100 * np.percentile(np.linalg.norm(force - exact, axis=1) / size, 95)

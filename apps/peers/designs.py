@@ -60,7 +60,7 @@ class Rule:
     """worth(at, force, candidates) (m,): what to solve next, from the states in the unit box; the largest is asked."""
 
     def doubt(self, states, candidates):
-        if len(states["at"]) < 9:    # Placement's own
+        if len(states["at"]) < 8:    # Placement's own
             return np.ones(len(candidates))
         self.low, self.size = candidates.min(axis=0), np.ptp(candidates, axis=0)
         at, force = self.unit(states["at"]), states["force"].reshape(len(states["at"]), -1)

@@ -2,11 +2,13 @@
 
 Each script of this folder that the study names runs on each body; its table is a file of FOLDER, kept when the run is
 repeated. --merge reads them all. States needed: where the line through (log n, log p95) crosses the error, after which
-it stays below; more than the last n: "> n". Ratios to Halton's points on the same body and model, where both numbers are
-known; the interval is a 95 % bootstrap over bodies.
+it stays below; "> n", "<= n" beyond the last and the first n. Then the error and the seconds (CPU) of planning and of
+solving, of the last n. Medians over seeds. Ratios to Halton's points on the same body and model, if both are known; the
+interval is a 95 % bootstrap over bodies, none below four.
 """
 import argparse
 import csv
+import itertools
 import pathlib
 import subprocess
 import sys
@@ -39,12 +41,12 @@ def run(body, sampler, table):
     print(f"{body['name']}, {sampler}: {'done' if done.returncode == 0 else done.stderr.strip()}", flush=True)
 
 
-def needed(errors, wanted):
-    """errors: {n: p95}"""
-    n, p95 = np.array(sorted(errors.items())).T
+def needed(rows, wanted):
+    """rows: {n: row}. Infinite if it is not between two n."""
+    n, p95 = np.array([(n, row["p95_percent"]) for n, row in sorted(rows.items())]).T
     above = np.flatnonzero(p95 > wanted)
     if len(above) == 0 or above[-1] == len(n) - 1:
-        return n[0] if len(above) == 0 else np.inf
+        return np.inf if len(above) else -np.inf
     k = above[-1]
     share = np.log(p95[k] / wanted) / np.log(p95[k] / p95[k + 1])
     return n[k] * (n[k + 1] / n[k]) ** share
@@ -57,22 +59,25 @@ if not args.merge:
             run(next(body for body in study["body"] if body["name"] == name), sampler, table)
     sys.exit()
 
-found, out = {}, csv.writer(sys.stdout)
+first, last = min(study["states"]), max(study["states"])
+quantities = {f"states for {wanted} %": lambda rows, wanted=wanted: needed(rows, wanted) for wanted in study["errors"]}
+columns = "p95_percent", "planning_s", "solving_s"
+quantities |= {f"{column} of {last}": lambda rows, column=column: rows[last][column] for column in columns}
+found, out, bodies = {}, csv.writer(sys.stdout), [body["name"] for body in study["body"]]
 for (body, _), table in tables.items():
     for row in csv.DictReader(table.open()) if table.exists() else []:
-        key = row["sampler"], row["model"], body, row["seed"]
-        found.setdefault(key, {})[int(row["states"])] = float(row["p95_percent"])
-out.writerow(["sampler", "model", "error_percent", *(body["name"] for body in study["body"]), "over_halton", "low", "high"])
-for wanted in study["errors"]:
-    for sampler, model in dict.fromkeys(key[:2] for key in found):
-        def median(sampler, model, body):
-            over = [needed(errors, wanted) for key, errors in found.items() if key[:3] == (sampler, model, body)]
-            return np.median(over) if over else np.nan
-        here = np.array([median(sampler, model, body["name"]) for body in study["body"]])
-        halton = np.array([median("halton", model, body["name"]) for body in study["body"]])
-        known = np.isfinite(here) & np.isfinite(halton)    # a model "own" has no row of Halton's points
-        logs = np.log(here[known] / halton[known])
-        drawn = np.random.default_rng(1).choice(logs, (2000, len(logs))).mean(axis=1) if len(logs) else [np.nan]
-        words = ["" if np.isnan(n) else f"{n:.0f}" if np.isfinite(n) else f"> {max(study['states'])}" for n in here]
-        ratios = np.exp([np.mean(logs) if len(logs) else np.nan, *np.percentile(drawn, [2.5, 97.5])])
-        out.writerow([sampler, model, wanted, *words, *("" if np.isnan(r) else f"{r:.2f}" for r in ratios)])
+        of_n = found.setdefault((row["sampler"], row["model"], body), {}).setdefault(int(row["states"]), [])
+        of_n.append([float(row[column]) for column in columns])    # of each seed
+found = {key: {n: dict(zip(columns, np.median(seeds, axis=0))) for n, seeds in rows.items()}
+         for key, rows in found.items()}
+out.writerow(["quantity", "sampler", "model", *bodies, "over_halton", "low", "high"])
+names = dict.fromkeys(key[:2] for key in found)
+for (what, quantity), (sampler, model) in itertools.product(quantities.items(), names):
+    here, halton = (np.array([quantity(found[key]) if (key := (name, model, body)) in found else np.nan
+                              for body in bodies]) for name in (sampler, "halton"))
+    known = np.isfinite(here) & np.isfinite(halton)    # a model "own" has no row of Halton's points
+    logs = np.log(here[known] / halton[known])
+    drawn = np.random.default_rng(1).choice(logs, (2000, len(logs))).mean(axis=1) if len(logs) > 3 else [np.nan]
+    words = [{np.inf: f"> {last}", -np.inf: f"<= {first}"}.get(v, "" if np.isnan(v) else f"{v:.3g}") for v in here]
+    ratios = np.exp([np.mean(logs) if len(logs) else np.nan, *np.percentile(drawn, [2.5, 97.5])])
+    out.writerow([what, sampler, model, *words, *("" if np.isnan(r) else f"{r:.2f}" for r in ratios)])

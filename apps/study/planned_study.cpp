@@ -207,6 +207,7 @@ PlannedStudy plan_study(StudyFile given, const Globals& globals) {
   const StudyFile& file = planned.file;
   StudyPlan& plan = planned.plan;
   plan.study = file.study();
+  planned.scenes.reserve(plan.study.combinations());  // `like` points into it
   for (std::size_t c = 0; c < plan.study.combinations(); ++c) {
     end_if_interrupted("any cell was run");
     const Scene* like = planned.scenes.empty() ? nullptr : &planned.scenes.back();
