@@ -2,7 +2,7 @@
 
 Prints the device of each recording and of all: speed while moving, amplitude, tremor (RMS of an axis from 8 to 12 Hz)
 and noise (RMS of an axis, white, from what lies above 15 Hz). A recording below 30 Hz shows no tremor, below 60 Hz no
-noise. Pauses are printed, but no path rests: the session's hands never stop.
+noise. Each pause is at a turn of the path.
 """
 import sys
 
@@ -40,7 +40,7 @@ def fit(file):
 
 def device(of):
     return f"path:tour,speed={of['speed']:.3g},amplitude={of['amplitude']:.3g}" + "".join(
-        f",{key}={of[key]:.2g}" for key in ("tremor", "noise") if of[key] > 0)
+        f",{key}={of[key]:.2g}" for key in ("tremor", "noise", "pause") if of[key] > 0)
 
 
 fits = [fit(file) for file in sys.argv[1:]]

@@ -26,6 +26,7 @@ std::vector<Declared> path_settings() {
       {"amplitude", "m", "fits the box", "distance of the path's farthest point from rest"},
       {"tremor", "m", fmt::format("{}", motion.tremor), "RMS per axis of a tremor of 8 to 12 Hz"},
       {"noise", "m", fmt::format("{}", motion.noise), "RMS per axis of white noise"},
+      {"pause", "s", fmt::format("{}", motion.pause), "at rest at each turn of more than 45 degrees"},
       {"depth", "m", "0.6 of state_space.depth", "with contact.anywhere: into the body"},
       {"where", "", "all", "with contact.anywhere: part of the surface, x/y/z/radius [m] or a node group"}};
 }
@@ -160,6 +161,7 @@ PathMotion take_path(const std::string& name, Parts& parts) {
   motion.amplitude = parts.take_number("amplitude", 1e-6).value_or(motion.amplitude);
   motion.tremor = parts.take_number("tremor", 0).value_or(motion.tremor);
   motion.noise = parts.take_number("noise", 0).value_or(motion.noise);
+  motion.pause = parts.take_number("pause", 0).value_or(motion.pause);
   motion.depth = parts.take_number("depth", 1e-6);
   motion.where = parts.take("where").value_or("");
   check(DeviceSpec(motion, *parts.where.value));

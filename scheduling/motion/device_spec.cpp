@@ -20,7 +20,8 @@ std::string setting(const char* key, double value) {
 std::string settings_of(const PathMotion& motion) {
   return (motion.speed ? fmt::format(",speed={}", *motion.speed) : "") +
          setting("amplitude", motion.amplitude) + setting("tremor", motion.tremor) +
-         setting("noise", motion.noise) + (motion.depth ? fmt::format(",depth={}", *motion.depth) : "") +
+         setting("noise", motion.noise) + setting("pause", motion.pause) +
+         (motion.depth ? fmt::format(",depth={}", *motion.depth) : "") +
          (motion.where.empty() ? "" : ",where=" + motion.where);
 }
 
@@ -73,7 +74,9 @@ void expect_from(const InputPlace& where, const char* key, double value, double 
 void expect_to(const InputPlace& where, const char* key, double value, double most) {
   if (value > most)
     throw InputError(where, fmt::format("{} is {:g}, expected at most {:g} {}", key, value, most,
-                                        key == std::string_view("speed") ? "m/s" : "m"));
+                                        key == std::string_view("speed")   ? "m/s"
+                                        : key == std::string_view("pause") ? "s"
+                                                                           : "m"));
 }
 
 void check_motion(const InputPlace& where, const PathMotion& motion) {
@@ -82,12 +85,14 @@ void check_motion(const InputPlace& where, const PathMotion& motion) {
   if (motion.amplitude != 0) expect_from(where, "amplitude", motion.amplitude, 1e-6);
   expect_from(where, "tremor", motion.tremor, 0);
   expect_from(where, "noise", motion.noise, 0);
+  expect_from(where, "pause", motion.pause, 0);
   if (motion.depth)
     expect_from(where, "depth", *motion.depth, 1e-6), expect_to(where, "depth", *motion.depth, 1);
   expect_to(where, "speed", speed, 1000);
   expect_to(where, "amplitude", motion.amplitude, 10);
   expect_to(where, "tremor", motion.tremor, 1);
   expect_to(where, "noise", motion.noise, 1);
+  expect_to(where, "pause", motion.pause, 60);
 }
 void check_motion(const InputPlace& where, const TraceMotion& motion) {
   expect_from(where, "scale", motion.scale, -1e9);

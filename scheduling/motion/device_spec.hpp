@@ -35,6 +35,7 @@ struct PathMotion {
   double amplitude = 0;  // distance of the farthest point from rest [m], at most 10; 0: fits the box
   double tremor = 0;     // RMS per axis, 8 to 12 Hz [m], at most 1
   double noise = 0;      // RMS per axis, white [m], at most 1
+  double pause = 0;      // at rest at each turn of more than 45 degrees [s], at most 60
   // On a body that may be touched anywhere (surface_shapes.hpp):
   std::optional<double> depth = {};  // [m]; unset: 0.6 of the depth of the states
   std::string where = {};            // part of the surface: x/y/z/radius or a node group; empty: all

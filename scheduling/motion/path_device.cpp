@@ -47,15 +47,22 @@ class Disturbance {
   std::uint64_t seed_;
 };
 
-// A curve parametrised by arc length: the lead once, then the loop for ever.
+// A curve parametrised by arc length: the lead once, then the loop for ever. Each turn of more than 45 degrees counts as
+// `rest` metres long, without moving.
 class Curve {
  public:
-  explicit Curve(const PathShape& shape) {
-    for (const Vec3& p : shape.lead) append(p);
-    append(shape.loop.front());
-    loop_start_ = length_.back();
-    for (std::size_t i = 1; i < shape.loop.size(); ++i) append(shape.loop[i]);
-    append(shape.loop.front());
+  explicit Curve(const PathShape& shape, double rest = 0) {
+    std::vector<Vec3> corners = shape.lead;
+    if (!corners.empty() && corners.back() == shape.loop.front()) corners.pop_back();
+    const std::size_t loop = corners.size();
+    corners.insert(corners.end(), shape.loop.begin(), shape.loop.end());
+    corners.insert(corners.end(), {shape.loop.front(), shape.loop[1]});
+    for (std::size_t i = 0; i + 1 < corners.size(); ++i) {
+      append(corners[i], points_.empty() ? 0 : (corners[i] - points_.back()).norm());
+      if (rest > 0 && i > 0 && is_turn(corners[i] - corners[i - 1], corners[i + 1] - corners[i]))
+        append(corners[i], rest);
+      if (i == loop) loop_start_ = length_.back();
+    }
   }
   double loop_start() const { return loop_start_; }
   double loop_length() const { return length_.back() - loop_start_; }
@@ -72,8 +79,11 @@ class Curve {
   }
 
  private:
-  void append(const Vec3& p) {
-    length_.push_back(points_.empty() ? 0 : length_.back() + (p - points_.back()).norm());
+  static bool is_turn(const Vec3& before, const Vec3& after) {
+    return before.dot(after) < std::sqrt(0.5) * before.norm() * after.norm();
+  }
+  void append(const Vec3& p, double length) {
+    length_.push_back(length_.empty() ? 0 : length_.back() + length);
     points_.push_back(p);
   }
   std::vector<Vec3> points_;
@@ -97,10 +107,11 @@ std::vector<Vec3> sliding_mean(const std::vector<Vec3>& in, std::size_t window) 
 // interpolates linearly.
 class PathDevice final : public Device {
  public:
-  PathDevice(const PathShape& shape, double speed, Disturbance disturbance)
+  PathDevice(const PathShape& shape, double speed, double pause, Disturbance disturbance)
       : speed_(speed), disturbance_(disturbance) {
-    const Curve curve(shape);
+    Curve curve(shape);
     const double window = std::min(0.010, curve.loop_length() / 8);
+    if (pause > 0) curve = Curve(shape, pause * speed + window);  // the average takes a window of it
     const std::size_t half = 16;
     // The step divides the loop's length, so that the table is periodic.
     const auto steps =
@@ -150,7 +161,7 @@ std::unique_ptr<Device> make_path_device(const PathMotion& motion, const Factory
   PathShape shape = context.surface ? surface_shape(motion, *context.surface, context.seed)
                                     : path_shape(motion.path, context);
   if (motion.amplitude > 0) scale_to(motion.amplitude, shape);
-  return std::make_unique<PathDevice>(shape, motion.speed.value_or(usual_speed),
+  return std::make_unique<PathDevice>(shape, motion.speed.value_or(usual_speed), motion.pause,
                                       Disturbance(motion.tremor, motion.noise, context.seed));
 }
 

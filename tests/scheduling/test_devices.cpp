@@ -95,6 +95,39 @@ TEST_CASE("tremor and noise have the asked root mean square and are seeded") {
   }
 }
 
+TEST_CASE("a path with pauses is the path without them, at rest at its turns") {
+  const PathMotion reach{.path = PathName::reach, .speed = 0.06, .amplitude = 0.03};
+  PathMotion paused = reach;
+  paused.pause = 0.3;
+  const auto x = motion(*make_device(paused, context), 12);
+  std::vector<Vec3> rests;
+  std::vector<std::size_t> lengths;  // [ms]
+  for (std::size_t k = 1; k < x.size(); ++k) {
+    if ((x[k] - x[k - 1]).norm() > 1e-9) continue;
+    if (rests.empty() || (x[k] - rests.back()).norm() > 1e-6) rests.push_back(x[k]), lengths.push_back(0);
+    ++lengths.back();
+  }
+  REQUIRE(rests.size() >= 5);
+  for (std::size_t i = 0; i + 1 < rests.size(); ++i) {
+    CHECK(lengths[i] >= 298);
+    CHECK(lengths[i] <= 325);
+    CHECK((rests[i + 1] - rests[i]).norm() > 0.005);
+  }
+  // Each place of a rest is a corner, which the path without pauses rounds; the speed is kept.
+  const auto moving = motion(*make_device(reach, context), 12);
+  for (const Vec3& at : rests) {
+    double nearest = 1;
+    for (const Vec3& q : moving) nearest = std::min(nearest, (q - at).norm());
+    CHECK(nearest < 0.0051);  // half a window
+  }
+  for (std::size_t k = 1; k < x.size(); ++k) CHECK((x[k] - x[k - 1]).norm() <= 0.06e-3 * (1 + 1e-9));
+  const PathMotion round{.path = PathName::circle};
+  PathMotion still = round;
+  still.pause = 0.3;
+  const auto after = motion(*make_device(still, context), 12);  // rests where the lead meets the circle alone
+  CHECK(std::count_if(after.begin() + 1, after.end(), [&](const Vec3& q) { return q == *(&q - 1); }) < 400);
+}
+
 TEST_CASE("a trace is interpolated through its rows and held after its end") {
   const TemporaryFolder folder;
   write(folder / "a.csv", "t,x,y,z\n5,0,0,0\n5.5,0.001,0,0\n6,0.002,0.001,0\n6.5,0.002,0.003,0.001\n");
@@ -149,6 +182,7 @@ TEST_CASE("devices outside their ranges are refused") {
   CHECK_THAT(message(PathMotion{.speed = std::nan("")}), Contains("device path:press,speed=nan: "));
   CHECK_THAT(message(path(&PathMotion::amplitude, 1e9)), Contains("at most 10 m"));
   CHECK_THAT(message(path(&PathMotion::tremor, -1)), Contains("tremor is '-1'"));
+  CHECK_THAT(message(path(&PathMotion::pause, 61)), Contains("pause is 61, expected at most 60 s"));
   CHECK_THAT(message(path(&PathMotion::noise, 2)), Contains("noise is 2, expected at most 1 m"));
   CHECK_THAT(message(HandMotion{.grip = 0}), Contains("at least 1"));
   CHECK_THAT(message(HandMotion{.target = {.speed = -1}}), Contains("speed is '-1'"));
