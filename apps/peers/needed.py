@@ -22,7 +22,17 @@ parser.add_argument("-o", "--output", type=pathlib.Path, required=True)
 parser.add_argument("--part", default="1/1", metavar="K/N")
 parser.add_argument("--merge", action="store_true")
 args = parser.parse_args()
-study = tomllib.loads(args.study.read_text())
+try:
+    part, parts = map(int, args.part.split("/"))
+    study = tomllib.loads(args.study.read_text())
+    missing = [key for key in ("states", "errors", "seeds", "samplers", "body") if key not in study]
+except (OSError, ValueError) as error:
+    parser.error(f"{args.study}, --part {args.part}: {error}")
+if missing or not 1 <= part <= parts:
+    parser.error(f"{args.study}: no key '{missing[0]}'" if missing else f"--part {args.part}: expected 1/{parts} to {parts}/{parts}")
+for sampler in study["samplers"]:
+    if not pathlib.Path(__file__).with_name(sampler + ".py").exists():
+        parser.error(f"{args.study}: sampler '{sampler}' has no script beside needed.py")
 args.output.mkdir(parents=True, exist_ok=True)
 tables = {(body["name"], sampler): args.output / f"{body['name']}, {sampler}.csv".replace(" ", "_")
           for sampler in study["samplers"] for body in study["body"]}
@@ -39,6 +49,7 @@ def run(body, sampler, table):
         part.write_text(done.stdout)
         part.rename(table)
     print(f"{body['name']}, {sampler}: {'done' if done.returncode == 0 else done.stderr.strip()}", flush=True)
+    return done.returncode == 0
 
 
 def needed(rows, wanted):
@@ -53,11 +64,11 @@ def needed(rows, wanted):
 
 
 if not args.merge:
-    part, parts = map(int, args.part.split("/"))
+    failed = False
     for job, ((name, sampler), table) in enumerate(tables.items()):
         if job % parts == part - 1 and not table.exists():
-            run(next(body for body in study["body"] if body["name"] == name), sampler, table)
-    sys.exit()
+            failed |= not run(next(body for body in study["body"] if body["name"] == name), sampler, table)
+    sys.exit(1 if failed else 0)
 
 first, last = min(study["states"]), max(study["states"])
 quantities = {f"states for {wanted} %": lambda rows, wanted=wanted: needed(rows, wanted) for wanted in study["errors"]}

@@ -18,7 +18,11 @@ PredictionScore::PredictionScore(Predictor& predictor, double step, std::span<co
 }
 
 void PredictionScore::add(const Vec3& at) {
-  predictor_.observe({.t = static_cast<double>(seen_) * step_, .at = at, .velocity = Vec3::Zero()});
+  // the velocity of a session's frames (render_loop.cpp)
+  predictor_.observe({.t = static_cast<double>(seen_) * step_,
+                      .at = at,
+                      .velocity = seen_ == 0 ? Vec3::Zero() : Vec3((at - before_) / step_)});
+  before_ = at;
   for (Ahead& ahead : ahead_) {
     if (seen_ % stride_ == 0) ahead.made.push_back(predictor_.predict(ahead.horizon));
     if (seen_ < ahead.steps || (seen_ - ahead.steps) % stride_ != 0) continue;

@@ -43,6 +43,7 @@ class PredictionScore {
   };
   Predictor& predictor_;
   double step_;
+  Vec3 before_ = Vec3::Zero();
   std::size_t stride_, seen_ = 0;
   std::vector<Ahead> ahead_;
 };

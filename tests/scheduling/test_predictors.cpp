@@ -171,3 +171,20 @@ TEST_CASE(
   }
   CHECK(too_sure.report()[0].within_90 < 0.4);
 }
+
+TEST_CASE("a scored predictor sees the hand's velocity, as in a session") {
+  struct Straight final : Predictor {
+    HipSample last;
+    void observe(const HipSample& sample) override { last = sample; }
+    Prediction predict(double horizon) const override {
+      return {.horizon = horizon, .at = last.at + horizon * last.velocity, .deviation = 1e-6};
+    }
+  };
+  const double horizons[] = {0.02};
+  Straight straight;
+  PredictionScore score(straight, 1e-3, horizons);
+  for (int k = 0; k < 200; ++k) score.add(Vec3(0.05, -0.02, 0.01) * (1e-3 * k));
+  const PredictionError e = score.report()[0];
+  CHECK(e.p50 < 1e-12);
+  CHECK(e.within_90 > 0.99);  // all but that of the first position, which has no velocity
+}

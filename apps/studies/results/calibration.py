@@ -9,7 +9,13 @@ import numpy as np
 import pandas as pd
 from scipy import stats
 
-cells = pd.read_csv(sys.argv[1] + "/cells.csv")
+try:
+    cells = pd.read_csv(sys.argv[1] + "/cells.csv")
+    cells["session.predictor"]
+except (IndexError, OSError, KeyError) as error:
+    print(f"calibration.py: expected the folder of a finished study that varies session.predictor ({error!r})",
+          file=sys.stderr)
+    sys.exit(2)
 out = csv.writer(sys.stdout)
 out.writerow(["predictor", "horizon_ms"] + [name + end for name in ("p95_mm", "within_50", "within_90")
                                             for end in ("", "_low", "_high")])

@@ -19,7 +19,20 @@ parser.add_argument("--than", default="nearest")
 for flag in "--pairs", "--at":
     parser.add_argument(flag, nargs="*", default=[])
 args = parser.parse_args()
-cells = pd.read_csv(args.folder + "/cells.csv")
+try:
+    cells = pd.read_csv(args.folder + "/cells.csv")
+except OSError as error:
+    parser.error(f"{args.folder}: {error.strerror}, expected the folder of a finished study")
+pairs = [pair.split(":") for pair in args.pairs]
+for name in [args.than, *(name for pair in pairs for name in pair)]:
+    if name not in set(cells.policy):
+        parser.error(f"policy '{name}' is not in the study, expected one of {', '.join(sorted(set(cells.policy)))}")
+for pair in pairs:
+    if len(pair) != 2:
+        parser.error(f"--pairs {':'.join(pair)}: expected A:B")
+for column in args.at:
+    if column not in cells:
+        parser.error(f"--at {column}: no such column of cells.csv")
 cells["jnd"] = 100 * cells["error.first_visit.within_jnd"]
 cells["log"] = np.log(cells["error.first_visit.p95"].clip(lower=1e-4))
 out = csv.writer(sys.stdout)
@@ -55,7 +68,6 @@ def of(rows, policy):
 others = [policy for policy in cells.policy.unique() if policy != args.than]
 block("all", [(args.than, "", of(cells, args.than), of(cells, args.than))])
 block("all", [(policy, args.than, of(cells, policy), of(cells, args.than)) for policy in others])
-pairs = [pair.split(":") for pair in args.pairs]
 block("all", [(a, b, of(cells, a), of(cells, b)) for a, b in pairs])
 for column in args.at:
     for level, rows in cells.groupby(column):
