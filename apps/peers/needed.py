@@ -28,8 +28,10 @@ try:
     missing = [key for key in ("states", "errors", "seeds", "samplers", "body") if key not in study]
 except (OSError, ValueError) as error:
     parser.error(f"{args.study}, --part {args.part}: {error}")
-if missing or not 1 <= part <= parts:
-    parser.error(f"{args.study}: no key '{missing[0]}'" if missing else f"--part {args.part}: expected 1/{parts} to {parts}/{parts}")
+if missing:
+    parser.error(f"{args.study}: no key '{missing[0]}'")
+if not 1 <= part <= parts:
+    parser.error(f"--part {args.part}: expected 1/{parts} to {parts}/{parts}")
 for sampler in study["samplers"]:
     if not pathlib.Path(__file__).with_name(sampler + ".py").exists():
         parser.error(f"{args.study}: sampler '{sampler}' has no script beside needed.py")
