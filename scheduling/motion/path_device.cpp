@@ -47,8 +47,8 @@ class Disturbance {
   std::uint64_t seed_;
 };
 
-// A curve parametrised by arc length: the lead once, then the loop for ever. Each turn of more than 45 degrees counts as
-// `rest` metres long, without moving.
+// A curve parametrised by arc length: the lead once, then the loop for ever. Each turn of more than 45 degrees counts
+// as `rest` metres long, without moving.
 class Curve {
  public:
   explicit Curve(const PathShape& shape, double rest = 0) {

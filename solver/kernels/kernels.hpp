@@ -130,8 +130,8 @@ struct FactorKernels {
   // Fronts one after another. False if a pivot is not positive.
   bool (*factor)(const FrontTree&, Part fronts, const double* blocks, Real* panels, Real* stack);
   // A large front in steps whose parts threads may share, to the same values: assemble() all its rows (multiples of
-  // three); then, for each block of at most block_rows pivots, its diagonal, the columns to the right of it (from and to
-  // multiples of row_padding), and the update of all later rows of the panel and the update matrix.
+  // three); then, for each block of at most block_rows pivots, its diagonal, the columns to the right of it (from and
+  // to multiples of row_padding), and the update of all later rows of the panel and the update matrix.
   void (*assemble)(const FrontTree&, const Front&, Part rows, const double* blocks, Real* panels,
                    Real* stack);
   bool (*eliminate_diagonal)(const Front&, Part block, Real* panel);

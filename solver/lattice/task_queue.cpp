@@ -21,8 +21,8 @@ TaskQueue::TaskQueue(std::vector<SweepPiece> pieces)
     if (pieces_[i].waits_for == 0) ready_.push({.piece = i});
 }
 
-// Processor time of the parts that this thread runs, and of the longest of them. A clock of the processor's own for each
-// part would cost as much as a small part does, so the sum is divided as the wall time is.
+// Processor time of the parts that this thread runs, and of the longest of them. A clock of the processor's own for
+// each part would cost as much as a small part does, so the sum is divided as the wall time is.
 TaskQueue::Share::Times TaskQueue::Share::run() {
   const double start = thread_seconds();
   double most = 0, sum = 0;

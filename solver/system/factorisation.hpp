@@ -20,14 +20,14 @@ struct FactorCost {
 // error, about 1e-7 times the condition number of H.
 enum class Precision { exact, single };
 
-// The discretisation of a body with the symbolic analysis of its factors of one precision, for solvers of several threads.
+// The discretisation of a body with the symbolic analysis of its factors of one precision, for several solvers.
 std::shared_ptr<const Discretisation> analyse(const Body& body, Precision precision = Precision::exact);
 // Cost of a factor with the discretisation's symbolic analysis, which it must have; nothing is factorised.
 FactorCost cost_of_factor(const Discretisation& discretisation);
 
 class Factorisation {
  public:
-  // Does the symbolic analysis unless the discretisation has one of this precision. The discretisation must outlive this.
+  // Does the symbolic analysis unless the discretisation has one of this precision. It must outlive this.
   explicit Factorisation(const Discretisation& discretisation, Precision precision = Precision::exact);
   ~Factorisation();
   Factorisation(Factorisation&&) noexcept;

@@ -1,6 +1,6 @@
 #pragma once
-// Work inside one solve that threads with nothing else to do may share. The parts are the same whatever the threads, and
-// each part writes what no other one reads: so are the values.
+// Work inside one solve that threads with nothing else to do may share. The parts are the same whatever the threads,
+// and each part writes what no other one reads: so are the values.
 
 #include <cstddef>
 #include <functional>
@@ -10,8 +10,8 @@ namespace forefeel {
 class Crew {
  public:
   virtual ~Crew() = default;
-  // Calls part(i) once for each i < count, on this thread and those that are free. Returns when all are done. A part must
-  // not throw.
+  // Calls part(i) once for each i < count, on this thread and those that are free. Returns when all are done. A part
+  // must not throw.
   virtual void share(std::size_t count, const std::function<void(std::size_t)>& part) = 0;
 };
 
