@@ -1,6 +1,6 @@
 #pragma once
 // The tasks of a sweep for its threads. A task starts as soon as those that it waits for are done. A thread without a
-// task helps with the solves under way: large bodies share out their factors and elements (solver/system/share_out.hpp).
+// task helps with the solves under way: large bodies share out their factors and elements (share_out.hpp).
 
 #include <atomic>
 #include <chrono>

@@ -148,8 +148,8 @@ void FactorLayout::place_blocks(const BlockPattern& pattern) {
 }
 
 // Two stacks, for fronts of even and odd depth: a front's update matrix is made on one stack while those of its
-// children are on top of the other, so that nothing has to be moved. `of`: in elimination order; those of their children
-// that are not among them lie elsewhere. What no front of `of` adds up stays at the end.
+// children are on top of the other, so that nothing has to be moved. `of`: in elimination order; those of their
+// children that are not among them lie elsewhere. What no front of `of` adds up stays at the end.
 std::int64_t FactorLayout::place_stacks(const std::vector<std::int64_t>& of, std::int64_t base) {
   std::vector<char> odd(of.size(), 0);
   const auto place_of = [&](std::int64_t front) {

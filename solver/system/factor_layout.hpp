@@ -1,8 +1,8 @@
 #pragma once
 // The fronts of a multifrontal factor and where their numbers lie: fixed by the pattern, shared by a body's factors.
 // The tree of a large body is cut for threads that share one factor (share_out.hpp): `parts`, subtrees with work space
-// of their own, and the `top` fronts above them, one after another. A part meets the others in nodes of the top only. In
-// a substitution it has rows of its own for them, its tail, behind those of the vector.
+// of their own, and the `top` fronts above them, one after another. A part meets the others in nodes of the top
+// only. In a substitution it has rows of its own for them, its tail, behind those of the vector.
 
 #include <cstdint>
 #include <vector>
