@@ -207,14 +207,14 @@ class PythonPredictor final : public Predictor {
  public:
   // Without a failure, exceptions are thrown on.
   PythonPredictor(py::object object, std::shared_ptr<Failure> failure)
-      : object_(std::move(object)), failure_(std::move(failure)) {}
+      : observe_(object.attr("observe")), predict_(object.attr("predict")), failure_(std::move(failure)) {}
 
   void observe(const HipSample& sample) override {
     last_ = sample;
     if (failure_ && failure_->raised()) return;
     try {
       const Locked locked;
-      (*object_).attr("observe")(sample.t, array_of(sample.at), array_of(sample.velocity));
+      (*observe_)(sample.t, array_of(sample.at), array_of(sample.velocity));
     } catch (const std::exception& error) {
       if (!failure_) throw std::runtime_error(fmt::format("predictor: {}", error.what()));
       failure_->keep(std::current_exception());
@@ -225,7 +225,7 @@ class PythonPredictor final : public Predictor {
     if (failure_ && failure_->raised()) return out;
     try {
       const Locked locked;
-      const auto given = py::cast<py::tuple>((*object_).attr("predict")(horizon));
+      const auto given = py::cast<py::tuple>((*predict_)(horizon));
       if (given.size() != 2) throw InputError("predictor", "predict() must return (at, deviation)");
       out.at = vector_of(given[0], "predictor.predict()");
       out.deviation = py::cast<double>(given[1]);
@@ -237,7 +237,7 @@ class PythonPredictor final : public Predictor {
   }
 
  private:
-  Held object_;
+  Held observe_, predict_;
   std::shared_ptr<Failure> failure_;
   HipSample last_;
 };

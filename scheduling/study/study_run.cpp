@@ -80,16 +80,13 @@ StudyCellResult run_plain(const StudyCell& cell, const SessionInput& input, cons
   const std::unique_ptr<Predictor> predictor =
       make_predictor(cell.options.motion.predictor, factory_context(input, cell.options.seed));
   PredictionScore score(*predictor, cell.options.clock.frame, score_horizons, frames_between_predictions);
-  const SessionResult result = unfailed(
-      run_session(input, cell.options,
-                  {.progress = [&](const SessionProgress& p) { show(part_of(p)); },
-                   .each_position =
-                       [&](const Vec3& at) {
-                         try {  // hooks must not throw; the session fails by the same predictor itself
-                           score.add(at);
-                         } catch (...) {
-                         }
-                       }}));
+  std::vector<Vec3> motion;
+  const SessionResult result =
+      unfailed(run_session(input, cell.options,
+                           {.progress = [&](const SessionProgress& p) { show(part_of(p)); },
+                            .each_position = [&](const Vec3& at) { motion.push_back(at); }}));
+  // Scored afterwards: beside the session, a predictor in Python would wait for the session's at every frame.
+  for (const Vec3& at : motion) score.add(at);
   StudyCellResult row = cell_result(result, input, cell.options);
   add_prediction(score.report(), row);
   row.set("motion_seconds", column_value(cell.motion_seconds));
