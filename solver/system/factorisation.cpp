@@ -65,7 +65,7 @@ struct Numbers {
       : layout(its_layout),
         panels(layout.panels()),
         stack(layout.stacks()),
-        work(static_cast<std::size_t>(most_fields * layout.size.work * lane_count)) {}
+        work(most_fields * lane_count * static_cast<std::size_t>(layout.size.work)) {}
 
   bool compute(const double* blocks, double* corner) {
     const FrontTree tree = layout.tree();
