@@ -164,18 +164,17 @@ void tell_ended_ranks(KeptStates& kept, const std::string& output) {
             << std::endl;
 }
 
-// ranks: null where threads solve.
+// ranks: null where threads solve. watch: created with the first state. Before that, while the lattice is planned, a
+// signal ends the program; nothing is lost.
 GenerateResult fill_lattice(const Globals& globals, const Scene& scene, StateFile file,
-                            const std::vector<State>& known, const std::string& output, RankPool* ranks) {
+                            const std::vector<State>& known, const std::string& output, RankPool* ranks,
+                            std::optional<InterruptWatch>& watch) {
   std::stop_source stop;
   LatticeOptions options = options_of(scene);
   options.threads = globals.threads;
   options.stop = stop.get_token();
 
   GenerateResult result;
-  // Created with the first state. Before that, while the lattice is planned, a signal ends the program; nothing is
-  // lost.
-  std::optional<InterruptWatch> watch;
   const auto raised = [&] { return watch && watch->raised(); };
   if (ranks) watch.emplace();
   KeptStates kept(std::move(file), known.size(), stop);
@@ -300,7 +299,9 @@ int run_generate(const Globals& globals, const GenerateArguments& arguments, Ran
   }
 
   if (ranks) ranks->begin(rank_identity(scene.source.hash), pack_spacing(scene.space.spacing));
-  const GenerateResult result = fill_lattice(globals, scene, std::move(file), known, arguments.output, ranks);
+  std::optional<InterruptWatch> watch;  // until the result is told
+  const GenerateResult result =
+      fill_lattice(globals, scene, std::move(file), known, arguments.output, ranks, watch);
   if (!result.interrupted && is_database(arguments.output))
     StateFile::open_or_create(arguments.output, header_of(scene)).order_outward();
   if (globals.json) print_json(document_of(generate_keys(), Generated{result, scene}));

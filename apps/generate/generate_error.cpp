@@ -188,10 +188,10 @@ int generate_to_error(const Globals& globals, const Scene& scene, StateFile file
   options.stop = stop.get_token();
 
   std::optional<Progress> progress(std::in_place, globals, "generate");
-  std::optional<InterruptWatch> watch(std::in_place);
+  const InterruptWatch watch;  // until the result is told
   std::jthread listener([&](const std::stop_token& done) {  // also between two lines of progress
     for (; !done.stop_requested(); std::this_thread::sleep_for(std::chrono::milliseconds(50)))
-      if (watch->raised()) stop.request_stop();
+      if (watch.raised()) stop.request_stop();
   });
   const std::vector<State> known = file.read_all();
   KeptStates kept(std::move(file), known.size(), stop);
@@ -216,7 +216,6 @@ int generate_to_error(const Globals& globals, const Scene& scene, StateFile file
   progress->phase("generate: the mesh itself");
   const MeshError mesh = MeshErrorTask(scene, MeshErrorTask::When::at_the_end).get();
   listener = {};
-  watch.reset();
   progress.reset();
 
   if (globals.json) print_json(document_of(placement_keys(), Placed{report, inverted, error, mesh}));

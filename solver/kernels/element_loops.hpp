@@ -61,10 +61,12 @@ FOREFEEL_INLINE void gather(const std::int32_t* node, const double* u, Lanes* ou
     }
 }
 
-// `size` numbers at the place of a vector, or of its tail (ElementView::row and block).
+// `size` numbers at the place of a vector, or of its tail (ElementView::row and block). Without a branch, which would
+// be guessed wrong again and again.
 FOREFEEL_INLINE double* at_place(std::int32_t place, int size, double* vector, double* tail) {
-  return place >= 0 ? vector + static_cast<std::int64_t>(size) * place
-                    : tail + static_cast<std::int64_t>(size) * (-1 - place);
+  const std::int64_t in_tail = std::int64_t{place} >> 63;  // all bits, or none
+  const auto from = reinterpret_cast<std::int64_t>(vector), to = reinterpret_cast<std::int64_t>(tail);
+  return reinterpret_cast<double*>(from ^ ((from ^ to) & in_tail)) + size * (place ^ in_tail);
 }
 
 template <int nodes>

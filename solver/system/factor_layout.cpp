@@ -87,6 +87,12 @@ FrontTree FactorLayout::tree() const {
           .place = place.data()};
 }
 
+FrontTree FactorLayout::tree_of_top() const {
+  FrontTree top_of = tree();
+  top_of.fronts = above.data();
+  return top_of;
+}
+
 // Position of a node within a front: pivots first, then the rest.
 std::int32_t FactorLayout::position(const Front& f, std::int32_t node) const {
   if (node < f.first + f.pivots) return node - f.first;
@@ -179,17 +185,17 @@ std::int64_t FactorLayout::place_stacks(const std::vector<std::int64_t>& of, std
 
 // Rows of the part's fronts that lie above its root move to its tail.
 void FactorLayout::place_tail(Subtree& part) {
-  const Front root = at(part.fronts.first + part.fronts.count - 1);
-  const std::int32_t above = root.first + root.pivots;
-  part.nodes = {static_cast<std::int64_t>(met.size()), root.rest};
+  const Front its_root = root(part);
+  const std::int32_t first_above = its_root.first + its_root.pivots;
+  part.nodes = {static_cast<std::int64_t>(met.size()), its_root.rest};
   part.tail = size.free_nodes + 1 + size.tails;
-  const std::vector<std::int32_t> nodes(rows.begin() + root.rows, rows.begin() + root.rows + root.rest);
+  const std::vector<std::int32_t> nodes(rows.begin() + its_root.rows, rows.begin() + its_root.rows + its_root.rest);
   met.insert(met.end(), nodes.begin(), nodes.end());
-  size.tails += root.rest;
+  size.tails += its_root.rest;
   for (std::int64_t s = part.fronts.first; s < part.fronts.first + part.fronts.count; ++s)
     for (std::int64_t i = 0; i < at(s).rest; ++i) {
       std::int32_t& row = *(rows.begin() + at(s).rows + i);
-      if (row >= above)
+      if (row >= first_above)
         row = static_cast<std::int32_t>(part.tail + (std::ranges::lower_bound(nodes, row) - nodes.begin()));
     }
 }
@@ -234,13 +240,20 @@ void FactorLayout::cut() {
       most_rest = std::max<std::int64_t>(most_rest, at(s).rest);
     }
     part.work = take_work();
-    size.stack += place_stacks(of, size.stack);
+    const std::int64_t stack = place_stacks(of, 0);
+    if (!shared) size.stack = stack;
+    if (!shared) return;
+    size.scratch = std::max(size.scratch, stack);
   }
-  if (!shared) return;
   for (const std::int64_t s : top) most_rest = std::max<std::int64_t>(most_rest, at(s).rest);
   size.top_work = take_work();
-  size.stack += place_stacks(top, size.stack);
-  for (Subtree& part : parts) place_tail(part);
+  size.stack = place_stacks(top, 0);
+  above = fronts;
+  for (Subtree& part : parts) {
+    part.kept = (above.begin() + part.fronts.first + part.fronts.count - 1)->update = size.stack;
+    size.stack += 3 * root(part).rest * root(part).update_ld;
+    place_tail(part);
+  }
 }
 
 }  // namespace forefeel

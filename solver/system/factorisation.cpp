@@ -68,17 +68,10 @@ struct Numbers {
         work(most_fields * lane_count * static_cast<std::size_t>(layout.size.work)) {}
 
   bool compute(const double* blocks, double* corner) {
-    const FrontTree tree = layout.tree();
-    std::atomic<bool> positive = true;
-    share_out(layout.parts.size(), [&](std::size_t i) {
-      if (!kernels.factor(tree, layout.parts[i].fronts, blocks, panels.data(), stack.data()))
-        positive = false;
-    });
-    for (const std::int64_t s : layout.top)
-      if (!positive || !share_front(tree, tree.fronts[s], blocks)) return false;
-    if (!positive) return false;
+    if (!(layout.top.empty() ? factor(layout.parts.front(), blocks, stack.data()) : compute_shared(blocks)))
+      return false;
     std::copy_n(blocks + 9 * layout.row_start[static_cast<std::size_t>(layout.size.free_nodes)], 9, corner);
-    for (const Front& front : layout.fronts)
+    for (const Front& front : layout.top.empty() ? layout.fronts : layout.above)
       for (std::int64_t i = 0; front.parent < 0 && front.rest > 0 && i < 9; ++i) {
         const std::int64_t a = std::min(i / 3, i % 3), b = std::max(i / 3, i % 3);
         corner[i] +=
@@ -117,6 +110,26 @@ struct Numbers {
   }
 
  private:
+  bool factor(const FactorLayout::Subtree& part, const double* blocks, Real* updates) {
+    return kernels.factor(layout.tree(), part.fronts, blocks, panels.data(), updates);
+  }
+  bool compute_shared(const double* blocks) {
+    std::atomic<bool> positive = true;
+    share_out(layout.parts.size(), [&](std::size_t i) {
+      const FactorLayout::Subtree& part = layout.parts[i];
+      static thread_local std::vector<Real> scratch;
+      scratch.resize(std::max(scratch.size(), layout.scratches()));
+      if (!factor(part, blocks, scratch.data())) positive = false;
+      const Front& root = layout.root(part);
+      for (std::int64_t row = 0; row < 3 * std::int64_t{root.rest}; ++row)  // the upper triangle
+        std::copy_n(scratch.data() + root.update + row * root.update_ld + row, root.update_ld - row,
+                    stack.data() + part.kept + row * root.update_ld + row);
+    });
+    const FrontTree tree = layout.tree_of_top();
+    for (const std::int64_t s : layout.top)
+      if (!positive || !share_front(tree, tree.fronts[s], blocks)) return false;
+    return positive;
+  }
   // A front of the top, in steps.
   bool share_front(const FrontTree& tree, const Front& front, const double* blocks) {
     Real *panel = panels.data() + front.panel, *update = stack.data() + front.update;
@@ -186,7 +199,7 @@ struct Numbers {
       each_met(count, v[i], [](Real& tail, Real& row) { row += tail; });
       for (const std::int64_t s : layout.top)
         run(tree, {s, 1}, panels.data(), v[i], work_of(layout.size.top_work, i));
-      clear_behind(v[i], count);
+      std::fill_n(v[i] + 3 * layout.size.free_nodes * count, 3 * count, Real(0));  // the contact
     });
   }
   void downwards(Fields v, int count) const {
