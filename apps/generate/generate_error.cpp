@@ -188,7 +188,7 @@ int generate_to_error(const Globals& globals, const Scene& scene, StateFile file
   options.stop = stop.get_token();
 
   std::optional<Progress> progress(std::in_place, globals, "generate");
-  const InterruptWatch watch;  // until the result is told
+  const InterruptWatch watch;                               // until the result is told
   std::jthread listener([&](const std::stop_token& done) {  // also between two lines of progress
     for (; !done.stop_requested(); std::this_thread::sleep_for(std::chrono::milliseconds(50)))
       if (watch.raised()) stop.request_stop();

@@ -89,7 +89,7 @@ FrontTree FactorLayout::tree() const {
 
 FrontTree FactorLayout::tree_of_top() const {
   FrontTree top_of = tree();
-  top_of.fronts = above.data();
+  top_of.fronts = fronts_of_top.data();
   return top_of;
 }
 
@@ -189,7 +189,8 @@ void FactorLayout::place_tail(Subtree& part) {
   const std::int32_t first_above = its_root.first + its_root.pivots;
   part.nodes = {static_cast<std::int64_t>(met.size()), its_root.rest};
   part.tail = size.free_nodes + 1 + size.tails;
-  const std::vector<std::int32_t> nodes(rows.begin() + its_root.rows, rows.begin() + its_root.rows + its_root.rest);
+  const std::vector<std::int32_t> nodes(rows.begin() + its_root.rows,
+                                        rows.begin() + its_root.rows + its_root.rest);
   met.insert(met.end(), nodes.begin(), nodes.end());
   size.tails += its_root.rest;
   for (std::int64_t s = part.fronts.first; s < part.fronts.first + part.fronts.count; ++s)
@@ -248,9 +249,9 @@ void FactorLayout::cut() {
   for (const std::int64_t s : top) most_rest = std::max<std::int64_t>(most_rest, at(s).rest);
   size.top_work = take_work();
   size.stack = place_stacks(top, 0);
-  above = fronts;
+  fronts_of_top = fronts;
   for (Subtree& part : parts) {
-    part.kept = (above.begin() + part.fronts.first + part.fronts.count - 1)->update = size.stack;
+    part.kept = (fronts_of_top.begin() + part.fronts.first + part.fronts.count - 1)->update = size.stack;
     size.stack += 3 * root(part).rest * root(part).update_ld;
     place_tail(part);
   }

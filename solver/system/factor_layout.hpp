@@ -24,7 +24,7 @@ struct FactorLayout {
     double flops = 0;
   };
   std::vector<Front> fronts;
-  std::vector<Front> above;  // the same with `update` where the roots of parts are kept: for the top
+  std::vector<Front> fronts_of_top;  // the same with `update` where the roots of parts are kept: for the top
   std::vector<std::int32_t> rows, children, place, met;
   std::vector<ExtendRun> runs;
   std::vector<std::int64_t> row_start;

@@ -71,7 +71,7 @@ struct Numbers {
     if (!(layout.top.empty() ? factor(layout.parts.front(), blocks, stack.data()) : compute_shared(blocks)))
       return false;
     std::copy_n(blocks + 9 * layout.row_start[static_cast<std::size_t>(layout.size.free_nodes)], 9, corner);
-    for (const Front& front : layout.top.empty() ? layout.fronts : layout.above)
+    for (const Front& front : layout.top.empty() ? layout.fronts : layout.fronts_of_top)
       for (std::int64_t i = 0; front.parent < 0 && front.rest > 0 && i < 9; ++i) {
         const std::int64_t a = std::min(i / 3, i % 3), b = std::max(i / 3, i % 3);
         corner[i] +=
